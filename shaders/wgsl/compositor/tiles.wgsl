@@ -8,8 +8,8 @@
 // order's own.
 @group(1) @binding(3) var<storage, read_write> picture: array<vec4u>;
 
-// Of each cell of a chunk: corner 0 and nearest depth, corner 1 and farthest depth, inward normals, the first with six
-// times the volume. Cells side by side: invocations that look at different ones mostly find them in different banks.
+// Of each cell of a chunk: nearest corner and nearest depth, next corner and farthest depth, inward normals, the first with six
+// times the volume, the second with the nearest corner's number. Cells side by side: invocations that look at different ones mostly find them in different banks.
 const CHUNK = 64u;
 var<workgroup> chunk_planes: array<array<vec4f, CHUNK>, 6>;
 // Which cells of the chunk may cover pixels of each row and of each column of the tile: a bit a cell, two words a line.
@@ -41,10 +41,10 @@ fn clear_chunk(lane: u32) {
 fn load_chunk(place: u32, cell: u32, origin: vec2u) {
     let p = corners_of(cell);
     let faces = faces_of(p[0], p[1], p[2], p[3]);
-    chunk_planes[0][place] = vec4f(faces.first, faces.depths.x);
-    chunk_planes[1][place] = vec4f(faces.second, faces.depths.y);
+    chunk_planes[0][place] = vec4f(faces.nearest, faces.depths.x);
+    chunk_planes[1][place] = vec4f(faces.next, faces.depths.y);
     chunk_planes[2][place] = vec4f(faces.normals[0], faces.determinant);
-    chunk_planes[3][place] = vec4f(faces.normals[1], 0.0);
+    chunk_planes[3][place] = vec4f(faces.normals[1], f32(faces.nearest_number));
     chunk_planes[4][place] = vec4f(faces.normals[2], 0.0);
     chunk_planes[5][place] = vec4f(faces.normals[3], 0.0);
     let box = bounds_of(cell);
@@ -78,11 +78,12 @@ fn without_first(cells: vec2u) -> vec2u {
 }
 
 fn faces_in_chunk(place: u32) -> Faces {
-    let first = chunk_planes[0][place];
-    let second = chunk_planes[1][place];
-    let third = chunk_planes[2][place];
-    let normals = array(third.xyz, chunk_planes[3][place].xyz, chunk_planes[4][place].xyz, chunk_planes[5][place].xyz);
-    return Faces(first.xyz, second.xyz, normals, third.w, vec2f(first.w, second.w));
+    let nearest = chunk_planes[0][place];
+    let next = chunk_planes[1][place];
+    let first = chunk_planes[2][place];
+    let second = chunk_planes[3][place];
+    let normals = array(first.xyz, second.xyz, chunk_planes[4][place].xyz, chunk_planes[5][place].xyz);
+    return Faces(nearest.xyz, next.xyz, u32(second.w), normals, first.w, vec2f(nearest.w, next.w));
 }
 
 // Every bit that any pixel of the tile gives. All invocations must ask.

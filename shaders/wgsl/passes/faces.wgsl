@@ -6,9 +6,12 @@
 // nothing before a rounding could tell one cell from the other.
 
 struct Faces {
-    // Corner 0, on the faces opposite corners 1, 2, 3; corner 1, on the face opposite corner 0.
-    first: vec3f,
-    second: vec3f,
+    // The corner nearest to the eye, from which three faces are counted, and the next nearest for the face opposite it: from an eye on a
+    // corner, planes counted from one far away would miss the eye by its rounding.
+    nearest: vec3f,
+    next: vec3f,
+    // Number of the nearest corner, and so of the face opposite it.
+    nearest_number: u32,
     // Inward normals of the faces opposite corners 0 to 3; their length is twice the area.
     normals: array<vec3f, 4>,
     // Six times the volume.
@@ -43,7 +46,22 @@ fn faces_of(a: vec3f, b: vec3f, c: vec3f, d: vec3f) -> Faces {
     let side = select(-1.0, 1.0, 0.0 < determinant);
     let normals = array(-side * area_of(b, c, d), side * n1, -side * area_of(a, b, d), side * area_of(a, b, c));
     let depths = vec2f(min(min(a.z, b.z), min(c.z, d.z)), max(max(a.z, b.z), max(c.z, d.z)));
-    return Faces(a, b, normals, abs(determinant), depths);
+    let distances = vec4f(dot(a, a), dot(b, b), dot(c, c), dot(d, d));
+    let number = first_smallest(distances);
+    let corners = array(a, b, c, d);
+    var others = distances;
+    others[number] = FAR;
+    return Faces(corners[number], corners[first_smallest(others)], number, normals, abs(determinant), depths);
+}
+
+// Of equal ones the first, so that both cells of a face count it from the same corner.
+fn first_smallest(x: vec4f) -> u32 {
+    let least = min(min(x.x, x.y), min(x.z, x.w));
+    return select(select(select(3u, 2u, x.z == least), 1u, x.y == least), 0u, x.x == least);
+}
+
+fn corner_on(faces: Faces, face: u32) -> vec3f {
+    return select(faces.nearest, faces.next, face == faces.nearest_number);
 }
 
 // The ray through the middle (or the sample) of a pixel.
@@ -78,10 +96,10 @@ fn narrowed(range: vec2f, normal: vec3f, corner: vec3f, ray: Ray) -> vec2f {
 // Entry and exit of the pixel's ray; exit ≤ entry where it misses the cell.
 fn cross_faces(faces: Faces, ray: Ray) -> vec2f {
     var range = vec2f(max(faces.depths.x, view.near), faces.depths.y);
-    range = narrowed(range, faces.normals[0], faces.second, ray);
-    range = narrowed(range, faces.normals[1], faces.first, ray);
-    range = narrowed(range, faces.normals[2], faces.first, ray);
-    return narrowed(range, faces.normals[3], faces.first, ray);
+    range = narrowed(range, faces.normals[0], corner_on(faces, 0u), ray);
+    range = narrowed(range, faces.normals[1], corner_on(faces, 1u), ray);
+    range = narrowed(range, faces.normals[2], corner_on(faces, 2u), ray);
+    return narrowed(range, faces.normals[3], corner_on(faces, 3u), ray);
 }
 
 fn share_at(normal: vec3f, corner: vec3f, ray: Ray, z: f32) -> f32 {
@@ -92,10 +110,10 @@ fn share_at(normal: vec3f, corner: vec3f, ray: Ray, z: f32) -> f32 {
 // Barycentric coordinates of the ray's point at z; for flat cells whatever rounding leaves, but always a mean.
 fn weights_at(faces: Faces, ray: Ray, z: f32) -> vec4f {
     var weights = vec4f(
-        share_at(faces.normals[0], faces.second, ray, z),
-        share_at(faces.normals[1], faces.first, ray, z),
-        share_at(faces.normals[2], faces.first, ray, z),
-        share_at(faces.normals[3], faces.first, ray, z),
+        share_at(faces.normals[0], corner_on(faces, 0u), ray, z),
+        share_at(faces.normals[1], corner_on(faces, 1u), ray, z),
+        share_at(faces.normals[2], corner_on(faces, 2u), ray, z),
+        share_at(faces.normals[3], corner_on(faces, 3u), ray, z),
     );
     weights = clamp(weights / faces.determinant, vec4f(0.0), vec4f(1.0));
     let sum = dot(weights, vec4f(1.0));

@@ -348,7 +348,7 @@ mod tests {
             Err(why) => return voltet_testing::skipped_without_device(why),
         };
         assert_within_bound(&subjects, 22, 197, Position::General);
-        for (seed, number) in [(24, 425), (23, 445)] {
+        for (seed, number) in [(24, 425), (23, 445), (24, 435)] {
             assert_within_bound(&subjects, seed, number, Position::Special);
         }
     }
