@@ -10,11 +10,12 @@
 struct Corner {
     @builtin(position) position: vec4f,
     @location(0) @interpolate(flat) points: vec4u,
-    // Corner 0 and nearest depth, corner 1 and farthest depth, normals, the first with six times the volume.
-    @location(1) @interpolate(flat) first: vec4f,
-    @location(2) @interpolate(flat) second: vec4f,
+    // Nearest corner and nearest depth, next corner and farthest depth, normals, the first with six times the volume, the second with the
+    // nearest corner's number.
+    @location(1) @interpolate(flat) nearest: vec4f,
+    @location(2) @interpolate(flat) next: vec4f,
     @location(3) @interpolate(flat) normal_0: vec4f,
-    @location(4) @interpolate(flat) normal_1: vec3f,
+    @location(4) @interpolate(flat) normal_1: vec4f,
     @location(5) @interpolate(flat) normal_2: vec3f,
     @location(6) @interpolate(flat) normal_3: vec3f,
 }
@@ -31,10 +32,10 @@ fn outline_cell(@builtin(vertex_index) index: u32) -> Corner {
     return Corner(
         place_in_window(outline[index % 4u]),
         points,
-        vec4f(faces.first, faces.depths.x),
-        vec4f(faces.second, faces.depths.y),
+        vec4f(faces.nearest, faces.depths.x),
+        vec4f(faces.next, faces.depths.y),
         vec4f(faces.normals[0], faces.determinant),
-        faces.normals[1],
+        vec4f(faces.normals[1], f32(faces.nearest_number)),
         faces.normals[2],
         faces.normals[3],
     );
@@ -42,11 +43,12 @@ fn outline_cell(@builtin(vertex_index) index: u32) -> Corner {
 
 fn faces_behind(corner: Corner) -> Faces {
     return Faces(
-        corner.first.xyz,
-        corner.second.xyz,
-        array(corner.normal_0.xyz, corner.normal_1, corner.normal_2, corner.normal_3),
+        corner.nearest.xyz,
+        corner.next.xyz,
+        u32(corner.normal_1.w),
+        array(corner.normal_0.xyz, corner.normal_1.xyz, corner.normal_2, corner.normal_3),
         corner.normal_0.w,
-        vec2f(corner.first.w, corner.second.w),
+        vec2f(corner.nearest.w, corner.next.w),
     );
 }
 
