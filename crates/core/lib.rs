@@ -17,6 +17,7 @@ pub mod probing;
 pub mod progress;
 pub mod reading;
 mod shared;
+pub mod surface;
 pub mod transfer;
 pub mod visibility;
 pub mod volume;

@@ -77,6 +77,7 @@ pub(crate) fn port_color(port_type: PortType, dark: bool) -> Color32 {
         PortType::Image => [240, 120, 80],
         PortType::Report => [170, 170, 180],
         PortType::CellValues => [160, 130, 240],
+        PortType::Surface => [200, 150, 110],
     };
     let color = Color32::from_rgb(r, g, b);
     // On white the same hues, darker.
@@ -94,7 +95,7 @@ pub(crate) fn port(painter: &Painter, at: Pos2, radius: f32, port_type: PortType
         Shape::convex_polygon(points, fill, stroke)
     };
     painter.add(match port_type {
-        PortType::Grid | PortType::Volume | PortType::Cells | PortType::Projection => {
+        PortType::Grid | PortType::Volume | PortType::Surface | PortType::Cells | PortType::Projection => {
             Shape::Circle(eframe::egui::epaint::CircleShape { center: at, radius, fill, stroke })
         }
         PortType::TransferFunction => polygon(&[(0.0, -1.25), (1.25, 0.0), (0.0, 1.25), (-1.25, 0.0)]),

@@ -245,6 +245,7 @@ pub(super) static WIRES: Node = Node {
         port("image", PortType::Image),
         port("report", PortType::Report),
         port("cell-values", PortType::CellValues),
+        port("surface", PortType::Surface),
     ],
     parameters: &[Parameter {
         name: ARRAYS,
@@ -314,6 +315,7 @@ fn describe(value: &Value) -> String {
         Value::Projection(_) => "projected cells".into(),
         Value::Image(picture) => format!("{} × {} pixels", picture.width, picture.height),
         Value::Report(report) => format!("{} characters of JSON", report.len()),
+        Value::Surface(surface) => counted(surface.triangles.len(), "triangle"),
         Value::CellValues(values) => match values.arrays.keys().cloned().collect::<Vec<_>>().join(", ") {
             names if names.is_empty() => "no arrays asked for".into(),
             names => names,

@@ -15,6 +15,7 @@ use voltet_core::grid::Grid;
 use voltet_core::parameters::Parameters;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
+use voltet_core::surface::Surface;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 
@@ -380,6 +381,12 @@ impl RunContext<'_> {
     pub fn cell_values(&self, port: &str) -> Result<Vec<Arc<CellValues>>> {
         let values = |edge: usize| of_kind!(self, port, &self.inputs[edge].0, CellValues);
         self.wiring.edges(port)?.map(values).collect()
+    }
+
+    /// The surfaces at an optional input.
+    pub fn surfaces(&self, port: &str) -> Result<Vec<Arc<Surface>>> {
+        let surface = |edge: usize| of_kind!(self, port, &self.inputs[edge].0, Surface);
+        self.wiring.edges(port)?.map(surface).collect()
     }
 
     /// The figures at an input, JSON text.

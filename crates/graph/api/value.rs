@@ -9,6 +9,7 @@ use voltet_core::field::Method;
 use voltet_core::grid::{Grid, extent};
 use voltet_core::parameters::SourceSpan;
 use voltet_core::picture::Picture;
+use voltet_core::surface::Surface;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
@@ -33,6 +34,7 @@ pub enum Value {
     Image(Arc<Picture>),
     Report(Arc<str>),
     CellValues(Arc<CellValues>),
+    Surface(Arc<Surface>),
 }
 
 impl Value {
@@ -48,6 +50,7 @@ impl Value {
             Value::Image(_) => PortType::Image,
             Value::Report(_) => PortType::Report,
             Value::CellValues(_) => PortType::CellValues,
+            Value::Surface(_) => PortType::Surface,
         }
     }
 
@@ -134,6 +137,8 @@ pub enum PortType {
     Report,
     /// Numbers of tetrahedra.
     CellValues,
+    /// Triangles that are drawn in the volume.
+    Surface,
 }
 
 impl PortType {
@@ -149,6 +154,7 @@ impl PortType {
             PortType::Image => "image",
             PortType::Report => "report",
             PortType::CellValues => "cell-values",
+            PortType::Surface => "surface",
         }
     }
 

@@ -1,0 +1,111 @@
+//! Surfaces that are drawn in a volume: triangles of one colour, or coloured by values through a colour map.
+
+use crate::colormap::ColorCurve;
+use crate::{Error, Result};
+use glam::DVec3;
+
+/// Triangles, drawn from both sides.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Surface {
+    /// Positions, world units.
+    pub points: Vec<DVec3>,
+    /// Three points each.
+    pub triangles: Vec<[u32; 3]>,
+    /// Its colour.
+    pub paint: Paint,
+    /// Opacity of one crossing, 0 to 1.
+    pub opacity: f64,
+    /// Light from the eye; none: the colour as it is.
+    pub light: Option<EyeLight>,
+    /// Normals of the points, of any length above 0, for a smooth look; none: each triangle's own.
+    pub normals: Vec<DVec3>,
+}
+
+/// Colour of a surface.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Paint {
+    /// Linear RGB.
+    Uniform([f64; 3]),
+    /// A map's colours over a range of values; beyond it those of its ends.
+    Mapped {
+        /// Of each point; linear in a triangle.
+        values: Vec<f64>,
+        /// Values of the map's first and last colour.
+        range: [f64; 2],
+        /// The map.
+        curve: ColorCurve,
+    },
+}
+
+/// Light from the eye: colour times (ambient + diffuse |n · v|), with the unit normal n and the unit direction v of the ray.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EyeLight {
+    /// Share of the colour that needs no light.
+    pub ambient: f64,
+    /// Share of the colour that faces the eye.
+    pub diffuse: f64,
+}
+
+impl Surface {
+    /// Checks that points exist and are finite, that each has what belongs to it, and that numbers are in range.
+    ///
+    /// # Errors
+    /// - what is wrong, with its number.
+    pub fn check(&self) -> Result<()> {
+        let count = self.points.len();
+        let values = if let Paint::Mapped { values, .. } = &self.paint { values.as_slice() } else { &[] };
+        for (name, given) in [("value", values.len()), ("normal", self.normals.len())] {
+            if given != count && given != 0 {
+                return Err(Error::run(format!("a surface has not one {name} a point"))
+                    .got(given)
+                    .expected(count));
+            }
+        }
+        if !(0.0..=1.0).contains(&self.opacity) {
+            return Err(Error::run("a surface's opacity is out of range")
+                .got(self.opacity)
+                .expected("from 0 to 1"));
+        }
+        for (number, corners) in self.triangles.iter().enumerate() {
+            let good = |&p: &u32| {
+                let p = p as usize;
+                self.points.get(p).is_some_and(|at| at.is_finite())
+                    && values.get(p).is_none_or(|value| value.is_finite())
+            };
+            if let Some(&point) = corners.iter().find(|point| !good(point)) {
+                return Err(Error::run("a surface has a point that does not exist or is not finite")
+                    .got(format!("point {point} of triangle {number}")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Premultiplied linear colour and opacity where a ray of this unit direction crosses a triangle at these weights of its corners.
+    pub fn color(&self, triangle: usize, weights: [f64; 3], direction: DVec3) -> [f64; 4] {
+        let corners = self.triangles[triangle].map(|p| p as usize);
+        let color = match &self.paint {
+            Paint::Uniform(color) => *color,
+            Paint::Mapped { values, range: [low, high], curve } => {
+                // From one corner, so that equal values stay what they are.
+                let base = values[corners[0]];
+                let above = weights.iter().zip(corners).map(|(w, p)| w * (values[p] - base)).sum::<f64>();
+                let level = if high > low { (base + above - low) / (high - low) } else { 0.5 };
+                curve.at(level.clamp(0.0, 1.0))
+            }
+        };
+        let lit = self.light.map_or(1.0, |EyeLight { ambient, diffuse }| {
+            let normal = match self.normals.is_empty() {
+                true => {
+                    let [a, b, c] = corners.map(|p| self.points[p]);
+                    (b - a).cross(c - a)
+                }
+                false => {
+                    weights.iter().zip(corners).map(|(w, p)| *w * self.normals[p].normalize_or_zero()).sum()
+                }
+            };
+            ambient + diffuse * normal.normalize_or_zero().dot(direction).abs()
+        });
+        let [r, g, b] = color.map(|c| c * lit * self.opacity);
+        [r, g, b, self.opacity]
+    }
+}
