@@ -13,7 +13,8 @@ pub const NODE: Node = Node {
     outputs: renderer::NODE.outputs,
     parameters: PARAMETERS,
     example: include_str!("examples/gpu_renderer.toml"),
-    check: &|parameters| drawing::shading(parameters).map(drop),
+    optional_inputs: renderer::NODE.optional_inputs,
+    check: &drawing::check,
     demand: &|asking| drawing::ask_engine(asking, drawing::DEVICE.name),
     run: &run,
     ..Node::BLANK

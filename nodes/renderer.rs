@@ -17,7 +17,8 @@ pub const NODE: Node = Node {
     outputs: &[Port { name: "image", port_type: PortType::Image, summary: "the picture" }],
     parameters: &PARAMETERS,
     example: include_str!("examples/renderer.toml"),
-    check: &|parameters| drawing::shading(parameters).map(drop),
+    optional_inputs: &[drawing::SURFACES],
+    check: &drawing::check,
     demand: &|asking| {
         let parameters = asking.parameters;
         drawing::ask_engine(asking, parameters.text("engine")?)
@@ -26,7 +27,7 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-const PARAMETERS: [Parameter; 8] = {
+const PARAMETERS: [Parameter; 9] = {
     let [integrator, overlap, silhouette, light] = drawing::PARAMETERS;
     [
         drawing::ENGINE,
@@ -37,6 +38,7 @@ const PARAMETERS: [Parameter; 8] = {
         overlap,
         silhouette,
         light,
+        drawing::CLIP,
     ]
 };
 

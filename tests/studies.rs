@@ -165,10 +165,10 @@ fn smooth_subject() -> Subject {
     let widget = Widget { profile, color: [0.4, 0.7, 1.0], extinction: 3.0, region: None };
     let model = OpticalModel::DensityEmitter;
     let (integrator, overlap) = (Integrator::ANALYTIC, WidgetBlend::Exact);
-    let scene = Scene {
+    let scene = Scene::new(
         volume,
-        transfer_function: Arc::new(TransferFunction { model, unit_distance: 1.0, widgets: vec![widget] }),
-        camera: Camera {
+        Arc::new(TransferFunction { model, unit_distance: 1.0, widgets: vec![widget] }),
+        Camera {
             eye: DVec3::new(-0.9, -1.1, 1.4),
             target: DVec3::splat(0.5),
             up: DVec3::Z,
@@ -177,9 +177,9 @@ fn smooth_subject() -> Subject {
             size: [32, 24],
             samples: 1,
         },
-        shading: Shading { integrator, overlap, silhouette: None, light: None },
-        order: VisibilityOrder::Exact,
-    };
+        Shading { integrator, overlap, silhouette: None, light: None },
+        VisibilityOrder::Exact,
+    );
     Subject {
         node: "picture".into(),
         order_node: None,

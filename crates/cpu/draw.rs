@@ -20,6 +20,7 @@ use voltet_core::progress::{Progress, refuse_beyond_memory};
 use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result, counted};
 use voltet_optics::integrators::{self, Extent, SegmentIntegrator};
+use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Integrator, Ordering, Shading};
 
 /// Projects the selected cells to the screen and bins them by tiles of 16 × 16 pixels.
@@ -104,6 +105,23 @@ pub fn prepare<'a>(
     transfer_function: &TransferFunction,
     shading: &Shading,
 ) -> Result<FrameRenderer<'a>> {
+    prepare_in_order(projection, transfer_function, shading, projection.cells.exhaustive)
+}
+
+/// [`prepare`] for a scene of the projection's volume, surfaces and clips included.
+pub fn prepare_scene<'a>(projection: &'a Projection, scene: &Scene) -> Result<FrameRenderer<'a>> {
+    let Scene { transfer_function, shading, .. } = scene;
+    let ordered = projection.cells.exhaustive || scene.has_events();
+    prepare_in_order(projection, transfer_function, shading, ordered)
+}
+
+/// `ordered`: makes the order also where the widgets need none.
+pub(crate) fn prepare_in_order<'a>(
+    projection: &'a Projection,
+    transfer_function: &TransferFunction,
+    shading: &Shading,
+    ordered: bool,
+) -> Result<FrameRenderer<'a>> {
     let cells = &projection.cells;
     let attributes = attributes_of(cells, transfer_function)?;
     let surface = Surface::new(shading, attributes.len());
@@ -128,7 +146,7 @@ pub fn prepare<'a>(
     let scene = ShaderContext {
         attributes: &attributes,
         length: cells.length,
-        ordered: cells.exhaustive,
+        ordered,
         leave_out: !cells.exhaustive,
         extent,
         lanes: cells.lanes,

@@ -13,6 +13,8 @@ use std::sync::atomic::AtomicUsize;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
+use voltet_optics::ray_events::{RayEvents, composite_behind};
+use voltet_optics::scene::Scene;
 use voltet_optics::shading::Ordering;
 
 /// A projection with the compiled shader and the integrator's tables: all that is made once for drawing it.
@@ -21,6 +23,14 @@ pub struct FrameRenderer<'a> {
     pub(crate) attributes: Vec<Attribute<'a>>,
     pub(crate) shader: Shader,
     pub(crate) table_bytes: u64,
+}
+
+/// What a view's rays have besides cells.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct RayInputs<'a> {
+    pub depth_limit: Option<&'a [f32]>,
+    pub events: Option<&'a RayEvents>,
+    pub cache: Option<&'a SegmentCache>,
 }
 
 /// Checks depth limits: one a pixel, each a number.
@@ -40,18 +50,20 @@ fn check_depth_limit(limits: &[f32], [width, height]: [usize; 2]) -> Result<()> 
 impl FrameRenderer<'_> {
     /// Integrates and composites every pixel's segments. Errors: a cancelled run, a segment that the integrator cannot integrate.
     pub fn composite(&self, progress: &dyn Progress) -> Result<(Picture, Counts)> {
-        self.composite_with_depth(None, progress)
+        self.draw(RayInputs::default(), None, progress)
     }
 
-    /// Like [`FrameRenderer::composite`], with rays that end, as at opaque surfaces of another renderer. `depth_limit`: for each pixel, row
-    /// by row from the top, the depth of its ray's end along the view direction (world units); infinite where nothing ends it. Errors:
-    /// another number of pixels, a depth that is not a number.
-    pub fn composite_with_depth(
+    /// Like [`FrameRenderer::composite`], with the surfaces and clips of a scene, for which the cells must be in the exact order, and with
+    /// rays that end, as at opaque surfaces of another renderer. `depth_limit`: for each pixel, row by row from the top, the depth of its
+    /// ray's end along the view direction (world units); infinite where nothing ends it. Errors: another number of pixels, a depth that
+    /// is not a number; those of [`Scene::events`].
+    pub fn composite_scene(
         &self,
+        scene: &Scene,
         depth_limit: Option<&[f32]>,
         progress: &dyn Progress,
     ) -> Result<(Picture, Counts)> {
-        self.draw(depth_limit, None, progress)
+        self.draw(RayInputs { depth_limit, ..RayInputs::default() }, Some(scene), progress)
     }
 
     /// Records the segments in place of drawing them: of one sample a pixel. `None` where they take more than `limit` bytes, or a
@@ -60,7 +72,7 @@ impl FrameRenderer<'_> {
         let Some(sample) = self.projection.samples.first() else { return Ok(None) };
         let budget = CacheBudget::new(limit);
         let tiles = sample.queue();
-        let frame = self.frame(sample, &tiles, &self.attributes, (None, None));
+        let frame = self.frame(sample, &tiles, &self.attributes, RayInputs::default());
         let frame = FrameContext { sorted: true, ..frame };
         let outputs = self.run(&frame, Some(&budget), progress)?;
         if budget.is_exhausted() {
@@ -77,7 +89,7 @@ impl FrameRenderer<'_> {
         sample: &'b SubpixelView,
         tiles: &'b [u32],
         attributes: &'b [Attribute<'b>],
-        (depth_limit, cache): (Option<&'b [f32]>, Option<&'b SegmentCache>),
+        RayInputs { depth_limit, events, cache }: RayInputs<'b>,
     ) -> FrameContext<'b> {
         let cells = &self.projection.cells;
         let grid = &cells.volume.grid;
@@ -102,6 +114,7 @@ impl FrameRenderer<'_> {
             sorted,
             exhaustive: cells.exhaustive,
             depth_limit,
+            events,
             buffers: &cells.buffers,
         }
     }
@@ -124,17 +137,17 @@ impl FrameRenderer<'_> {
         }
     }
 
-    /// [`FrameRenderer::composite_with_depth`], or from cached segments of this view, for a projection of no cell.
+    /// [`FrameRenderer::composite_scene`], or from cached segments of this view, for a projection of no cell.
     pub(crate) fn draw(
         &self,
-        depth_limit: Option<&[f32]>,
-        cache: Option<&SegmentCache>,
+        inputs: RayInputs<'_>,
+        scene: Option<&Scene>,
         progress: &dyn Progress,
     ) -> Result<(Picture, Counts)> {
         let FrameRenderer { projection, attributes, table_bytes, .. } = self;
         let cells = &projection.cells;
         let [width, height] = projection.camera.size.map(|n| n as usize);
-        if let Some(limits) = depth_limit {
+        if let Some(limits) = inputs.depth_limit {
             check_depth_limit(limits, [width, height])?;
         }
         let mut picture = Picture::transparent(width, height);
@@ -155,8 +168,13 @@ impl FrameRenderer<'_> {
                     &further
                 }
             };
+            let mut events = scene.map_or(Ok(None), |scene| scene.events(offset, progress))?;
+            if let (Some(events), Some(limits)) = (&mut events, inputs.depth_limit) {
+                events.end_at(limits);
+            }
             let tiles = sample.queue();
-            let frame = self.frame(sample, &tiles, &all, (depth_limit, cache));
+            let inputs = RayInputs { events: events.as_ref(), ..inputs };
+            let frame = self.frame(sample, &tiles, &all, inputs);
             let mut outputs = self.run(&frame, None, progress)?;
             let mut mistracked: Vec<u32> =
                 outputs.iter().flat_map(|output| output.mistracked.iter().copied()).collect();
@@ -164,7 +182,7 @@ impl FrameRenderer<'_> {
             if !mistracked.is_empty() {
                 let projected = sample.projected(cells, &all, &mistracked)?;
                 counts.tiles_lost += mistracked.len() as u64;
-                let frame = self.frame(&projected, &mistracked, &all, (depth_limit, None));
+                let frame = self.frame(&projected, &mistracked, &all, RayInputs { cache: None, ..inputs });
                 outputs.extend(self.run(&frame, None, progress)?);
             }
             let tiles_wide = width.div_ceil(TILE);
@@ -175,7 +193,7 @@ impl FrameRenderer<'_> {
                     pictures[*tile as usize] = Some(pixels);
                 }
             }
-            add(&mut picture, &pictures, tiles_wide, weight);
+            add(&mut picture, &pictures, events.as_ref(), weight);
         }
         Ok((picture, counts))
     }
@@ -192,16 +210,23 @@ impl SubpixelView {
     }
 }
 
-/// Adds the tiles of a sample, by its weight.
-fn add(picture: &mut Picture, tiles: &[Option<&TilePicture>], tiles_wide: usize, weight: f32) {
+/// Adds the tiles of a sample, by its weight; where there is none, surfaces alone.
+fn add(picture: &mut Picture, tiles: &[Option<&TilePicture>], events: Option<&RayEvents>, weight: f32) {
     let width = picture.width;
+    let tiles_wide = width.div_ceil(TILE);
     picture.rgba.par_chunks_mut(width).enumerate().for_each(|(j, row)| {
         for (i, pixel) in row.iter_mut().enumerate() {
-            if let Some(tile) = tiles[j / TILE * tiles_wide + i / TILE] {
-                let value = tile[(j % TILE) * TILE + i % TILE];
-                for (sum, value) in pixel.iter_mut().zip(value) {
-                    *sum += weight * value;
+            let value = match (tiles[j / TILE * tiles_wide + i / TILE], events) {
+                (Some(tile), _) => tile[(j % TILE) * TILE + i % TILE],
+                (None, None) => continue,
+                (None, Some(events)) => {
+                    let mut alone = [0.0; 4];
+                    composite_behind(events.of(i, j), &mut alone);
+                    alone
                 }
+            };
+            for (sum, value) in pixel.iter_mut().zip(value) {
+                *sum += weight * value;
             }
         }
     });

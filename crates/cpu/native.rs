@@ -3,7 +3,8 @@
 use crate::cells::Cells;
 use crate::counts::Counts;
 use crate::cull::VolumeCache;
-use crate::draw::{max_optical_depth, needs_gradient, prepare, project, sort};
+use crate::draw::{max_optical_depth, needs_gradient, prepare, prepare_in_order, project, sort};
+use crate::frame_renderer::RayInputs;
 use crate::projection::Projection;
 use crate::segment_cache::{Plan, SegmentCache};
 use crate::selection::CullSample;
@@ -133,9 +134,14 @@ impl PreparedVolume for NativeVolume {
         let gradient = needs_gradient(shading) || (manner.exhaustive && volume.gradient.is_some());
         let projection = project(&cells, transfer_function, camera, gradient, progress)?;
         timer.end(Stage::Project);
-        let renderer = prepare(&projection, transfer_function, shading)?;
+        let renderer = prepare_in_order(
+            &projection,
+            transfer_function,
+            shading,
+            manner.exhaustive || scene.has_events(),
+        )?;
         timer.end(Stage::SetUp);
-        let (picture, counts) = renderer.composite(progress)?;
+        let (picture, counts) = renderer.composite_scene(scene, None, progress)?;
         timer.end(Stage::Composite);
         let mut drawn = RenderOutput::new(picture, timer.stages);
         drawn.notes = Diagnostics::new(manner.exhaustive);
@@ -164,6 +170,7 @@ impl NativeVolume {
         let is_cacheable = !manner.exhaustive
             && matches!(scene.ordering(false), Ordering::Independent | Ordering::PerPixel)
             && camera.samples == 1
+            && !scene.has_events()
             // Tables extend to the longest of the drawn cells.
             && !shading.integrator.has_table_of_lengths()
             && !needs_gradient(shading);
@@ -204,7 +211,10 @@ impl NativeVolume {
         let projection = project(&cells, transfer_function, camera, false, progress)?;
         let renderer = prepare(&projection, transfer_function, shading)?;
         timer.end(Stage::SetUp);
-        let (picture, counts) = renderer.draw(None, Some(segments), progress)?;
+        let (picture, counts) = {
+            let inputs = RayInputs { cache: Some(segments), ..RayInputs::default() };
+            renderer.draw(inputs, None, progress)?
+        };
         timer.end(Stage::Composite);
         let mut drawn = RenderOutput { is_preview: true, ..RenderOutput::new(picture, timer.stages) };
         let why = "the segments of this view were kept when its widgets changed";

@@ -12,6 +12,7 @@ pub mod kinds;
 pub mod linear;
 pub mod overlap;
 pub mod quadrature;
+pub mod ray_events;
 pub mod scene;
 pub mod shading;
 pub mod special;

@@ -1,8 +1,13 @@
-//! Scene: volume, transfer function, camera and shading, as every engine takes them.
+//! Scene: volume, transfer function, camera, shading, surfaces and clips, as every engine takes them.
 
+use crate::ray_events::RayEvents;
 use crate::shading::{Ordering, Shading, VisibilityOrder};
 use std::sync::Arc;
+use voltet_core::Result;
 use voltet_core::camera::Camera;
+use voltet_core::clip::Clip;
+use voltet_core::progress::Progress;
+use voltet_core::surface::Surface;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 
@@ -19,9 +24,25 @@ pub struct Scene {
     pub shading: Shading,
     /// The requested order of a pixel's segments.
     pub order: VisibilityOrder,
+    /// Surfaces in the volume, in their places along each ray.
+    pub surfaces: Vec<Arc<Surface>>,
+    /// The volume is drawn where all of them keep it; surfaces are drawn everywhere.
+    pub clips: Vec<Clip>,
 }
 
 impl Scene {
+    /// A scene without surfaces and clips.
+    pub fn new(
+        volume: Arc<Volume>,
+        transfer_function: Arc<TransferFunction>,
+        camera: Camera,
+        shading: Shading,
+        order: VisibilityOrder,
+    ) -> Scene {
+        let (surfaces, clips) = (Vec::new(), Vec::new());
+        Scene { volume, transfer_function, camera, shading, order, surfaces, clips }
+    }
+
     /// The order of a pixel's segments that an engine makes for the scene. In exhaustive mode an exact order is made also where
     /// the picture does not depend on it.
     pub fn ordering(&self, exhaustive: bool) -> Ordering {
@@ -30,7 +51,17 @@ impl Scene {
 
     /// True if the picture depends on the order of a pixel's segments.
     pub fn needs_order(&self) -> bool {
-        needs_order(&self.transfer_function, &self.shading)
+        self.has_events() || needs_order(&self.transfer_function, &self.shading)
+    }
+
+    /// True if rays meet more than cells.
+    pub fn has_events(&self) -> bool {
+        !(self.surfaces.is_empty() && self.clips.is_empty())
+    }
+
+    /// What rays through samples `offset` off the pixels' centres meet beside cells. Errors: those of [`RayEvents::new`].
+    pub fn events(&self, offset: [f64; 2], progress: &dyn Progress) -> Result<Option<RayEvents>> {
+        RayEvents::new(&self.surfaces, &self.clips, &self.camera, offset, progress)
     }
 }
 

@@ -3,13 +3,15 @@
 
 use super::diagnostics::note_bands;
 use std::sync::Arc;
-use voltet_core::Result;
+use voltet_core::clip::{Clip, ClipShape};
+use voltet_core::parameters::VariantSchema;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
+use voltet_core::{Error, Result};
 use voltet_cpu::{Cells, Projection, needs_gradient};
 use voltet_graph::{
-    DefaultValue, Demand, DemandContext, Parameter, ParameterType, Parameters, Range, Revision, RunContext,
-    TransferFunctionSpec, diagonal,
+    DefaultValue, Demand, DemandContext, Parameter, ParameterType, Parameters, Port, PortType, Range,
+    Revision, RunContext, TransferFunctionSpec, diagonal,
 };
 use voltet_optics::WidgetBlend;
 use voltet_optics::engine::EngineInfo;
@@ -74,6 +76,100 @@ pub const PARAMETERS: [Parameter; 4] = [
     },
 ];
 
+/// What is cut away, for the declarations of the nodes that draw from a volume.
+pub const CLIP: Parameter = Parameter {
+    name: "clip",
+    parameter_type: ParameterType::Kinds(&[
+        VariantSchema {
+            name: "plane",
+            summary: "the side of a plane to which its normal points",
+            parameters: &[
+                point("origin", "a point of the plane"),
+                point("normal", "its normal, of any length above 0"),
+                INVERT,
+            ],
+        },
+        VariantSchema {
+            name: "box",
+            summary: "a box along the axes",
+            parameters: &[point("low", "its lowest corner"), point("high", "its highest corner"), INVERT],
+        },
+        VariantSchema {
+            name: "sphere",
+            summary: "a ball",
+            parameters: &[point("centre", "its centre"), RADIUS, INVERT],
+        },
+        VariantSchema {
+            name: "cylinder",
+            summary: "a cylinder with flat ends",
+            parameters: &[
+                point("from", "middle of one end"),
+                point("to", "middle of the other"),
+                RADIUS,
+                INVERT,
+            ],
+        },
+    ]),
+    unit: "",
+    default: DefaultValue::Unset("the whole volume"),
+    help: "the parts of space in all of which the volume is drawn; rays are cut there, exactly; surfaces are drawn everywhere",
+};
+
+const fn point(name: &'static str, help: &'static str) -> Parameter {
+    Parameter {
+        name,
+        parameter_type: ParameterType::Numbers(Some(3), Range::ANY),
+        unit: "world units",
+        default: DefaultValue::Required,
+        help,
+    }
+}
+
+const RADIUS: Parameter = Parameter {
+    name: "radius",
+    parameter_type: ParameterType::Number(Range::above(0.0)),
+    unit: "world units",
+    default: DefaultValue::Required,
+    help: "its radius",
+};
+
+const INVERT: Parameter = Parameter {
+    name: "invert",
+    parameter_type: ParameterType::Boolean,
+    unit: "",
+    default: DefaultValue::Boolean(false),
+    help: "keeps what is outside",
+};
+
+/// The clips that the parameters state, where the node has them.
+pub fn clips(p: &Parameters) -> Result<Vec<Clip>> {
+    let clip = |(kind, p): (&'static str, Parameters)| {
+        let at = |name: &str| Ok::<_, Error>(glam::DVec3::from(p.vector(name)?));
+        let shape = match kind {
+            "plane" => ClipShape::Plane { origin: at("origin")?, normal: at("normal")? },
+            "box" => ClipShape::Box { low: at("low")?, high: at("high")? },
+            "sphere" => ClipShape::Sphere { centre: at("centre")?, radius: p.number("radius")? },
+            _ => ClipShape::Cylinder { from: at("from")?, to: at("to")?, radius: p.number("radius")? },
+        };
+        shape.check().map_err(|error| p.locate("kind", error))?;
+        Ok(Clip { shape, invert: p.flag("invert")? })
+    };
+    p.kinds(CLIP.name)?.into_iter().map(clip).collect()
+}
+
+/// Optional input of the nodes that draw from a volume.
+pub const SURFACES: Port = Port {
+    name: "surfaces",
+    port_type: PortType::Surface,
+    summary: "surfaces in the volume, each in its place along every ray; any number of them",
+};
+
+/// Checks the parameters of a node that draws, before data are read.
+pub fn check(p: &Parameters) -> Result<()> {
+    clips(p)?;
+    shading(p).map(drop)
+}
+
 /// The shading that the parameters state.
 pub fn shading(p: &Parameters) -> Result<Shading> {
     let overlap = if p.text("overlap")? == "mix" { WidgetBlend::Mix } else { WidgetBlend::Exact };
@@ -116,6 +212,9 @@ pub fn ask(asking: &mut DemandContext, port: &str, look_port: &str) -> Result<De
         check_engine(&voltet_cpu::ENGINE, asking.parameters, &look.transfer_function, &shading)?;
     }
     let mut demand = demand(look.as_deref(), &shading);
+    // Surfaces and the ends of clips have their places in the order.
+    let has_surfaces = asking.fed_by(SURFACES.name).is_ok_and(|fed| fed.is_some());
+    demand.order |= has_surfaces || asking.parameters.is_set(CLIP.name);
     // A table spans the range of g.
     if !shading.integrator.has_table() {
         demand.gradient_for = asking.known_look(look_port).map(|look| vec![look]);
@@ -170,7 +269,9 @@ pub fn scene(call: &mut RunContext) -> Result<Scene> {
     let transfer_function = for_data(call, &look, &volume, call.revision("volume")?)?;
     note_bands(call, &volume, &transfer_function)?;
     let order = order(call.parameters)?;
-    Ok(Scene { volume, transfer_function, camera, shading, order })
+    let surfaces = call.surfaces("surfaces")?;
+    let clips = clips(call.parameters)?;
+    Ok(Scene { volume, transfer_function, camera, shading, order, surfaces, clips })
 }
 
 /// Cells that were culled, and for which transfer function: no other one may be drawn from them.
@@ -195,13 +296,13 @@ impl Projected {
     /// The scene with this shading.
     pub fn scene(&self, shading: Shading) -> Scene {
         let cells = self.projection.cells();
-        Scene {
-            volume: cells.volume.clone(),
-            transfer_function: self.transfer_function.clone(),
-            camera: *self.projection.camera(),
+        Scene::new(
+            cells.volume.clone(),
+            self.transfer_function.clone(),
+            *self.projection.camera(),
             shading,
-            order: cells.ordering.requested(),
-        }
+            cells.ordering.requested(),
+        )
     }
 }
 

@@ -324,8 +324,8 @@ pub fn render_to_depth(
     let cells =
         cpu::sort(&cpu::cull(volume, transfer_function, camera, progress)?, camera, scene.ordering(false))?;
     let projection = cpu::project(&cells, transfer_function, camera, cpu::needs_gradient(shading), progress)?;
-    let ready = cpu::prepare(&projection, transfer_function, shading)?;
-    Ok(ready.composite_with_depth(Some(depth_limit), progress)?.0)
+    let ready = cpu::prepare_scene(&projection, scene)?;
+    Ok(ready.composite_scene(scene, Some(depth_limit), progress)?.0)
 }
 
 /// Progress of the caller, with a limit of memory.

@@ -8,9 +8,11 @@ use super::grid::Grid;
 use super::transfer::TransferFunction;
 use glam::DVec3;
 use std::sync::{Arc, Mutex, PoisonError};
+use voltet_core::clip::Clip;
 use voltet_core::field::{GradientFilter, LeastSquares, Method, magnitude};
 use voltet_core::grid::extent;
 use voltet_core::progress::{NoProgress, Progress};
+use voltet_core::surface::Surface;
 use voltet_core::volume::Volume as BuiltVolume;
 use voltet_core::{Error, Result};
 use voltet_cpu::needs_gradient;
@@ -65,6 +67,8 @@ pub struct Scene {
     camera: Camera,
     shading: Shading,
     order: VisibilityOrder,
+    surfaces: Vec<Arc<Surface>>,
+    clips: Vec<Clip>,
 }
 
 impl Scene {
@@ -81,6 +85,8 @@ impl Scene {
             camera,
             shading: Shading::default(),
             order: VisibilityOrder::Exact,
+            surfaces: Vec::new(),
+            clips: Vec::new(),
         }
     }
 
@@ -92,6 +98,18 @@ impl Scene {
     /// Sets the order in which a pixel's segments are composited.
     pub fn order(self, order: VisibilityOrder) -> Self {
         Scene { order, ..self }
+    }
+
+    /// Adds a surface, which is drawn in its place along each ray.
+    pub fn surface(mut self, surface: impl Into<Arc<Surface>>) -> Self {
+        self.surfaces.push(surface.into());
+        self
+    }
+
+    /// Adds a clip: the volume is drawn where all clips keep it.
+    pub fn clip(mut self, clip: Clip) -> Self {
+        self.clips.push(clip);
+        self
     }
 
     /// Replaces the camera.
@@ -118,7 +136,8 @@ impl Scene {
         can_serve(&shading.integrator, &transfer_function)?;
         let needs_magnitude = transfer_function.uses_gradient_magnitude();
         let volume = self.volume.built(needs_magnitude, needs_gradient(&shading), progress)?;
-        Ok(CompiledScene { volume, transfer_function, camera, shading, order: self.order })
+        let (surfaces, clips) = (self.surfaces.clone(), self.clips.clone());
+        Ok(CompiledScene { volume, transfer_function, camera, shading, order: self.order, surfaces, clips })
     }
 }
 

@@ -96,13 +96,13 @@ fn kept(scene: &NamedScene, shading: &Shading) -> Picture {
     let draw = |share: f64| {
         let mut transfer_function = look.clone();
         transfer_function.widgets.iter_mut().for_each(|widget| widget.color[0] *= share);
-        let scene = Scene {
-            volume: volume.clone(),
-            transfer_function: Arc::new(transfer_function),
-            camera: *camera,
-            shading: *shading,
-            order: VisibilityOrder::Exact,
-        };
+        let scene = Scene::new(
+            volume.clone(),
+            Arc::new(transfer_function),
+            *camera,
+            *shading,
+            VisibilityOrder::Exact,
+        );
         prepared
             .draw(&scene, &RenderOptions { preview: true, ..RenderOptions::default() }, &NoProgress)
             .expect("draws")

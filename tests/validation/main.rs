@@ -8,6 +8,7 @@ mod drawing;
 mod golden;
 mod orders;
 mod stiff;
+mod surfaces;
 mod vertex_sampled;
 mod waves;
 

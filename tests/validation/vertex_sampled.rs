@@ -17,13 +17,13 @@ use voltet_testing::pictures::grids::*;
 use voltet_testing::pictures::looks::*;
 
 fn drawn(volume: &Arc<Volume>, look: &TransferFunction, integrator: Integrator) -> Picture {
-    let scene = Scene {
-        volume: volume.clone(),
-        transfer_function: Arc::new(look.clone()),
-        camera: outside([40, 32]),
-        shading: Shading { integrator, ..SHADING },
-        order: VisibilityOrder::Exact,
-    };
+    let scene = Scene::new(
+        volume.clone(),
+        Arc::new(look.clone()),
+        outside([40, 32]),
+        Shading { integrator, ..SHADING },
+        VisibilityOrder::Exact,
+    );
     let draw = || -> Result<Picture> {
         let engine = voltet_cpu::ENGINE.open(&AdapterRequest::default())?;
         Ok(engine.prepare(volume)?.draw(&scene, &RenderOptions::default(), &NoProgress)?.picture)

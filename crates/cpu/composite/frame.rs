@@ -15,6 +15,7 @@ use crate::tile::{PIXELS, TILE, TileRect};
 use crate::view::View;
 use glam::DVec3;
 use voltet_core::Result;
+use voltet_optics::ray_events::RayEvents;
 use voltet_simd::LaneSet;
 
 /// Source of a view's ray segments, as far as it is prepared before the workers begin.
@@ -53,6 +54,8 @@ pub(crate) struct FrameContext<'a> {
     pub exhaustive: bool,
     /// Depth at which each pixel's ray ends, row by row: along the view direction (world units).
     pub depth_limit: Option<&'a [f32]>,
+    /// Surfaces and clips among the segments.
+    pub events: Option<&'a RayEvents>,
     pub buffers: &'a BufferPool,
 }
 
@@ -63,7 +66,7 @@ impl FrameContext<'_> {
 
     /// True if segments need their pixels, entries and exits.
     pub fn needs_depths(&self) -> bool {
-        self.depth_limit.is_some() || self.shader.surface.is_some()
+        self.depth_limit.is_some() || self.events.is_some() || self.shader.surface.is_some()
     }
 
     /// Projects a region's cells.

@@ -1,7 +1,8 @@
 //! Compositor: a tile's segments in visibility order, or their sum, to its pixels.
 
 pub(crate) mod accumulators;
-pub(crate) mod deferred_shading;
+mod deferred_shading;
+pub(crate) mod event_cursor;
 pub(crate) mod fragment_lists;
 #[cfg(test)]
 mod fragment_lists_tests;

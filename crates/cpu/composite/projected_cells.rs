@@ -3,6 +3,7 @@
 //! ([`super::fragment_lists`]) or, shaded as they come, to a sink.
 
 use crate::composite::accumulators::Sink;
+use crate::composite::event_cursor::{EventCursors, copy_part};
 use crate::composite::fragment_lists::{FragmentLists, Overflow};
 use crate::composite::frame::FrameContext;
 use crate::composite::row_shader::{Illuminate, RowShader, Scratch};
@@ -12,7 +13,7 @@ use crate::fragments::spans::{Edges, Fragments, NextSlots};
 use crate::project::precise_cell::{PreciseCell, PreciseCrossing};
 use crate::project::tile_bins::TileBins;
 use crate::shade::shader::integrate;
-use crate::tile::{PIXELS, TileRect};
+use crate::tile::{PIXELS, TILE, TileRect};
 use std::ops::Range;
 use voltet_simd::{Kernel, Lanes, dispatch, prefetch};
 
@@ -72,16 +73,34 @@ pub(crate) fn walk<S: Sink>(
     sink: &mut S,
 ) {
     let Scratch { fragments, edges, packet, length_per_depth, row_shader, counts, .. } = scratch;
-    let RowShader { batch, shaded, rays, depth_limits, .. } = row_shader;
-    let mut send = |sink: &mut S, batch: &mut Batch, count: usize| {
-        if frame.depth_limit.is_some() {
-            clip_to_depth(batch, count, frame.attribute_count(), depth_limits);
-        }
+    let RowShader { batch, shaded, rays, depth_limits, events: own, .. } = row_shader;
+    let mut shade = |sink: &mut S, batch: &Batch, count: usize| {
         integrate(frame.shader, frame.lanes, batch, count, shaded);
         if frame.shader.surface.is_some() {
             dispatch(frame.lanes, Illuminate { frame, batch, count, rays, shaded });
         }
         sink.take(batch, shaded, count);
+    };
+    let mut send = |sink: &mut S, batch: &mut Batch, count: usize| {
+        if frame.depth_limit.is_some() {
+            clip_to_depth(batch, count, frame.attribute_count(), depth_limits);
+        }
+        let (Some(events), Some(own)) = (frame.events, own.as_mut()) else {
+            return shade(sink, batch, count);
+        };
+        let mut filled = 0;
+        for k in (0..count).filter(|&k| batch.length[k] > 0.0) {
+            let within = batch.pixel[k] as usize % PIXELS;
+            let pixel = [rect.left + within % TILE, rect.top + within / TILE];
+            EventCursors::cut_alone(frame, events, pixel, batch, k, |part| {
+                copy_part(&part, batch, frame.attribute_count(), filled, &mut own.parts);
+                filled += 1;
+                if filled == BATCH {
+                    shade(sink, &own.parts, std::mem::take(&mut filled));
+                }
+            });
+        }
+        shade(sink, &own.parts, filled);
     };
 
     let width = frame.lanes.width();

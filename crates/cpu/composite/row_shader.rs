@@ -4,6 +4,7 @@ use crate::cast::packet::PACKETS_IN_FLIGHT;
 use crate::cast::ray_caster::BoundaryHits;
 use crate::composite::accumulators::{TileAccumulator, TilePixels};
 use crate::composite::deferred_shading::{DeferredFragments, DeferredShading};
+use crate::composite::event_cursor::EventCursors;
 use crate::composite::fragment_lists::{Arrange, Fill, FragmentLists};
 use crate::composite::frame::FrameContext;
 use crate::counts::Counts;
@@ -13,7 +14,7 @@ use crate::fragments::spans::{Edges, Fragments};
 use crate::shade::light::{Rays, rays};
 use crate::shade::shaded_batch::ShadedBatch;
 use crate::shade::shader::{finish, integrate_first};
-use crate::tile::{PIXELS, TILE, TileRect};
+use crate::tile::{PIXELS, TILE, TilePicture, TileRect};
 use std::ops::Range;
 use voltet_simd::optics::elementary::one_minus_exp;
 use voltet_simd::{Float, Kernel, LaneSet, Lanes, dispatch};
@@ -59,6 +60,17 @@ pub(crate) struct RowShader {
     /// Directions of the tile's rays, where light reads them.
     pub rays: Rays,
     pub depth_limits: DepthLimits,
+    /// Where surfaces or clips are among the segments.
+    pub events: Option<Box<EventShader>>,
+}
+
+/// What [`RowShader`] needs for events.
+pub(crate) struct EventShader {
+    pub cursors: EventCursors,
+    /// Parts of the batch's segments.
+    pub parts: Batch,
+    /// Colours of those that are surfaces.
+    surfaces: Vec<(usize, [f32; 4])>,
 }
 
 impl RowShader {
@@ -70,6 +82,10 @@ impl RowShader {
             deferred: DeferredFragments::default(),
             rays: [[0.0; PIXELS]; 3],
             depth_limits: [f32::INFINITY; PIXELS],
+            events: frame.events.map(|_| {
+                let parts = Batch::new(frame.attribute_count(), frame.scalar_count);
+                Box::new(EventShader { cursors: EventCursors::new(), parts, surfaces: Vec::new() })
+            }),
         }
     }
 
@@ -107,10 +123,36 @@ impl RowShader {
         count: usize,
         pixels: &mut TilePixels,
     ) {
-        let RowShader { batch, shaded, deferred_shading, deferred, depth_limits, .. } = self;
         if frame.depth_limit.is_some() {
-            clip_to_depth(batch, count, frame.attribute_count(), depth_limits);
+            clip_to_depth(&mut self.batch, count, frame.attribute_count(), &self.depth_limits);
         }
+        let (Some(events), Some(mut own)) = (frame.events, self.events.take()) else {
+            return self.blend_slices(frame, row, count, &[], pixels);
+        };
+        own.cursors.take_slices(frame, events, &self.batch, count);
+        std::mem::swap(&mut self.batch, &mut own.parts);
+        for first in (0..).step_by(BATCH / TILE) {
+            let EventShader { cursors, parts, surfaces } = &mut *own;
+            let count = cursors.fill(first, parts, frame.attribute_count(), &mut self.batch, surfaces);
+            if count == 0 {
+                break;
+            }
+            self.blend_slices(frame, row, count, surfaces, pixels);
+        }
+        std::mem::swap(&mut self.batch, &mut own.parts);
+        self.events = Some(own);
+    }
+
+    /// Blends the first `count` segments of the batch; `surfaces`: colours of some that are none.
+    fn blend_slices(
+        &mut self,
+        frame: &FrameContext<'_>,
+        row: usize,
+        count: usize,
+        surfaces: &[(usize, [f32; 4])],
+        pixels: &mut TilePixels,
+    ) {
+        let RowShader { batch, shaded, deferred_shading, deferred, .. } = self;
         integrate_first(frame.shader, frame.lanes, batch, count, shaded);
         let pixels = match pixels {
             TilePixels::Colors(pixels) => pixels,
@@ -129,11 +171,27 @@ impl RowShader {
             }
             deferred_shading.mark_deferred(shaded);
             self.light(frame, count);
+            self.put_surfaces(surfaces);
             let RowShader { batch, shaded, deferred_shading, deferred, .. } = self;
             return deferred_shading.take(frame, (row, batch), shaded, count, deferred);
         }
         self.light(frame, count);
+        self.put_surfaces(surfaces);
         pixels.take(frame.lanes, row, &self.batch, &self.shaded, count);
+    }
+
+    fn put_surfaces(&mut self, surfaces: &[(usize, [f32; 4])]) {
+        for (k, rgba) in surfaces {
+            self.batch.length[*k] = 1.0;
+            self.shaded.rgba.iter_mut().zip(rgba).for_each(|(column, value)| column[*k] = *value);
+        }
+    }
+
+    /// Composites the surfaces behind the last segments of a tile's pixels.
+    pub fn end_events(&mut self, frame: &FrameContext<'_>, picture: &mut TilePicture) {
+        if let (Some(events), Some(own)) = (frame.events, &mut self.events) {
+            own.cursors.end(events, picture);
+        }
     }
 
     /// Blends the deferred segments.
@@ -217,6 +275,9 @@ impl Scratch {
             rays(frame.view, rect.left, rect.top, of_tile);
         }
         frame.depth_limits_of(rect, depth_limits);
+        if let (Some(events), Some(own)) = (frame.events, &mut self.row_shader.events) {
+            own.cursors.begin(events, rect);
+        }
         rect
     }
 }

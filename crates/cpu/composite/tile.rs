@@ -3,7 +3,8 @@
 use crate::cast::RayCaster;
 use crate::cast::packet::{PACKETS_IN_FLIGHT, RayPacket, pixel_of};
 use crate::cast::traversal::{PacketConfig, next_segments};
-use crate::composite::accumulators::{TileAccumulator, TilePixels, UnboundedFragmentLists};
+use crate::composite::accumulators::{Fragment, TileAccumulator, TilePixels, UnboundedFragmentLists};
+use crate::composite::event_cursor::surfaces_of;
 use crate::composite::fragment_lists::{Arrange, FragmentLists, Overflow};
 use crate::composite::frame::FrameContext;
 use crate::composite::projected_cells::{fill_lists, walk};
@@ -40,10 +41,17 @@ pub(crate) fn draw_projected(
         for row in 0..rect.size[1] {
             growing.clear();
             walk(frame, bins, rect, row..row + 1, scratch, &mut growing);
+            for column in 0..rect.size[0] {
+                for (depth, rgba) in surfaces_of(frame, [rect.left + column, rect.top + row]) {
+                    growing.push(column, Fragment::new(depth, depth, rgba));
+                }
+            }
             scratch.counts.pixels_disordered +=
                 growing.composite(frame.sorted, &mut picture[row * TILE..][..TILE]);
         }
+        return;
     }
+    scratch.row_shader.end_events(frame, picture);
 }
 
 /// Draws a tile from cached segments.
@@ -131,6 +139,7 @@ pub(crate) fn draw_cast(
     for (slot, pixel) in by_packet.iter().enumerate() {
         picture[pixel_of(slot / TILE, slot % TILE)] = *pixel;
     }
+    row_shader.end_events(frame, picture);
     true
 }
 

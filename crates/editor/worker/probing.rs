@@ -42,14 +42,9 @@ impl ProbeQuery {
         let camera = call.camera("camera")?;
         let transfer_function = look.for_diagonal(diagonal(&volume.grid.points));
         let camera = Camera { samples: 1, ..*camera };
-        let scene = Scene {
-            volume,
-            transfer_function: Arc::new(transfer_function),
-            camera,
-            // What is seen, as the values count: light and silhouettes change colours.
-            shading: Shading::default(),
-            order: VisibilityOrder::Exact,
-        };
+        // What is seen, as the values count: light and silhouettes change colours.
+        let shading = Shading::default();
+        let scene = Scene::new(volume, Arc::new(transfer_function), camera, shading, VisibilityOrder::Exact);
         let forms = CompiledTransferFunction::new(&scene.transfer_function)?;
         let tracer = Tracer::new(&scene, Box::new(forms))?;
         let mut probed = PixelProbe { rays: self.places.len(), ..PixelProbe::default() };

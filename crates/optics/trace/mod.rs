@@ -18,6 +18,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 use voltet_core::arithmetic::edge_sign;
 use voltet_core::camera::{Camera, Frame, Projection};
+use voltet_core::clip::{Clip, kept};
+use voltet_core::surface::Surface;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result, counted};
@@ -55,6 +57,45 @@ pub struct Crossing {
     pub depth: [f64; 2],
     /// Weights of the cell's four vertices at entry and exit.
     pub weights: [[f64; 4]; 2],
+}
+
+impl Crossing {
+    /// The parts before and behind a depth within.
+    fn cut(self, depth: f64) -> [Crossing; 2] {
+        let share = (depth - self.depth[0]) / (self.depth[1] - self.depth[0]);
+        let [front, back] = self.weights;
+        let at = std::array::from_fn(|k| front[k] * (1.0 - share) + back[k] * share);
+        [
+            Crossing { depth: [self.depth[0], depth], weights: [front, at], ..self },
+            Crossing { depth: [depth, self.depth[1]], weights: [at, back], ..self },
+        ]
+    }
+}
+
+/// What a ray meets beside cells.
+struct Event {
+    /// z, internal units.
+    depth: f64,
+    kind: EventKind,
+}
+
+enum EventKind {
+    /// Premultiplied colour and opacity.
+    Surface([f64; 4]),
+    Hide,
+    Show,
+}
+
+/// z and weights where a ray crosses a triangle (right, up, forward), as a face of a cell.
+fn cross_triangle(ray: &Ray, corners: &[[f64; 3]; 3]) -> Option<(f64, [f64; 3])> {
+    let p = corners.map(|c| ray.shear(c));
+    let signs = [edge_sign(p[1], p[2]), edge_sign(p[2], p[0]), edge_sign(p[0], p[1])];
+    if signs[0] == 0 || signs[0] != signs[1] || signs[1] != signs[2] {
+        return None;
+    }
+    let parts = [edge(p[1], p[2]), edge(p[2], p[0]), edge(p[0], p[1])];
+    let weights = parts.map(|part| part / parts.iter().sum::<f64>());
+    Some(((0..3).map(|k| weights[k] * p[k][2]).sum(), weights))
 }
 
 /// The crossing of the tetrahedron with the given corners (right, up, forward), from z = `near` on.
@@ -163,6 +204,9 @@ pub struct Tracer<'a> {
     /// Per point: s, g, fields; `stride` numbers.
     quantities: Vec<f64>,
     stride: usize,
+    /// Surfaces with their points as those of the grid.
+    surfaces: Vec<(&'a Surface, Vec<[f64; 3]>)>,
+    clips: &'a [Clip],
 }
 
 impl<'a> Tracer<'a> {
@@ -209,6 +253,13 @@ impl<'a> Tracer<'a> {
         let axes = [frame.right, frame.up, frame.forward];
         let seen = |p: &DVec3| axes.map(|axis| ((*p - camera.eye) / unit).dot(axis));
         let points = world.iter().map(seen).collect();
+        scene.surfaces.iter().try_for_each(|surface| surface.check())?;
+        scene.clips.iter().try_for_each(|clip| clip.shape.check())?;
+        let surfaces = scene
+            .surfaces
+            .iter()
+            .map(|surface| (&**surface, surface.points.iter().map(seen).collect()))
+            .collect();
         let direction = |light: Light| Light { direction: unit_vector(light.direction), ..light };
         Ok(Tracer {
             volume,
@@ -222,6 +273,8 @@ impl<'a> Tracer<'a> {
             points,
             quantities,
             stride,
+            surfaces,
+            clips: &scene.clips,
         })
     }
 
@@ -378,20 +431,104 @@ impl<'a> Tracer<'a> {
         let nearest = crossings.iter().map(|crossing| crossing.depth[0]).fold(farthest, f64::min);
         let lit = self.light.map_or(1.0, |light| light.ambient + light.diffuse);
         let brightest = lit * self.integral.max_color((farthest - nearest) * ray.stretch() * self.unit);
-        for crossing in crossings {
-            if transmittance == 0.0 || transmittance * brightest.max(1.0) < DARK {
-                break;
+        let events = self.events(ray);
+        let (mut events, mut hidden) = (events.iter().peekable(), false);
+        // A crossing or a surface: what it adds.
+        let mut add = |crossing: Option<&Crossing>, part: Contribution, passed: f64| {
+            if let Some(crossing) = crossing {
+                each(crossing, transmittance, &part);
             }
-            let part = self.contribution(ray, crossing)?;
-            each(crossing, transmittance, &part);
             for (total, color) in seen.color.iter_mut().zip(part.color) {
                 *total += transmittance * color;
             }
             seen.opacity += transmittance * part.opacity;
-            transmittance *=
+            transmittance *= passed;
+            transmittance == 0.0 || transmittance * brightest.max(1.0) < DARK
+        };
+        let shaded = |crossing: &Crossing| -> Result<(Contribution, f64)> {
+            let part = self.contribution(ray, crossing)?;
+            let passed =
                 if self.silhouette.is_some() { 1.0 - part.opacity } else { (-part.optical_depth).exp() };
+            Ok((part, passed))
+        };
+        let on_surface = |[r, g, b, opacity]: [f64; 4]| {
+            (Contribution { optical_depth: f64::NAN, color: [r, g, b], opacity }, 1.0 - opacity)
+        };
+        for crossing in crossings {
+            let mut rest = *crossing;
+            while let Some(event) = events.next_if(|event| event.depth < rest.depth[1]) {
+                if rest.depth[0] < event.depth {
+                    let [before, behind] = rest.cut(event.depth);
+                    rest = behind;
+                    if !hidden {
+                        let (part, passed) = shaded(&before)?;
+                        if add(Some(&before), part, passed) {
+                            return Ok(seen);
+                        }
+                    }
+                }
+                match event.kind {
+                    EventKind::Surface(rgba) => {
+                        let (part, passed) = on_surface(rgba);
+                        if add(None, part, passed) {
+                            return Ok(seen);
+                        }
+                    }
+                    EventKind::Hide => hidden = true,
+                    EventKind::Show => hidden = false,
+                }
+            }
+            if !hidden {
+                let (part, passed) = shaded(&rest)?;
+                if add(Some(&rest), part, passed) {
+                    return Ok(seen);
+                }
+            }
+        }
+        for event in events {
+            if let EventKind::Surface(rgba) = event.kind {
+                let (part, passed) = on_surface(rgba);
+                add(None, part, passed);
+            }
         }
         Ok(seen)
+    }
+
+    /// What a ray meets beside cells, in order. Tries every triangle.
+    fn events(&self, ray: &Ray) -> Vec<Event> {
+        let mut events = Vec::new();
+        let direction = self.world_direction(ray);
+        for (surface, points) in &self.surfaces {
+            for (number, corners) in surface.triangles.iter().enumerate() {
+                let hit = cross_triangle(ray, &corners.map(|p| points[p as usize]));
+                let Some((depth, weights)) = hit.filter(|(depth, _)| *depth >= self.near() && *depth > 0.0)
+                else {
+                    continue;
+                };
+                let rgba = surface.color(number, weights, direction.normalize());
+                events.push(Event { depth, kind: EventKind::Surface(rgba) });
+            }
+        }
+        if !self.clips.is_empty() {
+            let [origin, _] = self.world(ray);
+            let mut hidden_from = f64::NEG_INFINITY;
+            for [from, to] in kept(self.clips, origin.into(), direction, self.camera.near) {
+                if hidden_from < from {
+                    events.push(Event { depth: hidden_from / self.unit, kind: EventKind::Hide });
+                    events.push(Event { depth: from / self.unit, kind: EventKind::Show });
+                }
+                hidden_from = to;
+            }
+            events.push(Event { depth: hidden_from / self.unit, kind: EventKind::Hide });
+        }
+        events.sort_by(|a, b| a.depth.total_cmp(&b.depth));
+        events
+    }
+
+    /// Direction of a ray, of depth 1 (world axes).
+    fn world_direction(&self, ray: &Ray) -> DVec3 {
+        let Frame { right, up, forward, .. } = self.frame;
+        if ray.perspective { forward + right * ray.x + up * ray.y } else { forward }
     }
 
     /// Composites the crossings of a ray. Tries every cell.

@@ -85,7 +85,9 @@ impl Tracer<'_> {
                     }
                 }
             }
-            for (k, list) in lists.iter_mut().enumerate().filter(|(_, list)| !list.is_empty()) {
+            for (k, list) in
+                lists.iter_mut().enumerate().filter(|(_, list)| !list.is_empty() || !self.surfaces.is_empty())
+            {
                 self.sort(list);
                 let ray = self.ray(position(0, k % SIDE), position(1, k / SIDE));
                 let seen = self.composite(&ray, list, |_, _, _| {})?;

@@ -53,7 +53,7 @@ fn cube(counts: [usize; 3], scale: f64, offset: DVec3) -> Volume {
 /// In exact order.
 fn scene(volume: Volume, look: TransferFunction, camera: Camera, shading: Shading) -> Scene {
     let (volume, transfer_function) = (Arc::new(volume), Arc::new(look));
-    Scene { volume, transfer_function, camera, shading, order: VisibilityOrder::Exact }
+    Scene::new(volume, transfer_function, camera, shading, VisibilityOrder::Exact)
 }
 
 fn camera(scale: f64, offset: DVec3, size: [u32; 2]) -> Camera {

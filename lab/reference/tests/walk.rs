@@ -38,13 +38,13 @@ fn two_cells() -> Scene {
     let grid = Grid { points: SharedSlice::from(points), tetrahedra: tetrahedra.into(), ..Grid::default() };
     let infinity = f64::INFINITY;
     let (red, green) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
-    Scene {
-        volume: Arc::new(Volume { grid: Arc::new(grid), scalar, gradient: None, gradient_magnitude: None }),
-        transfer_function: look(
+    Scene::new(
+        Arc::new(Volume { grid: Arc::new(grid), scalar, gradient: None, gradient_magnitude: None }),
+        look(
             OpticalModel::DensityEmitter,
             vec![uniform([-infinity, 1.0], red, 2.0), uniform([0.5, infinity], green, 1.0)],
         ),
-        camera: Camera {
+        Camera {
             eye: DVec3::new(0.25, 0.0, -2.0),
             target: DVec3::new(0.25, 0.0, 0.0),
             up: DVec3::Y,
@@ -53,9 +53,9 @@ fn two_cells() -> Scene {
             size: [1, 1],
             samples: 1,
         },
-        shading: PLAIN,
-        order: VisibilityOrder::Exact,
-    }
+        PLAIN,
+        VisibilityOrder::Exact,
+    )
 }
 
 #[test]
@@ -136,7 +136,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     .into_iter()
     .map(|(name, model, camera, shading)| {
         let (volume, transfer_function) = (volume.clone(), look(model, widgets.clone()));
-        (name, Scene { volume, transfer_function, camera, shading, order: VisibilityOrder::Exact })
+        (name, Scene::new(volume, transfer_function, camera, shading, VisibilityOrder::Exact))
     })
     .collect()
 }

@@ -405,10 +405,10 @@ impl TestRenderer<'_> {
         ];
         let model = OpticalModel::DensityEmitter;
         let light = Light { ambient: 0.4, diffuse: 0.6, direction: DVec3::new(-1.0, -1.5, 2.0).normalize() };
-        let scene = Scene {
-            volume: volume.clone(),
-            transfer_function: Arc::new(TransferFunction { model, unit_distance: 1.0, widgets }),
-            camera: Camera {
+        let scene = Scene::new(
+            volume.clone(),
+            Arc::new(TransferFunction { model, unit_distance: 1.0, widgets }),
+            Camera {
                 eye: DVec3::new(1.7, -1.3, 1.5),
                 target: DVec3::new(0.46, 0.54, 0.55),
                 up: DVec3::Z,
@@ -417,14 +417,14 @@ impl TestRenderer<'_> {
                 size: SIZE,
                 samples: 1,
             },
-            shading: Shading {
+            Shading {
                 integrator: Integrator::ANALYTIC,
                 overlap: WidgetBlend::Exact,
                 silhouette: None,
                 light: Some(light),
             },
-            order: VisibilityOrder::Exact,
-        };
+            VisibilityOrder::Exact,
+        );
         let prepared = self.engine.prepare(&volume)?;
         Ok(prepared.draw(&scene, &RenderOptions::default(), &CancelOnly(self.progress))?.picture)
     }

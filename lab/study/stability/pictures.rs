@@ -176,18 +176,18 @@ fn hard(
         gradient: Some(SharedSlice::from(sample(base, gradient))),
         gradient_magnitude: Some(field(|p| 0.4 + p.x + 0.5 * p.y * p.z)),
     };
-    let mut scene = Scene {
-        volume: Arc::new(volume),
-        transfer_function: Arc::new(two_gaussians()),
-        camera: outside(),
-        shading: Shading {
+    let mut scene = Scene::new(
+        Arc::new(volume),
+        Arc::new(two_gaussians()),
+        outside(),
+        Shading {
             integrator: Integrator::ANALYTIC,
             overlap: WidgetBlend::Exact,
             silhouette: None,
             light: None,
         },
-        order: VisibilityOrder::Exact,
-    };
+        VisibilityOrder::Exact,
+    );
     change(&mut scene);
     HardScene { category, name: name.into(), scene }
 }

@@ -280,26 +280,29 @@ impl Subject {
         let shading = drawing::shading(&node.parameters).map_err(blame)?;
         let unknown = || node.locate(Error::run("the node that draws is fed by values of unknown types"));
         let (scene, order_node) = match inputs.as_slice() {
-            [volume, Value::TransferFunction(look), Value::Camera(camera)] => {
+            [volume, Value::TransferFunction(look), Value::Camera(camera), surfaces @ ..] => {
                 let volume = volume.volume().ok_or_else(unknown)?.map_err(blame)?;
                 let diagonal = if look.auto_unit_distance { diagonal(&volume.grid.points) } else { 0.0 };
                 let transfer_function = Arc::new(look.for_diagonal(diagonal));
                 let order = drawing::order(&node.parameters).map_err(blame)?;
-                (
-                    Scene { volume, transfer_function, camera: **camera, shading, order },
-                    Some(node.name.clone()),
-                )
+                let mut scene = Scene::new(volume, transfer_function, **camera, shading, order);
+                scene.clips = drawing::clips(&node.parameters).map_err(blame)?;
+                for surface in surfaces {
+                    let Value::Surface(surface) = surface else { return Err(unknown()) };
+                    scene.surfaces.push(surface.clone());
+                }
+                (scene, Some(node.name.clone()))
             }
             [Value::Projection(projected), Value::TransferFunction(_)] => {
                 let projected = projected.clone().downcast::<drawing::Projected>().map_err(|_| unknown())?;
                 let cells = projected.projection.cells();
-                let scene = Scene {
-                    volume: cells.volume.clone(),
-                    transfer_function: projected.transfer_function.clone(),
-                    camera: *projected.projection.camera(),
+                let scene = Scene::new(
+                    cells.volume.clone(),
+                    projected.transfer_function.clone(),
+                    *projected.projection.camera(),
                     shading,
-                    order: cells.ordering.requested(),
-                };
+                    cells.ordering.requested(),
+                );
                 (scene, sorting_node(graph, place))
             }
             _ => return Err(unknown()),

@@ -15,6 +15,7 @@ pub mod lit;
 pub mod looks;
 pub mod ordinary;
 mod scene;
+pub mod surfaces;
 pub mod widgets;
 pub mod worked_example;
 

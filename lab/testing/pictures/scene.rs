@@ -21,13 +21,7 @@ pub struct NamedScene {
 impl NamedScene {
     /// Scene as an engine takes it.
     pub fn drawn_by(&self, shading: &Shading, order: VisibilityOrder) -> scene::Scene {
-        scene::Scene {
-            volume: self.volume.clone(),
-            transfer_function: Arc::new(self.look.clone()),
-            camera: self.camera,
-            shading: *shading,
-            order,
-        }
+        scene::Scene::new(self.volume.clone(), Arc::new(self.look.clone()), self.camera, *shading, order)
     }
 }
 

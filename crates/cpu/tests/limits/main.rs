@@ -62,13 +62,7 @@ fn segment(front: [f64; 2], back: [f64; 2]) -> Segment<'static> {
 
 /// The scene of a volume as the referee sees it.
 fn scene(volume: Arc<Volume>, look: TransferFunction, camera: Camera) -> Scene {
-    Scene {
-        volume,
-        transfer_function: Arc::new(look),
-        camera,
-        shading: SHADING,
-        order: VisibilityOrder::Exact,
-    }
+    Scene::new(volume, Arc::new(look), camera, SHADING, VisibilityOrder::Exact)
 }
 
 fn drawn_exactly(volume: Arc<Volume>, look: TransferFunction, camera: Camera) -> Picture {

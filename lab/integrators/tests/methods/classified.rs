@@ -25,13 +25,13 @@ fn drawn(
     look: &TransferFunction,
     camera: Camera,
 ) -> Vec<[f32; 4]> {
-    let scene = Scene {
-        volume: volume.clone(),
-        transfer_function: Arc::new(look.clone()),
+    let scene = Scene::new(
+        volume.clone(),
+        Arc::new(look.clone()),
         camera,
-        shading: shading(VERTEX_SAMPLED),
-        order: VisibilityOrder::Exact,
-    };
+        shading(VERTEX_SAMPLED),
+        VisibilityOrder::Exact,
+    );
     on.draw(&scene, &RenderOptions::default(), &NoProgress).expect("draws").picture.rgba
 }
 

@@ -38,7 +38,7 @@ pub(super) fn scene_of(
     let transfer_function = Arc::new(look(rng, &volume, bounds[0].distance(bounds[1])));
     let shading = shading(rng);
     let camera = camera(rng, bounds);
-    Ok(Scene { volume: Arc::new(volume), transfer_function, camera, shading, order: VisibilityOrder::Exact })
+    Ok(Scene::new(Arc::new(volume), transfer_function, camera, shading, VisibilityOrder::Exact))
 }
 
 pub(super) struct Rng(Random);
