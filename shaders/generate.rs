@@ -425,11 +425,14 @@ const VALUES_KEPT: usize = 8;
 impl Block<'_> {
     fn finish_tiles(&mut self, order: TileOrder) {
         self.uses(&[match order {
-            TileOrder::Exact => "compositor/tiles_exact",
+            TileOrder::Exact | TileOrder::Cut => "compositor/tiles_exact",
             TileOrder::Listed => "compositor/tiles_listed",
             TileOrder::Sum => "compositor/tiles_sum",
         }]);
-        if order != TileOrder::Exact {
+        if matches!(order, TileOrder::Exact | TileOrder::Cut) {
+            let is_cut = order == TileOrder::Cut;
+            self.uses(&[if is_cut { "compositor/segments_cut" } else { "compositor/segments_whole" }]);
+        } else {
             let is_kept = self.shader_key.value_count() <= VALUES_KEPT;
             self.uses(&[if is_kept { "compositor/corners_kept" } else { "compositor/corners_read" }]);
         }

@@ -44,6 +44,8 @@ pub enum Blend {
 pub enum TileOrder {
     /// By entry, pixel by pixel.
     Exact,
+    /// Likewise, with surfaces and clips among them.
+    Cut,
     /// As the tile's list has them.
     Listed,
     /// In whatever order, since there is one colour.

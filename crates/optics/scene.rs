@@ -3,13 +3,13 @@
 use crate::ray_events::RayEvents;
 use crate::shading::{Ordering, Shading, VisibilityOrder};
 use std::sync::Arc;
-use voltet_core::Result;
 use voltet_core::camera::Camera;
 use voltet_core::clip::Clip;
 use voltet_core::progress::Progress;
 use voltet_core::surface::Surface;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
+use voltet_core::{Error, Result};
 
 /// A volume, how it is looked at, and from where.
 #[derive(Debug, Clone)]
@@ -59,8 +59,14 @@ impl Scene {
         !(self.surfaces.is_empty() && self.clips.is_empty())
     }
 
-    /// What rays through samples `offset` off the pixels' centres meet beside cells. Errors: those of [`RayEvents::new`].
+    /// What rays through samples `offset` off the pixels' centres meet beside cells. Errors: those of [`RayEvents::new`]; another order
+    /// than the exact one, in which nothing has its place.
     pub fn events(&self, offset: [f64; 2], progress: &dyn Progress) -> Result<Option<RayEvents>> {
+        if self.has_events() && self.order != VisibilityOrder::Exact {
+            return Err(Error::usage("surfaces and clips have their places in the exact order alone")
+                .got(format!("order = \"{}\"", self.order))
+                .expected("order = \"exact\""));
+        }
         RayEvents::new(&self.surfaces, &self.clips, &self.camera, offset, progress)
     }
 }

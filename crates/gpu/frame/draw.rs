@@ -24,7 +24,7 @@ pub fn draw(
     options: &RenderOptions,
     progress: &dyn Progress,
 ) -> Result<FrameOutput> {
-    inputs(renderer, scene, options)?.draw(progress)
+    inputs(renderer, scene, options, progress)?.draw(progress)
 }
 
 /// Frames of a grid in flight at most: as many pictures are held on their way back.
@@ -88,7 +88,7 @@ pub fn begin(
 ) -> Result<SubmittedFrame> {
     progress.check_cancelled()?;
     if let Some(mut slot) = FrameSlot::take(renderer) {
-        let inputs = inputs(renderer, scene, options)?;
+        let inputs = inputs(renderer, scene, options, progress)?;
         if let Some(submitted) = inputs.submit(slot.readback.get_or_insert_default())? {
             let (pending, scene, options) = (inputs.pending, scene.clone(), *options);
             let frame = PendingFrame { scene, options, pending, submitted, slot };

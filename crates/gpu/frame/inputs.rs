@@ -9,10 +9,12 @@ use crate::tables::TableKey;
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::camera::{Camera, Projection};
+use voltet_core::progress::Progress;
 use voltet_core::transfer::{Slab, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 use voltet_optics::engine::{Compositor, RenderOptions};
 use voltet_optics::integrators::Extent;
+use voltet_optics::ray_events::{RayEventKind, RayEvents};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Ordering, Shading};
 use voltet_shaders::{
@@ -37,6 +39,8 @@ pub(crate) struct FrameInputs<'a> {
     /// True if cells are sorted on the device.
     pub sorted: bool,
     pub samples: Vec<ViewRecord>,
+    /// Of each sample what stands behind the tiles' lists (`compositor/segments_cut.wgsl`); none where rays meet nothing but cells.
+    pub events: Vec<Vec<[u32; 2]>>,
     /// The output as far as it is known before readback.
     pub pending: PendingStats,
 }
@@ -60,6 +64,7 @@ pub(crate) fn inputs<'a>(
     renderer: &'a Renderer,
     scene: &Scene,
     options: &RenderOptions,
+    progress: &dyn Progress,
 ) -> Result<FrameInputs<'a>> {
     let Scene { volume, transfer_function, camera, shading, .. } = scene;
     let grid = &renderer.grid;
@@ -100,7 +105,7 @@ pub(crate) fn inputs<'a>(
     let is_free = is_free(compositor);
     let sort_key = match ordering {
         _ if is_free => 2,
-        _ if compositor == CompositorProgram::Tiles(TileOrder::Exact) => 0,
+        _ if matches!(compositor, CompositorProgram::Tiles(TileOrder::Exact | TileOrder::Cut)) => 0,
         Ordering::CellCentroid => 1,
         // What comes in its order needs no key.
         _ => 2,
@@ -115,6 +120,12 @@ pub(crate) fn inputs<'a>(
     };
     let samples: Vec<ViewRecord> = camera.sample_offsets().iter().map(sample).collect::<Result<_>>()?;
     samples.iter().take(1).try_for_each(|view| grid.flat_cells.check(volume, transfer_function, view))?;
+    let mut events = Vec::new();
+    for (offset, view) in camera.sample_offsets().into_iter().zip(&samples).filter(|_| scene.has_events()) {
+        events.extend(
+            scene.events(offset, progress)?.map(|events| stored(&events, grid.length, view.distance)),
+        );
+    }
     let shader = compose(&shader_key);
     let by_tiles = compositing == Compositor::Tiles;
     let (parts_left_out, part_bytes_left_out) = parts_left_out(&shader);
@@ -145,9 +156,25 @@ pub(crate) fn inputs<'a>(
         support,
         sorted: !is_free && (sort_key != 2 || by_tiles),
         samples,
+        events,
         scalar: scalar.clone(),
         attributes,
     })
+}
+
+/// Events as the device reads them. `length`: world units in a scene length; `distance`: depth of the view's base.
+fn stored(events: &RayEvents, length: f64, distance: f32) -> Vec<[u32; 2]> {
+    let ranges = events.first().windows(2).map(|ends| [ends[0], ends[1]]);
+    let pairs = events.all().iter().flat_map(|event| {
+        let [r, g, b, a] = match event.kind {
+            RayEventKind::Surface(rgba) => rgba,
+            RayEventKind::Hide => [0.0, 0.0, 0.0, -1.0],
+            RayEventKind::Show => [0.0, 0.0, 0.0, -2.0],
+        };
+        let depth = (event.depth / length - f64::from(distance)) as f32;
+        [[depth, r], [g, b], [a, 0.0]].map(|pair| pair.map(f32::to_bits))
+    });
+    ranges.chain(pairs).collect()
 }
 
 /// The compositor; tiles where none is requested, or one that does not make the scene's order.
@@ -178,7 +205,7 @@ pub(crate) fn shader_key(
     let Scene { transfer_function, shading, .. } = scene;
     let compositing = compositing(scene, options);
     let ordering = ordering(scene, options);
-    let compositor = compositor(transfer_function, shading, compositing, ordering, options.exhaustive)?;
+    let compositor = compositor(scene, compositing, ordering, options.exhaustive)?;
     if compositing != Compositor::Tiles {
         grid.device.check_blending(compositing, grid.cell_count.into())?;
     }
@@ -236,21 +263,25 @@ fn is_free(compositor: CompositorProgram) -> bool {
 
 /// With one colour that no light changes, C = c A whatever the order: none is made, unless nothing may be left out.
 fn compositor(
-    transfer_function: &TransferFunction,
-    shading: &Shading,
+    scene: &Scene,
     compositing: Compositor,
     ordering: Ordering,
     exhaustive: bool,
 ) -> Result<CompositorProgram> {
+    let Scene { transfer_function, shading, .. } = scene;
+    let is_cut = scene.has_events();
     let shader_key = ShaderKey::new(transfer_function, shading, CompositorProgram::None)?;
     let lit = shading.light.is_some_and(|light| light.diffuse != 0.0);
     let known = !shader_key.method.is_table_of_lengths();
     let needed = !known || !matches!(shader_key.combine, Combine::OneColor | Combine::Nothing) || lit;
-    let free = !needed && !exhaustive;
+    let free = !needed && !exhaustive && !is_cut;
     // One number a pixel is enough where order is of no account.
     let blend = if free { Blend::Sum } else { Blend::Over };
     Ok(match (compositing, ordering) {
         (Compositor::Tiles, _) if free => CompositorProgram::Tiles(TileOrder::Sum),
+        (Compositor::Tiles, Ordering::Independent | Ordering::PerPixel) if is_cut => {
+            CompositorProgram::Tiles(TileOrder::Cut)
+        }
         (Compositor::Tiles, Ordering::Independent | Ordering::PerPixel) => {
             CompositorProgram::Tiles(TileOrder::Exact)
         }

@@ -32,6 +32,9 @@ pub(crate) struct Passes<'a> {
     last: Last,
     view: Buffer,
     counts: Buffer,
+    entries: Buffer,
+    /// Of each sample, for behind the lists.
+    events: &'a [Vec<[u32; 2]>],
     pixels: Buffer,
     returned: Buffer,
     returned_counts: Buffer,
@@ -77,7 +80,9 @@ impl<'a> Passes<'a> {
             attributes: parted(&mut buffers.attributes, GridArray::Attributes)?,
             bounds: parted(&mut buffers.bounds, GridArray::Bounds)?,
         };
-        let entries = buffers.entries.at_least(u64::from(capacity) * 8, storage("the tiles' lists"))?;
+        let events = frame.events.iter().map(|events| events.len() as u64).max().unwrap_or(0);
+        let entries =
+            buffers.entries.at_least((u64::from(capacity) + events) * 8, storage("the tiles' lists"))?;
         let pixels_bytes = frame.window_bytes(window, buffers.keeps_states);
         let pixels = buffers.picture.at_least(pixels_bytes, storage("the picture"))?;
         let counts = buffers.counts.at_least(TILES_COUNTED_AT + tiles * 4, storage("the tiles' counts"))?;
@@ -164,6 +169,8 @@ impl<'a> Passes<'a> {
             last,
             view,
             counts,
+            entries,
+            events: &frame.events,
             pixels,
             returned,
             returned_counts,
@@ -172,9 +179,16 @@ impl<'a> Passes<'a> {
         })
     }
 
-    /// All passes of a sample. The first one of a pixel clears the counts.
-    pub fn submit(&self, record: &ViewRecord, timing: &mut Timing) -> Result<SubmissionIndex> {
+    /// All passes of a sample, by its number. The first one of a pixel clears the counts.
+    pub fn submit(&self, number: usize, record: &ViewRecord, timing: &mut Timing) -> Result<SubmissionIndex> {
         self.encode(record, timing, |encoder, timing| {
+            if let Some(events) = self.events.get(number) {
+                self.device.write(
+                    &self.entries,
+                    u64::from(record.capacity) * 8,
+                    bytemuck::cast_slice(events),
+                );
+            }
             let kept = if record.is_first == 1 { 0 } else { TILES_COUNTED_AT };
             encoder.clear_buffer(&self.counts, kept, None);
             self.points.run(encoder, timing);
@@ -313,9 +327,10 @@ impl FrameInputs<'_> {
         self.renderer.buffers().keeps_states
     }
 
-    /// Bytes of a window's pixels with their states: a state is two vectors, a pixel one.
+    /// Bytes of a window's pixels with their states: a state is two vectors, or three with events; a pixel is one.
     pub fn window_bytes(&self, window: [u32; 4], keeps_states: bool) -> u64 {
-        self.picture_bytes(window) * if keeps_states { 3 } else { 1 }
+        let state = if self.events.is_empty() { 2 } else { 3 };
+        self.picture_bytes(window) * if keeps_states { 1 + state } else { 1 }
     }
 
     /// Draws one window; `None` where its lists or its pixels' states do not fit one binding, or a cell has more tiles in it
@@ -408,7 +423,7 @@ impl FrameInputs<'_> {
         let mut last = None;
         for (number, sample) in self.samples.iter().enumerate() {
             let record = self.record(number, sample, window, capacity, budget);
-            last = Some(passes.submit(&record, &mut Timing::default())?);
+            last = Some(passes.submit(number, &record, &mut Timing::default())?);
         }
         let longest = if self.device().is_software && self.sorted { LONGEST_SOFTWARE } else { u32::MAX };
         Ok(Some(SubmittedPicture {
@@ -440,7 +455,7 @@ impl FrameInputs<'_> {
         let is_right = |counted: &[u32; counters::ALL]| is_right(counted, capacity);
         for (number, sample) in self.samples.iter().enumerate() {
             let mut record = self.record(number, sample, window, capacity, budget);
-            passes.submit(&record, timing)?;
+            passes.submit(number, &record, timing)?;
             record.goes_on = 1;
             // Without states a dispatch cannot go on: the caller finds that out from the counts.
             if goes_on {

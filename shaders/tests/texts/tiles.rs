@@ -14,7 +14,7 @@ use voltet_shaders::{
 };
 use voltet_testing::random::widget_of_each_kind;
 
-const ORDERS: [TileOrder; 3] = [TileOrder::Exact, TileOrder::Listed, TileOrder::Sum];
+const ORDERS: [TileOrder; 4] = [TileOrder::Exact, TileOrder::Cut, TileOrder::Listed, TileOrder::Sum];
 
 /// Scenes of each kind, with a region and without, and of two widgets, under both models.
 fn scenes() -> Vec<TransferFunction> {
@@ -118,7 +118,10 @@ fn tiles_are_valid_for_every_kind_light_and_integrator() {
                 }
                 let lit = shading.light.is_some() || shading.silhouette.is_some();
                 assert_eq!(shader.text.contains("let gradient ="), lit);
-                assert_eq!(shader.text.contains("pending"), order == TileOrder::Exact);
+                assert_eq!(
+                    shader.text.contains("pending"),
+                    matches!(order, TileOrder::Exact | TileOrder::Cut)
+                );
                 if let Some(module) = validate_numbered(&shader, texts.len()) {
                     check_buffers(&module, &shader_key);
                     assert_eq!(module.entry_points.len(), 1);

@@ -147,7 +147,7 @@ const CLOSED = 0xffffffffu;
 
 // Where a pixel's state stands in `picture`.
 fn state_place(pixel: vec2u) -> u32 {
-    return view.window.z * view.window.w * TILE * TILE + 2u * place_of(pixel);
+    return view.window.z * view.window.w * TILE * TILE + STATE_VECTORS * place_of(pixel);
 }
 
 // The state that a dispatch begins with; `fresh` where none came before.

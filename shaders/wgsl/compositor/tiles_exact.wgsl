@@ -1,4 +1,4 @@
-// Uses: compositor/tiles, passes/screen. Fills: compositor.
+// Uses: compositor/tiles, passes/screen. Fills: compositor. Asks for: cutting.
 // Tiles in the exact order: each pixel's segments by entry, then by exit, then by number of the cell.
 //
 // The list is sorted by nearest depth. A pixel holds the nearest PENDING segments that it has met; those that begin
@@ -122,6 +122,7 @@ fn composite_tiles(
     let nowhere = Key(FAR, FAR, CLOSED);
     let state = state_of(pixel, State(composite_start(), vec2f(-FAR), 0u, is_in_picture(pixel)));
     var sum = state.sum;
+    var cursor = cursor_of(pixel);
     // What was composited lies before `low`.
     var low = Key(state.kept.x, state.kept.y, state.number);
     let begins_open = state.open;
@@ -182,8 +183,7 @@ fn composite_tiles(
                         break;
                     }
                     waiting--;
-                    let found = shade_again(key.cell, vec2f(key.entry, key.exit), ray);
-                    sum = composite_add(sum, found.color, found.opacity);
+                    sum = composite_cell(sum, key.cell, vec2f(key.entry, key.exit), ray, &cursor);
                     segment_count++;
                     work += SEGMENT_WORK;
                     if sum.transparency < OPAQUE {
@@ -237,8 +237,10 @@ fn composite_tiles(
         is_first_sweep = false;
     }
     keep_state(pixel, State(sum, vec2f(low.entry, low.exit), low.cell, open));
+    keep_cursor(pixel, cursor);
     if begins_open && !open {
-        put(pixel, sum.color, composite_opacity(sum));
+        let whole = composite_rest(sum, cursor);
+        put(pixel, whole.color, composite_opacity(whole));
     }
     count_tile(segment_count, stops, hidden, lane);
 }

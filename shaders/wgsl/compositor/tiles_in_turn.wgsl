@@ -1,6 +1,9 @@
 // Uses: compositor/tiles. Fills: compositor. Asks for: gathering, chunk_corners.
 // Tiles that take their list once, from its start to its end.
 
+// Vectors of a pixel's state.
+const STATE_VECTORS = 2u;
+
 // What a pixel has gathered: colours over one another, and two numbers that `gathering` gives their sense.
 struct Gathered {
     sum: Composite,

@@ -10,6 +10,7 @@ mod limits;
 mod moved;
 mod parts;
 mod raster;
+mod surfaces;
 mod triangles;
 mod webgpu;
 
