@@ -81,6 +81,19 @@ impl ClipShape {
         }
     }
 
+    /// True if a point is inside.
+    pub fn contains(&self, p: DVec3) -> bool {
+        match *self {
+            ClipShape::Plane { origin, normal } => (p - origin).dot(normal) >= 0.0,
+            ClipShape::Box { low, high } => low.cmple(p).all() && p.cmple(high).all(),
+            ClipShape::Sphere { centre, radius } => p.distance(centre) <= radius,
+            ClipShape::Cylinder { from, to, radius } => {
+                let along = (p - from).dot(to - from) / (to - from).length_squared();
+                (0.0..=1.0).contains(&along) && p.distance(from + along * (to - from)) <= radius
+            }
+        }
+    }
+
     /// The range of t in which origin + t · direction is inside; none where it nowhere is.
     pub fn inside(&self, origin: DVec3, direction: DVec3) -> Option<[f64; 2]> {
         let range = match *self {
@@ -115,11 +128,11 @@ fn above(o: f64, d: f64) -> [f64; 2] {
         d if d > 0.0 => [t, f64::INFINITY],
         d if d < 0.0 => [f64::NEG_INFINITY, t],
         _ if o >= 0.0 => [f64::NEG_INFINITY, f64::INFINITY],
-        _ => NOWHERE,
+        _ => EMPTY_RANGE,
     }
 }
 
-const NOWHERE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+const EMPTY_RANGE: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
 fn both(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [a[0].max(b[0]), a[1].min(b[1])]
@@ -129,13 +142,13 @@ fn both(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 fn within(o: DVec3, d: DVec3, radius: f64) -> [f64; 2] {
     let square = d.length_squared();
     if square == 0.0 {
-        return if o.length() <= radius { [f64::NEG_INFINITY, f64::INFINITY] } else { NOWHERE };
+        return if o.length() <= radius { [f64::NEG_INFINITY, f64::INFINITY] } else { EMPTY_RANGE };
     }
     // From the point nearest to the centre: no difference of large squares.
     let middle = -o.dot(d) / square;
     let nearest = o + middle * d;
     let half = (radius * radius - nearest.length_squared()) / square;
-    if half > 0.0 { [middle - half.sqrt(), middle + half.sqrt()] } else { NOWHERE }
+    if half > 0.0 { [middle - half.sqrt(), middle + half.sqrt()] } else { EMPTY_RANGE }
 }
 
 /// The parts of a ray that every clip keeps, from t = `near` on: ranges of t, rising.
@@ -172,18 +185,6 @@ mod tests {
         ]
     }
 
-    fn is_inside(shape: &ClipShape, p: DVec3) -> bool {
-        match *shape {
-            ClipShape::Plane { origin, normal } => (p - origin).dot(normal) >= 0.0,
-            ClipShape::Box { low, high } => low.cmple(p).all() && p.cmple(high).all(),
-            ClipShape::Sphere { centre, radius } => p.distance(centre) <= radius,
-            ClipShape::Cylinder { from, to, radius } => {
-                let along = (p - from).dot(to - from) / (to - from).length_squared();
-                (0.0..=1.0).contains(&along) && p.distance(from + along * (to - from)) <= radius
-            }
-        }
-    }
-
     /// Points of many rays are kept where the definition of every clip says so.
     #[test]
     fn rays_are_kept_where_their_points_are() {
@@ -200,7 +201,7 @@ mod tests {
             for step in 0..300 {
                 let t = 0.01 * f64::from(step) + 0.003;
                 let p = origin + t * direction;
-                let expected = clips.iter().all(|clip| is_inside(&clip.shape, p) != clip.invert);
+                let expected = clips.iter().all(|clip| clip.shape.contains(p) != clip.invert);
                 let found = kept.iter().any(|[from, to]| (*from..=*to).contains(&t));
                 assert_eq!(found, expected, "{clips:?} at {p}");
             }

@@ -25,7 +25,7 @@ pub struct FrameRenderer<'a> {
     pub(crate) table_bytes: u64,
 }
 
-/// What a view's rays have besides cells.
+/// Inputs of a view's rays beside cells.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct RayInputs<'a> {
     pub depth_limit: Option<&'a [f32]>,
@@ -221,7 +221,7 @@ fn add(picture: &mut Picture, tiles: &[Option<&TilePicture>], events: Option<&Ra
                 (None, None) => continue,
                 (None, Some(events)) => {
                     let mut alone = [0.0; 4];
-                    composite_behind(events.of(i, j), &mut alone);
+                    composite_behind(events.of_pixel(i, j), &mut alone);
                     alone
                 }
             };

@@ -1,5 +1,5 @@
-//! What a pixel's ray meets beside cells: surfaces, and the ends of the parts that clips keep. Engines cut segments there, and composite
-//! a surface's colour in its place.
+//! Events along a pixel's ray beside its cells: surfaces, and the ends of the parts that clips keep. Engines cut segments there, and
+//! composite a surface's colour in its place.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -10,12 +10,12 @@ use voltet_core::progress::Progress;
 use voltet_core::surface::Surface;
 use voltet_core::{Error, Result};
 
-/// One of them.
+/// An event along a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RayEvent {
     /// Depth from the eye along the view direction, world units.
     pub depth: f64,
-    /// What happens there.
+    /// Kind of the event.
     pub kind: RayEventKind,
 }
 
@@ -34,7 +34,7 @@ pub enum RayEventKind {
 #[derive(Debug)]
 pub struct RayEvents {
     size: [usize; 2],
-    /// Where each pixel's begin, row by row, and where the last one's end.
+    /// First event of each pixel, row by row, and the end of the last one's.
     first: Vec<u32>,
     events: Vec<RayEvent>,
 }
@@ -60,7 +60,8 @@ impl RayEvents {
         surfaces.iter().try_for_each(|surface| surface.check())?;
         clips.iter().try_for_each(|clip| clip.shape.check())?;
         let rays = Rays { frame: camera.frame()?, camera, offset };
-        let seen: Vec<Seen<'_>> = surfaces.iter().map(|surface| Seen::new(surface, &rays)).collect();
+        let seen: Vec<ScreenSurface<'_>> =
+            surfaces.iter().map(|surface| ScreenSurface::new(surface, &rays)).collect();
         let [width, height] = camera.size.map(|n| n as usize);
         let band = |number: usize| {
             let rows = number * BAND..((number + 1) * BAND).min(height);
@@ -104,19 +105,19 @@ impl RayEvents {
         Ok(Some(RayEvents { size: [width, height], first, events }))
     }
 
-    /// Where the events of a pixel's ray begin and end among [`RayEvents::all`].
+    /// Range of a pixel's events among [`RayEvents::all`].
     pub fn range_of(&self, i: usize, j: usize) -> [u32; 2] {
         let pixel = j * self.size[0] + i;
         [self.first[pixel], self.first[pixel + 1]]
     }
 
     /// The events of a pixel's ray.
-    pub fn of(&self, i: usize, j: usize) -> &[RayEvent] {
+    pub fn of_pixel(&self, i: usize, j: usize) -> &[RayEvent] {
         let [first, end] = self.range_of(i, j).map(|at| at as usize);
         &self.events[first..end]
     }
 
-    /// Where each pixel's events begin among [`RayEvents::all`], row by row, and where the last one's end.
+    /// First of each pixel's events among [`RayEvents::all`], row by row, and the end of the last one's.
     pub fn first(&self) -> &[u32] {
         &self.first
     }
@@ -202,16 +203,16 @@ impl Rays<'_> {
 }
 
 /// A surface as a view sees it.
-struct Seen<'a> {
+struct ScreenSurface<'a> {
     surface: &'a Surface,
     /// Points from the eye: right, up, forward.
     points: Vec<DVec3>,
-    /// Of each band the triangles that may be met in it, with the pixels that they may cover: columns and rows from … to before.
+    /// Triangles that may be met in each band, with the pixels that they may cover: columns and rows from … to before.
     bands: Vec<Vec<(u32, [u16; 4])>>,
 }
 
-impl<'a> Seen<'a> {
-    fn new(surface: &'a Surface, rays: &Rays<'_>) -> Seen<'a> {
+impl<'a> ScreenSurface<'a> {
+    fn new(surface: &'a Surface, rays: &Rays<'_>) -> ScreenSurface<'a> {
         let Frame { right, up, forward, .. } = rays.frame;
         let seen = |p: &DVec3| {
             let q = *p - rays.camera.eye;
@@ -230,7 +231,7 @@ impl<'a> Seen<'a> {
                 band.push((number as u32, covered));
             }
         }
-        Seen { surface, points, bands }
+        ScreenSurface { surface, points, bands }
     }
 
     /// Finds the surface's events in a band, as pixels from its first one on.

@@ -59,7 +59,7 @@ impl Scene {
         !(self.surfaces.is_empty() && self.clips.is_empty())
     }
 
-    /// What rays through samples `offset` off the pixels' centres meet beside cells. Errors: those of [`RayEvents::new`]; another order
+    /// Events of rays through samples `offset` off the pixels' centres. Errors: those of [`RayEvents::new`]; another order
     /// than the exact one, in which nothing has its place.
     pub fn events(&self, offset: [f64; 2], progress: &dyn Progress) -> Result<Option<RayEvents>> {
         if self.has_events() && self.order != VisibilityOrder::Exact {

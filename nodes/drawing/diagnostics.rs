@@ -1,6 +1,7 @@
 //! Findings of the nodes that draw: counts of a picture, whatever engine counted them; bands of the transfer function that are finer than
 //! the cells; parts of a scene that a picture does not show, with the reason and the remedy.
 
+use glam::DVec3;
 use rayon::prelude::*;
 use serde_json::json;
 use std::sync::Arc;
@@ -147,7 +148,7 @@ pub fn warnings(scene: &Scene, counts: &RenderStats, picture: &Picture) -> Vec<S
     warnings.extend(match seen.max {
         0.0 => Some(format!("the picture is empty: {}", why_empty(scene, counts))),
         most if most < STEP => Some(nearly_empty(most, seen.opacity)),
-        _ if seen.opaque as f64 >= OPAQUE_SHARE * seen.shown as f64 => Some(
+        _ if scene.surfaces.is_empty() && seen.opaque as f64 >= OPAQUE_SHARE * seen.shown as f64 => Some(
             "every pixel that shows anything is opaque: what lies behind the first cells is hidden. A smaller extinction or a \
              larger unit_distance shows the inside"
                 .into(),
@@ -225,6 +226,10 @@ fn why_empty(scene: &Scene, counts: &RenderStats) -> String {
     if !widgets.iter().any(|widget| widget.is_drawn()) {
         return "the extinction of every widget is 0. Give one an extinction above it".into();
     }
+    let is_kept = |p: &DVec3| scene.clips.iter().all(|clip| clip.shape.contains(*p) != clip.invert);
+    if !scene.volume.grid.points.par_iter().any(is_kept) {
+        return "no point of the grid lies where all of the clips keep the volume; an inverted clip keeps what is outside".into();
+    }
     let total = scene.volume.grid.tetrahedra.len() as u64;
     let cells = counted(total, "cell");
     let untouched = counts.culled_by_transfer_function.unwrap_or(0);
@@ -279,7 +284,7 @@ fn values(scene: &Scene) -> String {
 
 fn where_to_look(scene: &Scene) -> String {
     let Some([low, high]) = scene.volume.grid.bounds() else { return "at the grid".into() };
-    let vector = |v: glam::DVec3| format!("[{}, {}, {}]", v.x, v.y, v.z);
+    let vector = |v: DVec3| format!("[{}, {}, {}]", v.x, v.y, v.z);
     format!(
         "at the grid, which reaches from {} to {}: target = {}",
         vector(low),

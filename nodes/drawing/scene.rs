@@ -76,7 +76,7 @@ pub const PARAMETERS: [Parameter; 4] = [
     },
 ];
 
-/// What is cut away, for the declarations of the nodes that draw from a volume.
+/// The parameter that cuts the volume, for the declarations of the nodes that draw from a volume.
 pub const CLIP: Parameter = Parameter {
     name: "clip",
     parameter_type: ParameterType::Kinds(&[

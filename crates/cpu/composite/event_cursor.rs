@@ -6,14 +6,14 @@ use crate::fragments::batch::{BATCH, Batch};
 use crate::tile::{PIXELS, TILE, TilePicture, TileRect};
 use voltet_optics::ray_events::{RayEvent, RayEventKind, RayEvents, composite_behind};
 
-/// How far the events of a tile's pixels have been taken.
+/// Cursors of a tile's pixels: the events of each that have been taken.
 pub(crate) struct EventCursors {
     pixels: [Cursor; PIXELS],
-    /// What each lane of the batch's slices has, front to back.
+    /// Parts of each lane of the batch's slices, front to back.
     lanes: [Vec<Part>; TILE],
 }
 
-/// How far those of a pixel have been taken.
+/// Cursor of a pixel among its events.
 #[derive(Clone, Copy, Default)]
 struct Cursor {
     /// The next, and the end, among all of the view.
@@ -154,7 +154,7 @@ pub(crate) fn surfaces_of(
     frame: &FrameContext<'_>,
     [i, j]: [usize; 2],
 ) -> impl Iterator<Item = (f32, [f32; 4])> {
-    let events = frame.events.map_or(&[][..], |events| events.of(i, j));
+    let events = frame.events.map_or(&[][..], |events| events.of_pixel(i, j));
     events.iter().filter_map(|event| match event.kind {
         RayEventKind::Surface(rgba) => Some((depth_of(event, frame), rgba)),
         RayEventKind::Hide | RayEventKind::Show => None,

@@ -60,11 +60,11 @@ pub(crate) struct RowShader {
     /// Directions of the tile's rays, where light reads them.
     pub rays: Rays,
     pub depth_limits: DepthLimits,
-    /// Where surfaces or clips are among the segments.
+    /// Scratch memory for surfaces and clips, if there are any.
     pub events: Option<Box<EventShader>>,
 }
 
-/// What [`RowShader`] needs for events.
+/// Scratch memory of [`RowShader`] for events.
 pub(crate) struct EventShader {
     pub cursors: EventCursors,
     /// Parts of the batch's segments.

@@ -39,7 +39,7 @@ pub(crate) struct FrameInputs<'a> {
     /// True if cells are sorted on the device.
     pub sorted: bool,
     pub samples: Vec<ViewRecord>,
-    /// Of each sample what stands behind the tiles' lists (`compositor/segments_cut.wgsl`); none where rays meet nothing but cells.
+    /// Words that stand behind the tiles' lists, by sample (`compositor/segments_cut.wgsl`); none where rays meet nothing but cells.
     pub events: Vec<Vec<[u32; 2]>>,
     /// The output as far as it is known before readback.
     pub pending: PendingStats,

@@ -33,7 +33,7 @@ pub(crate) struct Passes<'a> {
     view: Buffer,
     counts: Buffer,
     entries: Buffer,
-    /// Of each sample, for behind the lists.
+    /// Words behind the lists, by sample.
     events: &'a [Vec<[u32; 2]>],
     pixels: Buffer,
     returned: Buffer,

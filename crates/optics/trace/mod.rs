@@ -72,7 +72,7 @@ impl Crossing {
     }
 }
 
-/// What a ray meets beside cells.
+/// Event along a ray beside its cells.
 struct Event {
     /// z, internal units.
     depth: f64,
@@ -494,7 +494,7 @@ impl<'a> Tracer<'a> {
         Ok(seen)
     }
 
-    /// What a ray meets beside cells, in order. Tries every triangle.
+    /// Events of a ray, in order. Tries every triangle.
     fn events(&self, ray: &Ray) -> Vec<Event> {
         let mut events = Vec::new();
         let direction = self.world_direction(ray);
