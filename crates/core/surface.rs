@@ -28,7 +28,7 @@ pub enum Paint {
     Uniform([f64; 3]),
     /// A map's colours over a range of values; beyond it those of its ends.
     Mapped {
-        /// Of each point; linear in a triangle.
+        /// One a point; linear in a triangle.
         values: Vec<f64>,
         /// Values of the map's first and last colour.
         range: [f64; 2],
