@@ -6,11 +6,14 @@
 //! | [`drawing`] | what the nodes that draw share |
 //! | [`files`] | writing whole files |
 //! | [`in_memory_grid`] | grids that a program holds in memory |
+//! | [`surfacing`] | what the nodes that make surfaces share |
 //! | [`relative`] | numbers relative to data: ranges and percentiles |
 
 mod bands;
+mod boundary;
 mod camera;
 mod composite;
+mod contour;
 mod cull;
 pub mod drawing;
 pub mod external_formats;
@@ -28,7 +31,10 @@ mod reader;
 pub mod relative;
 mod renderer;
 mod report_writer;
+mod slice;
 mod sort;
+mod surface_reader;
+pub mod surfacing;
 mod transfer_function;
 mod wavelet;
 
@@ -51,6 +57,10 @@ pub static NODES: &[&Node] = &[
     &histogram::NODE,
     &transfer_function::NODE,
     &bands::NODE,
+    &contour::NODE,
+    &slice::NODE,
+    &boundary::NODE,
+    &surface_reader::NODE,
     &camera::NODE,
     &cull::NODE,
     &sort::NODE,

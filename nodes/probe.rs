@@ -241,7 +241,8 @@ pub const PARAMETERS: &[Parameter] = &[
     },
 ];
 
-const POSITION: Parameter = Parameter {
+/// A place, also by shares of the bounds.
+pub(crate) const POSITION: Parameter = Parameter {
     name: "",
     parameter_type: ParameterType::Measured(&RelativeNumberType {
         plain: ParameterType::Numbers(Some(3), Range::ANY),
@@ -269,8 +270,7 @@ pub fn fields(p: &Parameters) -> Result<Option<Vec<String>>> {
 
 /// The parameters with places for percentages of the grid's bounds, and a radius for one of their diagonal.
 pub fn placed(p: &Parameters, grid: &Grid) -> Result<Parameters> {
-    let none = || Error::run("the grid has no points, so nothing can be relative to its bounds");
-    resolved(p, &SpatialRegion(grid.bounds().ok_or_else(none)?))
+    resolved(p, &SpatialRegion::from_grid(grid)?)
 }
 
 /// Checks the region as far as it can be before the grid is known: whether a box that mixes percentages and numbers is empty
@@ -284,7 +284,15 @@ pub fn check_region(p: &Parameters) -> Result<()> {
 }
 
 /// The bounds of a grid.
-struct SpatialRegion([DVec3; 2]);
+pub(crate) struct SpatialRegion([DVec3; 2]);
+
+impl SpatialRegion {
+    /// Errors: the grid has no points.
+    pub fn from_grid(grid: &Grid) -> Result<SpatialRegion> {
+        let none = || Error::run("the grid has no points, so nothing can be relative to its bounds");
+        grid.bounds().map(SpatialRegion).ok_or_else(none)
+    }
+}
 
 impl DataStatistics for SpatialRegion {
     fn range(&self, quantity: &ArrayRef) -> Result<[f64; 2]> {

@@ -216,7 +216,7 @@ pub(crate) fn request(p: &Parameters, chosen: Option<SelectedArrays>) -> Result<
 }
 
 /// Finds out before any work whether the file is there, and which name was meant if not.
-fn refuse_missing(path: &Path) -> Result<()> {
+pub(crate) fn refuse_missing(path: &Path) -> Result<()> {
     let Err(error) = std::fs::File::open(path) else { return Ok(()) };
     let expected = format!("{} (paths are relative to the pipeline file)", existing_file(path));
     Err(Error::run("the data file cannot be opened").got(error).expected(expected).in_file(path))

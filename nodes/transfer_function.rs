@@ -89,7 +89,7 @@ pub const NODE: Node = Node {
 };
 
 /// Files of widgets, found by a function; only the run touches them.
-struct FilesFrom<'a>(&'a dyn Fn(&str) -> PathBuf);
+pub(crate) struct FilesFrom<'a>(pub &'a dyn Fn(&str) -> PathBuf);
 
 impl LoadFiles for FilesFrom<'_> {
     fn image(&self, path: &str) -> Result<(usize, usize, Vec<[f32; 4]>)> {

@@ -254,7 +254,7 @@ impl Scale {
 
 /// True if a text of this name is that of an array: declarations say that it is a text.
 fn names_array(name: &str) -> bool {
-    ["scalar", "array", "arrays", "field", "fields", "magnitude", "cell_arrays", "point_arrays"]
+    ["scalar", "array", "color_by", "arrays", "field", "fields", "magnitude", "cell_arrays", "point_arrays"]
         .contains(&name)
 }
 

@@ -205,8 +205,13 @@ impl FoundStatistics {
 
 /// Demand on a volume for these statistics.
 fn demand(wanted: &StatisticsRequest) -> Demand {
+    demand_for(wanted.quantities())
+}
+
+/// Demand on a volume for these quantities.
+pub(crate) fn demand_for<'a>(quantities: impl IntoIterator<Item = &'a ArrayRef>) -> Demand {
     let mut demand = Demand::default();
-    for quantity in wanted.quantities() {
+    for quantity in quantities {
         match quantity {
             ArrayRef::Array(name) => demand.arrays.named.extend([name.clone()]),
             ArrayRef::Named("g") => demand.gradient_magnitude = true,
@@ -221,7 +226,7 @@ pub fn values<'a>(volume: &'a Volume, quantity: &ArrayRef) -> Result<&'a [f64]> 
     match quantity {
         ArrayRef::Array(name) => Ok(&volume.grid.point_array(name, 1)?.values),
         ArrayRef::Named("g") => volume.gradient_magnitude.as_ref().map(|g| g.as_slice()).ok_or_else(|| {
-            Error::usage("numbers are relative to the gradient magnitude, and the volume has none")
+            Error::usage("the gradient magnitude is looked at, and the volume has none")
                 .expected("a node of type \"gradient-magnitude\" before the input 'volume'")
         }),
         ArrayRef::Named(_) | ArrayRef::Per(..) => Ok(&volume.scalar),
@@ -229,7 +234,7 @@ pub fn values<'a>(volume: &'a Volume, quantity: &ArrayRef) -> Result<&'a [f64]> 
 }
 
 /// The volume below each value of a quantity.
-fn volumes(volume: &Volume, quantity: &ArrayRef, progress: &dyn Progress) -> Result<Volumes> {
+pub(crate) fn volumes(volume: &Volume, quantity: &ArrayRef, progress: &dyn Progress) -> Result<Volumes> {
     Volumes::new(&volume.grid, values(volume, quantity)?, progress)
         .map_err(|error| with_array_name(quantity, error))
 }

@@ -1,14 +1,17 @@
-//! Grids: points, cells as a file gives them, and the tetrahedra that are drawn.
+//! Grids: points, cells as a file gives them, the tetrahedra that are drawn, and surfaces of them: contours and the boundary.
 
 mod adjacency;
+mod boundary;
 mod build;
 mod carve;
 mod cell_types;
 mod cell_values;
+mod contour;
 mod curved;
 pub mod extent;
 mod faces;
 pub mod generate;
+mod grid_surface;
 mod overlap;
 mod parts;
 mod pieces;
@@ -19,13 +22,17 @@ mod split;
 mod tetrahedra;
 
 pub use adjacency::{Csr, Neighbours, cells_of_faces, cells_of_points, points_of_points, sum_over_cells};
+pub use boundary::boundary;
 pub use build::build;
 pub use cell_types::{CellType, code, describe_counts};
+pub use contour::contour;
+pub use grid_surface::{EdgePoint, GridSurface, point_normals};
 pub use parts::{
     Array, Association, CellSet, CellValues, Cells, FileCells, ImportStats, Options, Polyhedron, RawGrid,
     Scalar, is_drawn, structured_corners,
 };
 pub use pieces::{into_set, join};
+pub use polygon::triangles_of_polygon;
 pub use tetrahedra::{GhostCells, Grid, tetrahedron_volume};
 
 #[cfg(test)]

@@ -6,6 +6,22 @@ use glam::DVec3;
 /// A triangle by its points' numbers; of a surface, counter-clockwise from outside.
 pub(super) type Triangle = [u32; 3];
 
+/// Corners of a polygon at most for which a better cut than a plain fan is looked for: it takes up to their cube.
+const MAX_CORNERS: usize = 256;
+
+/// Triangles of a polygon: a fan that turns one way, else ears; `None` where it crosses itself, or has too many corners to tell.
+pub fn triangles_of_polygon(corners: &[u32], points: &[DVec3]) -> Option<Vec<Triangle>> {
+    if corners.len() > MAX_CORNERS {
+        return None;
+    }
+    let Some(start) = fan_start(corners, points) else {
+        return clip_ears(corners, |p| points[p as usize]);
+    };
+    let mut triangles = Vec::with_capacity(corners.len());
+    fan(corners, start, |triangle| triangles.push(triangle));
+    Some(triangles)
+}
+
 /// Hands out the triangles of a fan from a corner of a face, by its place.
 pub(super) fn fan(face: &[u32], start: u16, mut f: impl FnMut(Triangle)) {
     let n = face.len();

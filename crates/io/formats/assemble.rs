@@ -186,7 +186,7 @@ pub(super) fn load(piece: &Piece, mut cells: Cells, wanted: &PieceRequest, meter
     let degrees = degrees(piece, &cells, meter)?;
     let ids = wanted.ids.and_then(|name| piece.array(Association::Point, name));
     let global_ids = ids.map(|ids| ids.load(meter)).transpose()?;
-    let points = points(piece, meter)?;
+    let points = load_points(piece, meter)?;
     let warning = hexahedra::restore_order(&mut cells, &points, degrees.as_deref(), piece.is_old_order);
     let mut raw = RawGrid { ghost, degrees, global_ids, ..RawGrid::new(points, cells) };
     raw.origin.warnings.extend(warning);
@@ -210,7 +210,7 @@ pub(super) fn load(piece: &Piece, mut cells: Cells, wanted: &PieceRequest, meter
 }
 
 /// The values of a choice.
-fn column(piece: &Piece, choice: &ArraySelection, meter: &Meter) -> Result<Vec<f64>> {
+pub(super) fn column(piece: &Piece, choice: &ArraySelection, meter: &Meter) -> Result<Vec<f64>> {
     let Some(stored) = piece.array(choice.association, &choice.name) else {
         return Err(Error::run(format!("a piece of the file lacks the array '{}'", choice.name))
             .expected("the same arrays in every piece"));
@@ -289,7 +289,7 @@ fn degrees(piece: &Piece, cells: &Cells, meter: &Meter) -> Result<Option<Vec<[u8
 }
 
 /// The positions of a piece's points.
-fn points(piece: &Piece, meter: &Meter) -> Result<Vec<DVec3>> {
+pub(super) fn load_points(piece: &Piece, meter: &Meter) -> Result<Vec<DVec3>> {
     match &piece.geometry {
         Geometry::Unstructured { points, .. } | Geometry::Curvilinear { points, .. } => {
             points.load_tuples::<f64, _>(meter)

@@ -31,17 +31,21 @@ mod inspect;
 mod legacy;
 mod numbers;
 mod plot3d;
+mod polygons;
 mod request;
 mod series;
 mod source;
+mod surfaces;
 mod unsupported;
 mod xml;
 
 pub use assemble::{SkippedArray, length};
 pub use cells::face_stream;
 pub use inspect::{ArraySummary, Summary};
+pub use polygons::SurfaceFile;
 pub use request::{Component, Request, SelectedArrays, TimeStep};
 pub use source::existing_file;
+pub use surfaces::{SURFACE_FILES, read_surface};
 pub use voltet_core::grid::{Association, CellValues, Options};
 pub use voltet_core::reading::FileArray;
 

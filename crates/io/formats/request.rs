@@ -222,6 +222,15 @@ pub(super) fn scalar(
             }
         },
     };
+    scalar_of(piece, name, association)
+}
+
+/// The array of one component that a name means.
+pub(super) fn scalar_of(
+    piece: &Piece,
+    name: &str,
+    association: Option<Association>,
+) -> Result<ArraySelection> {
     let choice = array(piece, name, association)?;
     if choice.component == Component::All && choice.component_count > 1 {
         return Err(Error::run(format!("the array '{}' is not a scalar", choice.name))

@@ -3,4 +3,5 @@
 pub mod legacy;
 pub mod plot3d;
 pub mod samples;
+pub mod surfaces;
 pub mod xml;

@@ -4,6 +4,7 @@
 
 mod camera;
 mod relative;
+mod surfaces;
 mod written;
 
 use std::path::Path;

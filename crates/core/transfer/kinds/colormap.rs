@@ -2,7 +2,7 @@
 
 use super::properties::{ControlPoint, LoadFiles, REGION};
 use crate::Result;
-use crate::colormap::{Colormap, NAMES, limits};
+use crate::colormap::{ColorCurve, Colormap, NAMES, limits};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, ParameterValue, Parameters, Range, RelativeNumberType,
     StatisticKind, VariantSchema,
@@ -12,13 +12,7 @@ pub(super) const KIND: VariantSchema = VariantSchema {
     name: "colormap",
     summary: "A colour map along s, and an opacity curve over it: a piecewise-linear function of s.",
     parameters: &[
-        Parameter {
-            name: "colormap",
-            parameter_type: ParameterType::ChoiceOrPath(NAMES, &["json", "xml"]),
-            unit: "",
-            default: DefaultValue::Text("viridis"),
-            help: "colours by name, or of a colour map file of ParaView, whose points are stretched over the range",
-        },
+        CURVE_PARAMETERS[0],
         Parameter {
             name: "range",
             parameter_type: ParameterType::Measured(VALUES),
@@ -51,20 +45,8 @@ pub(super) const KIND: VariantSchema = VariantSchema {
             help: "the extinction over the range: a shape, or points [place, share], both 0 to 1 and places rising; \
                    two points of one place are a jump",
         },
-        Parameter {
-            name: "reversed",
-            parameter_type: ParameterType::Boolean,
-            unit: "",
-            default: DefaultValue::Boolean(false),
-            help: "the colours from the last to the first; the opacity stays",
-        },
-        Parameter {
-            name: "steps",
-            parameter_type: ParameterType::Integer(Range::within(2.0, 256.0)),
-            unit: "bands",
-            default: DefaultValue::Unset("continuous colours"),
-            help: "bands of one colour each, from the map's first to its last",
-        },
+        CURVE_PARAMETERS[1],
+        CURVE_PARAMETERS[2],
         Parameter {
             name: "below",
             help: "colour of s below the range, with the opacity of its low end",
@@ -78,6 +60,31 @@ pub(super) const KIND: VariantSchema = VariantSchema {
         REGION,
     ],
 };
+
+/// The parameters of a map's colours, for whatever is coloured by values.
+pub const CURVE_PARAMETERS: [Parameter; 3] = [
+    Parameter {
+        name: "colormap",
+        parameter_type: ParameterType::ChoiceOrPath(NAMES, &["json", "xml"]),
+        unit: "",
+        default: DefaultValue::Text("viridis"),
+        help: "colours by name, or of a colour map file of ParaView, whose points are stretched over the range",
+    },
+    Parameter {
+        name: "reversed",
+        parameter_type: ParameterType::Boolean,
+        unit: "",
+        default: DefaultValue::Boolean(false),
+        help: "the colours from the last to the first; the opacity stays",
+    },
+    Parameter {
+        name: "steps",
+        parameter_type: ParameterType::Integer(Range::within(2.0, 256.0)),
+        unit: "bands",
+        default: DefaultValue::Unset("continuous colours"),
+        help: "bands of one colour each, from the map's first to its last",
+    },
+];
 
 const VALUES: &RelativeNumberType = &RelativeNumberType {
     plain: ParameterType::Numbers(Some(2), Range::ANY),
@@ -110,7 +117,8 @@ const END_MARGIN: f64 = 1e-6;
 
 type Knots<const N: usize> = Vec<(f64, [f64; N])>;
 
-pub(super) fn read(p: &Parameters, files: &dyn LoadFiles) -> Result<Vec<ControlPoint>> {
+/// The colours that [`CURVE_PARAMETERS`] state.
+pub fn color_curve(p: &Parameters, files: &dyn LoadFiles) -> Result<ColorCurve> {
     let name = p.text("colormap")?;
     let mut curve = match Colormap::named(name) {
         Some(map) => map.curve(),
@@ -122,6 +130,11 @@ pub(super) fn read(p: &Parameters, files: &dyn LoadFiles) -> Result<Vec<ControlP
     if p.optional("steps").is_some() {
         curve = curve.stepped(p.integer("steps")? as usize);
     }
+    Ok(curve)
+}
+
+pub(super) fn read(p: &Parameters, files: &dyn LoadFiles) -> Result<Vec<ControlPoint>> {
+    let curve = color_curve(p, files)?;
     let opacity = opacity(p)?;
     let [low, high] = range(p)?;
     let peak = p.number("extinction")?;

@@ -14,6 +14,7 @@ mod triangular_gaussian_nd;
 mod uniform;
 mod wave;
 
+pub use colormap::{CURVE_PARAMETERS, color_curve};
 pub use properties::{
     AxisOrigin, BandSpacing, ColorSource, ControlPoint, LoadFiles, MAX_FIELDS, Properties, Table,
     UnreadFiles, Wave,

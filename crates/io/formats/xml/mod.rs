@@ -2,6 +2,7 @@
 //! of time steps.
 
 mod header;
+pub(super) mod poly_data;
 
 use super::codec::Codec;
 use super::contents::{
@@ -528,7 +529,8 @@ fn refusal(kind: &str, root: &Element) -> Error {
             readable.len()
         )),
         ("PolyData" | "PPolyData", _) => error.expected(
-            "cells with a volume: a surface has to be filled with them by a mesher (Gmsh, TetGen) first",
+            "cells with a volume: a surface has to be filled with them by a mesher (Gmsh, TetGen) first; a node of type \
+             surface-reader draws it as it is",
         ),
         ("HyperTreeGrid" | "vtkOverlappingAMR" | "vtkHierarchicalBoxDataSet" | "vtkNonOverlappingAMR", _) => error
             .expected("a .vtu file: ParaView makes one of it (Resample or Clip with everything kept) and saves it"),

@@ -7,4 +7,5 @@ mod legacy;
 mod pieces;
 mod plot3d;
 mod real_files;
+mod surfaces;
 mod writers;

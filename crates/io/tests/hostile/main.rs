@@ -5,3 +5,4 @@
 mod corruption;
 mod lies;
 mod memory;
+mod surfaces;

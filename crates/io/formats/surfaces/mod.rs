@@ -1,0 +1,65 @@
+//! Surface files: STL, PLY, OBJ and VTK's PolyData.
+//!
+//! | format | module |
+//! | --- | --- |
+//! | .stl (ASCII and binary) | [`stl`] |
+//! | .ply (ASCII and binary) | [`ply`] |
+//! | .obj | [`obj`] |
+//! | .vtp | [`poly_data`](super::xml::poly_data) |
+//!
+//! STL and OBJ are read here and not through crates: stl_io 0.11 drops all solids but the first in silence, and takes binary files whose
+//! header begins with "solid" for text; tobj 4.0 panics on some numbers of normals.
+
+mod obj;
+mod ply;
+mod stl;
+
+use super::contents::Meter;
+use super::polygons::SurfaceFile;
+use super::source::{Source, printable};
+use super::xml::poly_data;
+use std::path::Path;
+use voltet_core::progress::{Progress, refuse_beyond_memory};
+use voltet_core::{Error, Result, counted};
+
+/// File types of surfaces, for help.
+pub const SURFACE_FILES: &str = "STL (.stl), PLY (.ply), OBJ (.obj) or VTK PolyData (.vtp)";
+
+/// Reads a surface, and the array of this name, or one of its components as `NAME:0` or `NAME:magnitude`.
+///
+/// # Errors
+/// One error that names the file, the line or element, what was found and what would be right.
+pub fn read_surface(path: &Path, array: Option<&str>, progress: &dyn Progress) -> Result<SurfaceFile> {
+    let source = Source::open(path)?;
+    let read = || {
+        let head = source.head(256)?;
+        let text = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&head).trim_ascii_start();
+        let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+        // Text becomes no more than a few numbers of 64 bits each two bytes.
+        let what = || format!("a surface file of {}", counted(source.len(), "byte"));
+        refuse_beyond_memory(progress, what, source.len().saturating_mul(8))?;
+        progress.check_cancelled()?;
+        let bytes = || source.read(0, source.len());
+        if text.starts_with(b"<") {
+            poly_data::read(&source, array, &Meter::new(progress, source.len()))?.triangulated()
+        } else if text.starts_with(b"ply") {
+            ply::read(&bytes()?, array)?.triangulated()
+        } else if ending == "stl" || text.to_ascii_lowercase().starts_with(b"solid") {
+            refuse_array(array, "an STL file")?;
+            stl::read(&bytes()?)?.triangulated()
+        } else if ending == "obj" {
+            refuse_array(array, "an OBJ file")?;
+            obj::read(&bytes()?)?.triangulated()
+        } else {
+            let error = Error::run("the format of the surface file is not known");
+            Err(error.got(printable(&head)).expected(SURFACE_FILES))
+        }
+    };
+    read().map_err(|error| error.in_file(path))
+}
+
+fn refuse_array(array: Option<&str>, file: &str) -> Result<()> {
+    let Some(name) = array else { return Ok(()) };
+    let error = Error::run(format!("{file} holds no arrays")).got(format!("'{name}'"));
+    Err(error.expected("a PLY or .vtp file, or one colour"))
+}

@@ -1,0 +1,58 @@
+//! Surface files cut short everywhere, and with each of their bits changed.
+
+use crate::memory::peak_of;
+use voltet_core::progress::NoProgress;
+use voltet_io::formats::read_surface;
+use voltet_testing::files::surfaces::{PIECES, POINTS, ply, stl_binary, stl_text};
+
+/// Beside the file's own bytes: buffers, error texts, and what the PLY crate sets aside for its rows at once (65,536).
+const ALLOWED: usize = 16 << 20;
+
+#[test]
+fn no_damage_panics_or_takes_much_memory() {
+    let points: String = POINTS.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
+    let files: [(&str, Vec<u8>, Option<&str>); 8] = [
+        ("a.stl", stl_text(" a").into_bytes(), None),
+        ("a.stl", stl_binary("x"), None),
+        ("a.ply", ply("ascii"), Some("level")),
+        ("a.ply", ply("binary_little_endian"), Some("load")),
+        ("a.ply", ply("binary_big_endian"), None),
+        ("a.obj", format!("{points}vn 0 0 1\nf 1//1 2//-1 3//1 4//1\nf -1 2/3 4\n").into_bytes(), None),
+        ("a.vtp", PIECES.as_bytes().to_vec(), Some("T")),
+        ("a.vtp", PIECES.as_bytes().to_vec(), Some("part")),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes, array) in files {
+        let path = folder.path().join(name);
+        let attempt = |damaged: &[u8], what: &str| {
+            std::fs::write(&path, damaged).unwrap();
+            let (read, peak) = peak_of(|| read_surface(&path, array, &NoProgress));
+            assert!(peak < ALLOWED, "{what}: {peak} bytes");
+            match read {
+                Ok(surface) => {
+                    let count = surface.points.len();
+                    assert!(surface.triangles.as_flattened().iter().all(|&p| (p as usize) < count), "{what}");
+                    let fits = |given: usize| given == count || given == 0;
+                    assert!(fits(surface.normals.len()), "{what}");
+                    assert!(surface.values.is_none_or(|values| values.len() == count), "{what}");
+                }
+                Err(error) => {
+                    assert!(error.location.file.is_some() && !error.what.is_empty(), "{what}: {error}")
+                }
+            }
+        };
+        for at in 0..bytes.len() {
+            attempt(&bytes[..at], &format!("{name} cut at {at}"));
+            for bit in 0..8 {
+                let mut damaged = bytes.clone();
+                damaged[at] ^= 1 << bit;
+                attempt(&damaged, &format!("{name} with bit {bit} of byte {at} changed"));
+            }
+            if bytes[at].is_ascii_digit() {
+                let mut damaged = bytes.clone();
+                damaged.splice(at..at, *b"999999999");
+                attempt(&damaged, &format!("{name} with a large number at {at}"));
+            }
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! `contour`: surfaces of constant value.
+
+use crate::surfacing::{self, QUANTITY, SMOOTH, Shape, VolumeQuantities, with_paint};
+use voltet_core::grid::{GridSurface, contour};
+use voltet_core::{Result, agreeing};
+use voltet_graph::{
+    AxisRef, DefaultValue, Node, Outputs, Parameter, ParameterType, Range, RelativeNumberType, RunContext,
+    StatisticKind,
+};
+
+/// The declaration.
+pub const NODE: Node = Node {
+    name: "contour",
+    summary: "Makes surfaces on which a quantity has given values, exact for values that are linear in each cell.",
+    inputs: surfacing::INPUTS,
+    outputs: surfacing::OUTPUTS,
+    parameters: &PARAMETERS,
+    example: include_str!("examples/contour.toml"),
+    check: &|p| {
+        if p.get("values")?.list().is_some_and(<[_]>::is_empty) {
+            return Err(p.error("values", "there are no values").got("[]").expected("at least one"));
+        }
+        surfacing::check(p)
+    },
+    demand: &|asking| {
+        let p = asking.parameters;
+        let array = p.text("array")?;
+        surfacing::ask(asking, [Some(array), surfacing::color_by(p, None)])
+    },
+    run: &run,
+    ..Node::BLANK
+};
+
+const PARAMETERS: [Parameter; 11] = with_paint(
+    [
+        Parameter {
+            help: "what is constant: \"s\", the scalar; \"g\", its gradient magnitude; or a point array",
+            ..QUANTITY
+        },
+        Parameter {
+            name: "values",
+            parameter_type: ParameterType::Measured(&RelativeNumberType {
+                plain: ParameterType::Numbers(None, Range::ANY),
+                statistic: StatisticKind::Value,
+                axis: AxisRef::Every("array"),
+            }),
+            unit: "units of array",
+            default: DefaultValue::Required,
+            help: "a surface for each of these",
+        },
+        SMOOTH,
+    ],
+    1.0,
+    0.3,
+);
+
+fn run(call: &mut RunContext) -> Result<Outputs> {
+    let (p, volume) = (call.parameters, call.volume("volume")?);
+    let array = p.text("array")?;
+    let color_by = surfacing::color_by(p, Some(array));
+    let quantities = VolumeQuantities { volume: &volume, array, color_by };
+    let values = quantities.values(array).map_err(|error| p.locate("array", error))?;
+    let own = quantities.known(call)?;
+    let (mut surface, mut levels, mut missed) = (GridSurface::default(), Vec::new(), Vec::new());
+    for level in own.numbers("values")? {
+        let found = call.stage("contour", |progress| contour(&volume.grid, values, level, progress))?;
+        levels.resize(levels.len() + found.points.len(), level);
+        if found.triangles.is_empty() {
+            missed.push(format!("{level:?}"));
+        }
+        surface.append(found);
+    }
+    let why = format!(
+        "no cell reaches the {} {}: {}",
+        agreeing(&missed.len(), "value", "values"),
+        missed.join(", "),
+        surfacing::range_message(array, values)
+    );
+    if !missed.is_empty() && !surface.triangles.is_empty() {
+        call.notes.warnings.push(why.clone());
+    }
+    let colors = match color_by {
+        None => None,
+        // Exact, where a straight line along an edge may be off by rounding.
+        Some(name) if name == array => Some(levels),
+        Some(name) => {
+            let of_points = quantities.values(name).map_err(|error| p.locate("color_by", error))?;
+            Some(surface.values(of_points))
+        }
+    };
+    Shape::of_grid(surface, &volume.grid.points, colors).smoothed(p)?.painted(call, &own, &why)
+}

@@ -1,0 +1,150 @@
+//! `slice`: a plane, a sphere or a cylinder through the cells, coloured by what they hold there.
+
+use crate::probe::POSITION;
+use crate::surfacing::{self, Shape, VolumeQuantities, with_paint};
+use glam::DVec3;
+use rayon::prelude::*;
+use voltet_core::Result;
+use voltet_core::grid::contour;
+use voltet_core::grid::extent::range;
+use voltet_core::transfer::with_placeholders;
+use voltet_graph::{
+    AxisRef, DefaultValue, Node, Outputs, Parameter, ParameterType, Parameters, Range, RelativeNumberType,
+    RunContext, StatisticKind,
+};
+
+/// The declaration.
+pub const NODE: Node = Node {
+    name: "slice",
+    summary: "Cuts the cells by a plane, a sphere or a cylinder, and colours the cut by values there.",
+    inputs: surfacing::INPUTS,
+    outputs: surfacing::OUTPUTS,
+    parameters: &PARAMETERS,
+    example: include_str!("examples/slice.toml"),
+    check: &|p| {
+        // Places are those of the data, once these are known.
+        distance(&with_placeholders(p)?, DVec3::ZERO).map(drop)?;
+        surfacing::check(p)
+    },
+    demand: &|asking| {
+        let p = asking.parameters;
+        surfacing::ask(asking, [surfacing::color_by(p, Some("s")), None])
+    },
+    run: &run,
+    ..Node::BLANK
+};
+
+const PARAMETERS: [Parameter; 12] = with_paint(
+    [
+        Parameter {
+            name: "origin",
+            default: DefaultValue::Unset("the middle of the data"),
+            help: "a point of the plane, the centre of the sphere, or a point on the axis of the cylinder",
+            ..POSITION
+        },
+        Parameter {
+            name: "normal",
+            parameter_type: ParameterType::Numbers(Some(3), Range::ANY),
+            unit: "world space",
+            default: DefaultValue::Numbers(&[1.0, 0.0, 0.0]),
+            help: "the plane's normal, or the direction of the cylinder's axis; any length above 0",
+        },
+        Parameter {
+            name: "shape",
+            parameter_type: ParameterType::Choice(&[
+                ("plane", "exact"),
+                ("sphere", "about 'origin', with straight pieces in each cell"),
+                (
+                    "cylinder",
+                    "about the axis through 'origin' along 'normal', with straight pieces in each cell",
+                ),
+            ]),
+            unit: "",
+            default: DefaultValue::Text("plane"),
+            help: "what the cells are cut by",
+        },
+        Parameter {
+            name: "radius",
+            parameter_type: ParameterType::Measured(&RelativeNumberType {
+                plain: ParameterType::Number(Range::above(0.0)),
+                statistic: StatisticKind::Width,
+                axis: AxisRef::Every("diagonal"),
+            }),
+            unit: "world units",
+            default: DefaultValue::Unset("none: a plane"),
+            help: "radius of the sphere or cylinder; a percentage: of the diagonal of the bounds",
+        },
+    ],
+    1.0,
+    1.0,
+);
+
+/// A function that is 0 on the cut.
+type Distance = Box<dyn Fn(DVec3) -> f64 + Sync>;
+
+/// Signed distance from the cut. `middle`: of the data. Errors: a normal of length 0, no radius, or one of a plane.
+fn distance(p: &Parameters, middle: DVec3) -> Result<Distance> {
+    let origin = match p.optional("origin") {
+        Some(_) => p.vector("origin")?.into(),
+        None => middle,
+    };
+    let normal: DVec3 = p.vector("normal")?.into();
+    let largest = normal.abs().max_element();
+    if largest == 0.0 {
+        return Err(p.error("normal", "the normal has no direction").expected("a vector that is not zero"));
+    }
+    let axis = (normal / largest).normalize();
+    let radius = || {
+        p.optional_number("radius").ok_or_else(|| {
+            let what = format!(
+                "a {} needs a radius",
+                p.get("shape").map_or("shape", |shape| shape.text().unwrap_or("shape"))
+            );
+            p.error("shape", what).expected("radius = …, above 0")
+        })
+    };
+    Ok(match p.text("shape")? {
+        "sphere" => {
+            let radius = radius()?;
+            Box::new(move |at| (at - origin).length() - radius)
+        }
+        "cylinder" => {
+            let radius = radius()?;
+            Box::new(move |at| (at - origin).reject_from_normalized(axis).length() - radius)
+        }
+        _ if p.is_set("radius") => {
+            let error = p.error("radius", "a plane has no radius");
+            return Err(error.expected("shape = \"sphere\" or \"cylinder\", or no radius"));
+        }
+        _ => Box::new(move |at| (at - origin).dot(axis)),
+    })
+}
+
+fn run(call: &mut RunContext) -> Result<Outputs> {
+    let (p, volume) = (call.parameters, call.volume("volume")?);
+    let grid = &volume.grid;
+    let color_by = surfacing::color_by(p, Some("s"));
+    let quantities = VolumeQuantities { volume: &volume, array: "s", color_by };
+    let own = quantities.known(call)?;
+    let [low, high] = grid.bounds().unwrap_or_default();
+    let distance = distance(&own, low * 0.5 + high * 0.5)?;
+    let distances: Vec<f64> = grid.points.par_iter().map(|&at| distance(at)).collect();
+    let surface = call.stage("slice", |progress| {
+        let found = contour(grid, &distances, 0.0, progress)?;
+        if !found.triangles.is_empty() {
+            return Ok(found);
+        }
+        // A side of the data that lies in the plane, with all cells on the plane's positive side.
+        let turned: Vec<f64> = distances.iter().map(|distance| -distance).collect();
+        contour(grid, &turned, 0.0, progress)
+    })?;
+    let colors = color_by.map(|name| quantities.values(name)).transpose();
+    let colors = colors.map_err(|error| p.locate("color_by", error))?.map(|values| surface.values(values));
+    let why = match range(&distances) {
+        Some([low, high]) => {
+            format!("no cell reaches the {}: points lie from {low:?} to {high:?} of it", p.text("shape")?)
+        }
+        None => "the grid has no points".into(),
+    };
+    Shape::of_grid(surface, &grid.points, colors).painted(call, &own, &why)
+}

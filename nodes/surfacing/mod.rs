@@ -1,0 +1,300 @@
+//! Surfaces: paint with its parameters, declared once for the nodes that make surfaces, and the quantities of a volume that they
+//! look at.
+
+use crate::probe::SpatialRegion;
+use crate::relative::{self, note_numbers};
+use crate::transfer_function::FilesFrom;
+use glam::DVec3;
+use std::sync::Arc;
+use voltet_core::grid::{GridSurface, point_normals};
+use voltet_core::probing::value_range;
+use voltet_core::progress::Progress;
+use voltet_core::surface::{EyeLight, Paint, Surface};
+use voltet_core::transfer::{CURVE_PARAMETERS, DataStatistics, color_curve, resolved, with_placeholders};
+use voltet_core::volume::Volume;
+use voltet_core::{Result, counted};
+use voltet_graph::{
+    ArrayRef, AxisRef, DefaultValue, DemandContext, Outputs, Parameter, ParameterType, Parameters, Port,
+    PortType, Range, RelativeNumberType, RunContext, StatisticKind, Value,
+};
+
+/// The output of the nodes that make surfaces.
+pub const OUTPUTS: &[Port] =
+    &[Port { name: "surface", port_type: PortType::Surface, summary: "triangles with their colours" }];
+
+/// The input of those that make them of a volume.
+pub const INPUTS: &[Port] =
+    &[Port { name: "volume", port_type: PortType::Volume, summary: "the cells and their values" }];
+
+/// Number of the parameters of paint.
+const PAINT_COUNT: usize = 8;
+
+/// A node's own parameters and those of paint. `opacity` and `ambient`: their values where the file sets none.
+pub const fn with_paint<const OWN: usize, const ALL: usize>(
+    own: [Parameter; OWN],
+    opacity: f64,
+    ambient: f64,
+) -> [Parameter; ALL] {
+    let paint = paint_parameters(opacity, ambient);
+    assert!(ALL == OWN + PAINT_COUNT);
+    let mut all = [paint[0]; ALL];
+    let mut place = 0;
+    while place < ALL {
+        all[place] = if place < OWN { own[place] } else { paint[place - OWN] };
+        place += 1;
+    }
+    all
+}
+
+const fn paint_parameters(opacity: f64, ambient: f64) -> [Parameter; PAINT_COUNT] {
+    let [colormap, reversed, steps] = CURVE_PARAMETERS;
+    [
+        Parameter {
+            name: "color",
+            parameter_type: ParameterType::Color(Range::at_least(0.0)),
+            unit: "linear RGB",
+            default: DefaultValue::Unset(
+                "the map's colours, or a light grey where nothing is named to colour by",
+            ),
+            help: "one colour for all",
+        },
+        Parameter {
+            name: "color_by",
+            default: DefaultValue::Unset("what the surface is made of"),
+            help: "colours by values: \"s\", the scalar; \"g\", its gradient magnitude; or a point array",
+            ..QUANTITY
+        },
+        colormap,
+        reversed,
+        steps,
+        Parameter {
+            name: "range",
+            parameter_type: ParameterType::Measured(&RelativeNumberType {
+                plain: ParameterType::Numbers(Some(2), Range::ANY),
+                statistic: StatisticKind::Value,
+                axis: AxisRef::Every("color_by"),
+            }),
+            unit: "units of color_by",
+            default: DefaultValue::Texts(&["0 %", "100 %"]),
+            help: "values at the map's first and last colour, which hold beyond it; default: all of the data",
+        },
+        Parameter {
+            name: "opacity",
+            parameter_type: ParameterType::Number(Range::within(0.0, 1.0)),
+            unit: "",
+            default: DefaultValue::Number(opacity),
+            help: "opacity of one crossing",
+        },
+        Parameter {
+            name: "ambient",
+            parameter_type: ParameterType::Number(Range::within(0.0, 1.0)),
+            unit: "",
+            default: DefaultValue::Number(ambient),
+            help: "share of the colour that needs no light; the rest faces the eye, and 1 leaves the colour as it is",
+        },
+    ]
+}
+
+/// A quantity at the points of a volume.
+pub const QUANTITY: Parameter = Parameter {
+    name: "array",
+    parameter_type: ParameterType::Text,
+    unit: "",
+    default: DefaultValue::Text("s"),
+    help: "\"s\", the scalar; \"g\", its gradient magnitude; or a point array",
+};
+
+/// Normals of points in place of each triangle's own.
+pub const SMOOTH: Parameter = Parameter {
+    name: "smooth",
+    parameter_type: ParameterType::Boolean,
+    unit: "",
+    default: DefaultValue::Boolean(true),
+    help: "true: light by normals at the points, averaged over triangles; false: by each triangle's own",
+};
+
+/// Mistakes in the paint that no declaration tells.
+pub fn check(p: &Parameters) -> Result<()> {
+    let of_map = ["color_by", "colormap", "reversed", "steps", "range"];
+    if let Some(name) = of_map.into_iter().find(|name| p.is_set("color") && p.is_set(name)) {
+        let error = p.error(name, format!("'color' and '{name}' exclude each other"));
+        return Err(error.expected("one colour, or the colours of a map"));
+    }
+    range(&with_placeholders(p)?).map(drop)
+}
+
+fn range(p: &Parameters) -> Result<[f64; 2]> {
+    match p.vector("range")? {
+        [low, high] if low <= high => Ok([low, high]),
+        [low, high] => {
+            let error = p.error("range", "the range is empty").got(format!("[{low}, {high}]"));
+            Err(error.expected("the smaller number first; reversed = true turns the colours round"))
+        }
+    }
+}
+
+/// The quantity that gives the colours; `None`: one colour. `otherwise`: where the file names neither.
+pub fn color_by<'a>(p: &'a Parameters, otherwise: Option<&'a str>) -> Option<&'a str> {
+    match p.optional("color_by").and_then(|setting| setting.text()) {
+        _ if p.is_set("color") => None,
+        None => otherwise,
+        named => named,
+    }
+}
+
+fn quantity(name: &str) -> ArrayRef {
+    match name {
+        "s" => ArrayRef::Named("s"),
+        "g" => ArrayRef::Named("g"),
+        _ => ArrayRef::Array(name.into()),
+    }
+}
+
+/// Asks at the input `volume` for these quantities.
+pub fn ask(asking: &mut DemandContext, names: [Option<&str>; 2]) -> Result<()> {
+    let quantities: Vec<ArrayRef> = names.into_iter().flatten().map(quantity).collect();
+    asking.ask("volume", &relative::demand_for(&quantities))
+}
+
+/// A volume as parameters name its quantities.
+pub struct VolumeQuantities<'a> {
+    /// The volume.
+    pub volume: &'a Volume,
+    /// The quantity of the parameter `array`.
+    pub array: &'a str,
+    /// That of the colours.
+    pub color_by: Option<&'a str>,
+}
+
+impl VolumeQuantities<'_> {
+    /// Values, one a point, of a quantity that these parameters name.
+    pub fn values(&self, name: &str) -> Result<&[f64]> {
+        relative::values(self.volume, &quantity(name))
+    }
+
+    /// The node's parameters with numbers for those relative to these quantities and to the bounds.
+    pub fn known(&self, call: &mut RunContext) -> Result<Parameters> {
+        known(call, self.color_by.is_some(), |p, progress| {
+            resolved(p, &QuantityStatistics { quantities: self, progress })
+        })
+    }
+}
+
+struct QuantityStatistics<'a> {
+    quantities: &'a VolumeQuantities<'a>,
+    progress: &'a dyn Progress,
+}
+
+impl QuantityStatistics<'_> {
+    fn named(&self, quantity: &ArrayRef) -> Option<&str> {
+        match quantity {
+            ArrayRef::Named("array") => Some(self.quantities.array),
+            ArrayRef::Named("color_by") => self.quantities.color_by,
+            _ => None,
+        }
+    }
+}
+
+impl DataStatistics for QuantityStatistics<'_> {
+    fn range(&self, quantity: &ArrayRef) -> Result<[f64; 2]> {
+        match self.named(quantity) {
+            Some(name) => value_range(self.quantities.values(name)?),
+            None => SpatialRegion::from_grid(&self.quantities.volume.grid)?.range(quantity),
+        }
+    }
+
+    fn percentile(&self, quantity: &ArrayRef, percent: f64) -> Result<f64> {
+        let name = self.named(quantity).unwrap_or(self.quantities.array);
+        let volumes = relative::volumes(self.quantities.volume, &self::quantity(name), self.progress)?;
+        volumes.percentile(percent, self.progress)
+    }
+}
+
+/// The node's parameters with numbers for those relative to data, which are noted; without a range where nothing is coloured by values.
+pub fn known(
+    call: &mut RunContext,
+    is_mapped: bool,
+    resolve: impl FnOnce(&Parameters, &dyn Progress) -> Result<Parameters>,
+) -> Result<Parameters> {
+    let p = if is_mapped { call.parameters.clone() } else { call.parameters.with("range", None) };
+    let own = call.stage("range", |progress| resolve(&p, progress))?;
+    if own != p {
+        note_numbers(&mut call.notes, "surface", "over the data", &p, &own);
+    }
+    Ok(own)
+}
+
+/// A surface before it is painted.
+#[derive(Default)]
+pub struct Shape {
+    /// Positions.
+    pub points: Vec<DVec3>,
+    /// Three points each.
+    pub triangles: Vec<[u32; 3]>,
+    /// Normals of the points; none: each triangle's own.
+    pub normals: Vec<DVec3>,
+    /// Values that give the colours, one a point.
+    pub values: Option<Vec<f64>>,
+}
+
+impl Shape {
+    /// The triangles of a grid.
+    pub fn of_grid(surface: GridSurface, points: &[DVec3], values: Option<Vec<f64>>) -> Shape {
+        let points = surface.positions(points);
+        Shape { points, triangles: surface.triangles, normals: Vec::new(), values }
+    }
+
+    /// The shape with averaged normals where they are asked for and count.
+    pub fn smoothed(mut self, p: &Parameters) -> Result<Shape> {
+        if p.flag("smooth")? && p.number("ambient")? < 1.0 {
+            self.normals = point_normals(&self.points, &self.triangles);
+        }
+        Ok(self)
+    }
+
+    /// The node's outputs, painted as these parameters say. `empty`: why there may be nothing.
+    pub fn painted(mut self, call: &mut RunContext, p: &Parameters, empty: &str) -> Result<Outputs> {
+        let count = self.triangles.len();
+        let is_finite = |corners: &[u32; 3]| {
+            corners.iter().all(|&p| {
+                let value = self.values.as_ref().map_or(0.0, |values| values[p as usize]);
+                self.points[p as usize].is_finite() && value.is_finite()
+            })
+        };
+        self.triangles.retain(is_finite);
+        match (count, count - self.triangles.len()) {
+            (0, _) => call.notes.warnings.push(format!("the surface is empty: {empty}")),
+            (_, 0) => {}
+            (_, left_out) => call.notes.warnings.push(format!(
+                "{} left out, whose points or values are not finite",
+                counted(left_out, "triangle")
+            )),
+        }
+        call.notes.counts.insert("triangles", self.triangles.len() as u64);
+        let paint = match self.values {
+            Some(values) => {
+                let curve = color_curve(p, &FilesFrom(&|path| call.resolve(path)))?;
+                Paint::Mapped { values, range: range(p)?, curve }
+            }
+            None => Paint::Uniform(p.optional_color("color")?.unwrap_or(LIGHT_GREY)),
+        };
+        let ambient = p.number("ambient")?;
+        let light = (ambient < 1.0).then_some(EyeLight { ambient, diffuse: 1.0 - ambient });
+        let Shape { points, triangles, normals, .. } = self;
+        let surface = Surface { points, triangles, paint, opacity: p.number("opacity")?, light, normals };
+        surface.check()?;
+        Ok(vec![Value::Surface(Arc::new(surface))])
+    }
+}
+
+/// Linear RGB of a surface of no other colour.
+const LIGHT_GREY: [f64; 3] = [0.6; 3];
+
+/// The range of values in words: "'p' goes from 0.0 to 1.0".
+pub fn range_message(name: &str, values: &[f64]) -> String {
+    let name = if matches!(name, "s" | "g") { name.into() } else { format!("'{name}'") };
+    match voltet_core::grid::extent::range(values) {
+        Some([low, high]) => format!("{name} goes from {low:?} to {high:?}"),
+        None => format!("{name} is finite nowhere"),
+    }
+}

@@ -1,0 +1,249 @@
+//! Nodes that make surfaces: what they ask for, what they give, what they say.
+
+use std::fmt::Write;
+use std::path::Path;
+use std::sync::Arc;
+use voltet_core::Result;
+use voltet_core::surface::{EyeLight, Paint, Surface};
+use voltet_graph::pipeline::Pipeline;
+use voltet_graph::{Demand, Graph, NoObserver, Node, Port, PortType, RunReport, Value};
+use voltet_nodes::{registry, session};
+use voltet_testing::files::surfaces::{ply, stl_text};
+
+/// Takes a surface, as a node that draws does.
+static TAKER: Node = Node {
+    name: "taker",
+    inputs: &[Port { name: "surface", port_type: PortType::Surface, summary: "" }],
+    ..Node::BLANK
+};
+
+fn a([x, y, z]: [f64; 3]) -> f64 {
+    2.0 * x - 3.0 * y + z + 20.0
+}
+
+fn b([x, y, z]: [f64; 3]) -> f64 {
+    0.5 * x + y * 0.25 - z
+}
+
+/// A box of 5³ cells with three arrays, one of which nobody reads.
+fn folder() -> tempfile::TempDir {
+    let mut text = String::from(
+        "# vtk DataFile Version 3.0\ntext\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 6 6 6\nORIGIN 0 0 0\n\
+         SPACING 1 1 1\nPOINT_DATA 216\n",
+    );
+    let fields: [(&str, fn([f64; 3]) -> f64); 3] = [("a", a), ("b", b), ("unread", |_| f64::NAN)];
+    for (name, field) in fields {
+        write!(text, "SCALARS {name} double 1\nLOOKUP_TABLE default\n").unwrap();
+        for i in 0..216 {
+            writeln!(text, "{:?}", field([i % 6, i / 6 % 6, i / 36].map(f64::from))).unwrap();
+        }
+    }
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.vtk"), text).unwrap();
+    std::fs::write(folder.path().join("a.stl"), stl_text("")).unwrap();
+    std::fs::write(folder.path().join("a.ply"), ply("ascii")).unwrap();
+    folder
+}
+
+/// A pipeline of a surface; `keys`: the node's type and parameters.
+fn graph(folder: &Path, keys: &str) -> Result<Graph> {
+    let inputs = if keys.contains("surface-reader") { "" } else { "inputs = { volume = \"gradient\" }" };
+    let text = format!(
+        "[pipeline]\nformat = 1\n[nodes.grid]\ntype = \"reader\"\npath = \"a.vtk\"\nscalar = \"a\"\n\
+         [nodes.gradient]\ntype = \"gradient-magnitude\"\ninputs = {{ grid = \"grid\" }}\n\
+         [nodes.made]\n{keys}\n{inputs}\n[nodes.taker]\ntype = \"taker\"\ninputs = {{ surface = \"made\" }}\n"
+    );
+    let mut registry = registry()?;
+    registry.add(&TAKER)?;
+    Pipeline::parse(&text)?.graph(&registry, folder.into())
+}
+
+fn feed(graph: &Graph, name: &str) -> Result<(Vec<Value>, RunReport)> {
+    let place = graph.nodes.iter().position(|node| node.name == name).unwrap();
+    session().feed(graph, place, &Demand::default(), &NoObserver)
+}
+
+fn made(keys: &str) -> Result<(Arc<Surface>, RunReport)> {
+    let folder = folder();
+    let (values, report) = feed(&graph(folder.path(), keys)?, "taker")?;
+    let [Value::Surface(surface)] = &values[..] else { panic!("{keys}: {values:?}") };
+    surface.check()?;
+    Ok((surface.clone(), report))
+}
+
+fn surface(keys: &str) -> Surface {
+    let (surface, report) = made(keys).unwrap_or_else(|error| panic!("{keys}: {error}"));
+    assert!(report.warnings.is_empty(), "{keys}: {:?}", report.warnings);
+    Arc::unwrap_or_clone(surface)
+}
+
+fn refused(keys: &str) -> String {
+    made(keys).expect_err(keys).to_string()
+}
+
+fn mapped(surface: &Surface) -> (&[f64], [f64; 2]) {
+    let Paint::Mapped { values, range, .. } = &surface.paint else { panic!("{:?}", surface.paint) };
+    (values, *range)
+}
+
+fn area(surface: &Surface) -> f64 {
+    let of = |corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(|p| surface.points[p as usize]);
+        (b - a).cross(c - a).length() / 2.0
+    };
+    surface.triangles.iter().map(of).sum()
+}
+
+#[test]
+fn a_contour_lies_where_its_values_are() {
+    // a goes from 5 to 35.
+    let found = surface("type = \"contour\"\nvalues = [12.0, \"50 %\"]\nopacity = 0.5");
+    let (values, range) = mapped(&found);
+    assert_eq!(range, [5.0, 35.0]);
+    assert!(values.contains(&12.0) && values.contains(&20.0));
+    for (at, value) in found.points.iter().zip(values) {
+        assert!((a(at.to_array()) - value).abs() < 1e-13, "{at}: {value}");
+    }
+    assert_eq!((found.opacity, found.light), (0.5, Some(EyeLight { ambient: 0.3, diffuse: 0.7 })));
+    // Of a linear field all normals are its direction.
+    let direction = -glam::DVec3::new(2.0, -3.0, 1.0).normalize();
+    assert_eq!(found.normals.len(), found.points.len());
+    assert!(found.normals.iter().all(|normal| normal.distance(direction) < 1e-12));
+    let flat =
+        surface("type = \"contour\"\nvalues = [12.0]\nsmooth = false\nambient = 1.0\ncolor = \"#ff0000\"");
+    assert_eq!((flat.normals.len(), flat.light), (0, None));
+    assert_eq!(flat.paint, Paint::Uniform([1.0, 0.0, 0.0]));
+    let median = surface("type = \"contour\"\nvalues = [\"p50\"]");
+    // By symmetry the value in the middle; the percentile is found to 1e-12.
+    assert!((mapped(&median).0[0] - 20.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_contour_is_coloured_by_another_array() {
+    let found = surface(
+        "type = \"contour\"\nvalues = [17.0]\ncolor_by = \"b\"\nrange = [-1.0, \"100 %\"]\nsteps = 4",
+    );
+    let (values, range) = mapped(&found);
+    assert_eq!(range, [-1.0, 3.75]);
+    for (at, value) in found.points.iter().zip(values) {
+        assert!((b(at.to_array()) - value).abs() < 1e-14, "{at}: {value}");
+    }
+    let of_b = surface("type = \"contour\"\narray = \"b\"\nvalues = [0.25]");
+    assert!(of_b.points.iter().all(|at| (b(at.to_array()) - 0.25).abs() < 1e-14));
+    assert_eq!(mapped(&of_b).1, [-5.0, 3.75]);
+}
+
+#[test]
+fn nothing_else_is_asked_for() {
+    let folder = folder();
+    for (keys, arrays, has_g) in [
+        ("type = \"contour\"\nvalues = [12.0]", &[][..], false),
+        ("type = \"contour\"\nvalues = [12.0]\ncolor_by = \"b\"", &["b"], false),
+        ("type = \"contour\"\nvalues = [12.0]\ncolor = [1, 1, 1]", &[], false),
+        ("type = \"contour\"\narray = \"b\"\nvalues = [0.0]\ncolor_by = \"g\"", &["b"], true),
+        ("type = \"slice\"", &[], false),
+        ("type = \"slice\"\ncolor_by = \"b\"", &["b"], false),
+        ("type = \"boundary\"", &[], false),
+        ("type = \"boundary\"\ncolor_by = \"g\"", &[], true),
+    ] {
+        let (values, _) = feed(&graph(folder.path(), keys).unwrap(), "made").unwrap();
+        let volume = values[0].volume().unwrap().unwrap();
+        assert_eq!(volume.grid.point_arrays.keys().collect::<Vec<_>>(), arrays, "{keys}");
+        assert_eq!(volume.gradient_magnitude.is_some(), has_g, "{keys}");
+        assert!(volume.gradient.is_none(), "{keys}");
+    }
+}
+
+#[test]
+fn a_slice_has_the_values_of_the_data() {
+    for keys in [
+        "origin = [1.3, 2.1, 3.7]\nnormal = [1.0, -2.0, 0.5]",
+        "normal = [0, 0, 1]",
+        "origin = [\"20 %\", 0, 0]",
+    ] {
+        for (by, field) in [("s", a as fn([f64; 3]) -> f64), ("b", b)] {
+            let found = surface(&format!("type = \"slice\"\ncolor_by = \"{by}\"\n{keys}"));
+            for (at, value) in found.points.iter().zip(mapped(&found).0) {
+                assert!((field(at.to_array()) - value).abs() < 1e-13, "{at}: {value}");
+            }
+            assert_eq!((found.opacity, found.light, found.normals.len()), (1.0, None, 0));
+        }
+    }
+    let found = surface("type = \"slice\"\norigin = [\"20 %\", 0, 0]");
+    assert!((area(&found) - 25.0).abs() < 1e-13 && found.points.iter().all(|at| at.x == 1.0));
+    // The sides of the data are met from within.
+    for x in ["0 %", "100 %"] {
+        assert_eq!(area(&surface(&format!("type = \"slice\"\norigin = [\"{x}\", 0, 0]"))), 25.0, "{x}");
+    }
+    let ball = surface("type = \"slice\"\nshape = \"sphere\"\nradius = 2.0");
+    // Of cells of half its radius.
+    assert!((area(&ball) / (16.0 * std::f64::consts::PI) - 1.0).abs() < 0.12, "{}", area(&ball));
+    let pipe = surface("type = \"slice\"\nshape = \"cylinder\"\nradius = 2.0\nnormal = [0, 0, 3]");
+    assert!((area(&pipe) / (20.0 * std::f64::consts::PI) - 1.0).abs() < 0.12, "{}", area(&pipe));
+}
+
+#[test]
+fn the_boundary_is_the_outside_of_the_box() {
+    let found = surface("type = \"boundary\"");
+    assert_eq!((found.points.len(), found.triangles.len(), area(&found)), (216 - 64, 2 * 6 * 25, 150.0));
+    assert_eq!((found.opacity, found.paint, found.normals.len()), (0.15, Paint::Uniform([0.6; 3]), 0));
+    let found = surface("type = \"boundary\"\ncolor_by = \"s\"\nreversed = true\nsmooth = true");
+    assert!(found.points.iter().zip(mapped(&found).0).all(|(at, value)| a(at.to_array()) == *value));
+    assert_eq!(found.normals.len(), found.points.len());
+}
+
+#[test]
+fn a_file_is_a_surface() {
+    let found =
+        surface("type = \"surface-reader\"\npath = \"a.stl\"\ncolor = [0.1, 0.2, 0.3]\nopacity = 0.25");
+    assert_eq!((found.points.len(), found.triangles.len(), found.normals.len()), (5, 6, 0));
+    assert_eq!((found.paint, found.opacity), (Paint::Uniform([0.1, 0.2, 0.3]), 0.25));
+    assert_eq!(surface("type = \"surface-reader\"\npath = \"a.stl\"\nsmooth = true").normals.len(), 5);
+    let found =
+        surface("type = \"surface-reader\"\npath = \"a.ply\"\ncolor_by = \"level\"\nrange = [\"50 %\", 40]");
+    assert_eq!(mapped(&found), (&[0.0, 10.0, 20.0, 30.0, 40.0][..], [20.0, 40.0]));
+    let error =
+        refused("type = \"surface-reader\"\npath = \"a.ply\"\ncolor_by = \"level\"\nrange = [\"p5\", 40]");
+    assert!(error.contains("percentiles are of a volume"), "{error}");
+    let error = refused("type = \"surface-reader\"\npath = \"b.stl\"");
+    assert!(error.contains("a.stl"), "{error}");
+}
+
+#[test]
+fn what_is_empty_or_wrong_is_said() {
+    for (keys, said) in [
+        (
+            "type = \"contour\"\nvalues = [3.0, 4]",
+            "the surface is empty: no cell reaches the values 3.0, 4.0: s goes from 5.0 to 35.0",
+        ),
+        (
+            "type = \"slice\"\norigin = [-1, 0, 0]",
+            "no cell reaches the plane: points lie from 1.0 to 6.0 of it",
+        ),
+    ] {
+        let (surface, report) = made(keys).unwrap();
+        assert!(surface.triangles.is_empty());
+        assert!(report.warnings.iter().any(|warning| warning.contains(said)), "{:?}", report.warnings);
+    }
+    let (surface, report) = made("type = \"contour\"\nvalues = [3.0, 12.0]").unwrap();
+    assert!(!surface.triangles.is_empty());
+    assert_eq!(report.warnings, ["no cell reaches the value 3.0: s goes from 5.0 to 35.0"]);
+    for (keys, said) in [
+        ("type = \"contour\"", "'values' is missing"),
+        ("type = \"contour\"\nvalues = []", "there are no values"),
+        ("type = \"contour\"\nvalues = [1.0]\narray = \"c\"", "'c'"),
+        (
+            "type = \"contour\"\nvalues = [1.0]\ncolor = [1, 1, 1]\ncolor_by = \"b\"",
+            "'color' and 'color_by' exclude",
+        ),
+        ("type = \"contour\"\nvalues = [1.0]\nrange = [2.0, 1.0]", "the range is empty"),
+        ("type = \"boundary\"\nopacity = 1.5", "'opacity' is out of range"),
+        ("type = \"slice\"\nnormal = [0, 0, 0]", "no direction"),
+        ("type = \"slice\"\nshape = \"sphere\"", "a sphere needs a radius"),
+        ("type = \"slice\"\nradius = 1.0", "a plane has no radius"),
+        ("type = \"boundary\"\ncolor_by = \"s\"\ncolormap = \"virdis\"", "viridis"),
+    ] {
+        let error = refused(keys);
+        assert!(error.contains(said), "{keys}: {error}");
+    }
+}
