@@ -9,6 +9,7 @@
 //! | [`relative`] | numbers relative to data: ranges and percentiles |
 
 mod bands;
+mod calculator;
 mod camera;
 mod composite;
 mod cull;
@@ -44,6 +45,7 @@ use voltet_optics::integrators::{self, Integrator};
 pub static NODES: &[&Node] = &[
     &reader::NODE,
     &wavelet::NODE,
+    &calculator::NODE,
     &gradient_magnitude::NODE,
     &multi_gradient::NODE,
     &probe::NODE,

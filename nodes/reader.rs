@@ -106,7 +106,8 @@ fn prepare(preparation: &Preparation) -> Result<()> {
 pub(crate) fn run(call: &mut RunContext, chosen: Option<SelectedArrays>) -> Result<Outputs> {
     let request = asked(call.parameters, call.demand, chosen, &|path| call.resolve(path))?;
     let path = call.path("path")?;
-    let grid = formats::read(&path, &request, call.progress())?;
+    let grid =
+        formats::read(&path, &request, call.progress()).map_err(|error| named_at(call.demand, error))?;
     let origin = &grid.origin;
     call.notes.warnings.extend(origin.warnings.iter().cloned());
     if !origin.arrays_unread.is_empty() {
@@ -160,11 +161,17 @@ pub(crate) fn steps(preparation: &Preparation, chosen: Option<SelectedArrays>) -
 pub(crate) fn foresee(foresight: &mut PlanContext, chosen: Option<SelectedArrays>) -> Result<()> {
     let parameters = foresight.parameters;
     let request = asked(parameters, foresight.demand, chosen, &|path| foresight.resolve(path))?;
-    let unread = formats::unread(&foresight.resolve(parameters.text("path")?), &request)?;
+    let unread = formats::unread(&foresight.resolve(parameters.text("path")?), &request)
+        .map_err(|error| named_at(foresight.demand, error))?;
     if !unread.arrays.is_empty() {
         record_unread(foresight.notes, &unread.arrays, unread.value_count);
     }
     Ok(())
+}
+
+/// An error about an array, where an expression names it.
+fn named_at(demand: &Demand, error: Error) -> Error {
+    demand.cell_arrays.locate(demand.arrays.locate(error))
 }
 
 /// Records the arrays that are not read: each number of them would become one of 64 bits.

@@ -97,6 +97,8 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
     tetrahedra.par_iter_mut().with_min_len(1 << 13).for_each(|t| t.sort_unstable());
     progress.report("tetrahedra", 0.8);
 
+    let of_cells = parts.cell_arrays.keys().filter(|name| !parts.point_arrays.contains_key(*name));
+    origin.arrays_of_cells = of_cells.cloned().collect();
     let cell_values = cell_values::take(&mut parts);
     let mut numbers = drop_unused_points(&mut parts, &mut tetrahedra)?;
     let mut grid = Grid {

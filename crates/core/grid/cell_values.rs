@@ -46,9 +46,21 @@ pub(super) fn average(grid: &mut Grid, cells: CellArrays) {
     if cells.is_empty() {
         return;
     }
+    let average = averager(grid);
+    let converted = cells.converted(average);
+    set(grid, converted);
+}
+
+/// Means at the points of a number in every cell of the file, weighted as a reader's.
+pub fn means_at_points(grid: &Grid, values: &[f64]) -> Vec<f64> {
+    averager(grid)(values, 1)
+}
+
+/// Function from the values of the file's cells, and the components of a tuple, to means at the points.
+fn averager(grid: &Grid) -> impl Fn(&[f64], usize) -> Vec<f64> {
     let volumes = volumes_of_cells(grid);
     let rows = cells_of_points(grid);
-    let average = |values: &[f64], component_count: usize| {
+    move |values, component_count| {
         let n = component_count.max(1);
         let mut means = vec![0.0; grid.points.len() * n];
         means.par_chunks_exact_mut(n).with_min_len(1024).enumerate().for_each(|(p, mean)| {
@@ -75,9 +87,7 @@ pub(super) fn average(grid: &mut Grid, cells: CellArrays) {
             }
         });
         means
-    };
-    let converted = cells.converted(average);
-    set(grid, converted);
+    }
 }
 
 /// Volume of every cell of the file up to the last one that is drawn, in units that keep it in the number range.

@@ -1,8 +1,10 @@
 //! Demands on nodes, which the demand pass collects from the sinks upward.
 
 use super::value::TransferFunctionSpec;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
+use voltet_core::Error;
+use voltet_core::parameters::SourceSpan;
 
 /// Demand on a node's outputs. Nothing else is read, computed or sorted.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -37,6 +39,8 @@ pub struct Arrays {
     pub named: BTreeSet<String>,
     /// True if all other arrays are requested, too.
     pub and_all_others: bool,
+    /// Where some of the names are written.
+    pub origins: BTreeMap<String, SourceSpan>,
 }
 
 impl Arrays {
@@ -48,12 +52,26 @@ impl Arrays {
     fn join(&mut self, other: &Arrays) {
         self.named.extend(other.named.iter().cloned());
         self.and_all_others |= other.and_all_others;
+        for (name, origin) in &other.origins {
+            self.origins.entry(name.clone()).or_insert(origin.clone());
+        }
+    }
+
+    /// An error about an array at the place where its name is written, where that is known; otherwise as it is.
+    pub fn locate(&self, mut error: Error) -> Error {
+        let of = |name: &str| error.what.contains(&format!("'{}'", name.split(':').next().unwrap_or(name)));
+        let Some((_, origin)) = self.origins.iter().find(|(name, _)| of(name)) else { return error };
+        if let Some(file) = error.location.file.take() {
+            error.what += &format!(" ({file})");
+        }
+        *error.location = Default::default();
+        origin.locate(error)
     }
 }
 
 impl FromIterator<String> for Arrays {
     fn from_iter<I: IntoIterator<Item = String>>(names: I) -> Self {
-        Arrays { named: names.into_iter().collect(), and_all_others: false }
+        Arrays { named: names.into_iter().collect(), ..Arrays::default() }
     }
 }
 
