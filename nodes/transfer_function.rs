@@ -170,12 +170,7 @@ pub fn load_image(path: &Path) -> Result<(usize, usize, Vec<[f32; 4]>)> {
             .expected("a PNG file")
             .in_file(path)
     };
-    let reader = image::ImageReader::open(path).map_err(|e| failed(&e))?;
-    let mut reader = reader.with_guessed_format().map_err(|e| failed(&e))?;
-    let mut limits = image::Limits::default();
-    (limits.max_image_width, limits.max_image_height) = (Some(LARGEST_SIDE), Some(LARGEST_SIDE));
-    reader.limits(limits);
-    let image = reader.decode().map_err(|e| failed(&e))?;
+    let image = voltet_io::encode::read_image(path, LARGEST_SIDE).map_err(|e| failed(&e))?;
     let rgba = image.into_rgba16();
     let linear = |v: u16| voltet_io::encode::linear_from_srgb(f32::from(v) / 65535.0);
     let texel = |p: &image::Rgba<u16>| [linear(p[0]), linear(p[1]), linear(p[2]), f32::from(p[3]) / 65535.0];

@@ -165,8 +165,8 @@ impl Editor {
         if !self.panels.section.open {
             return;
         }
-        let view = self.camera().and_then(View::from_camera);
-        let plane = view
+        let plane = self
+            .view()
             .zip(self.worker.shown(|shown| shown.bounds))
             .and_then(|(view, bounds)| self.panels.section.wanted(view, bounds));
         let Some(((_, output), (centre, axes, half))) = self.edited().zip(plane) else {
@@ -226,6 +226,18 @@ impl Editor {
         };
         self.say(text);
         self.answers.probed = Some((source, found));
+    }
+
+    /// The view of the picture, as its camera states it; of one that is stated otherwise than by eye and target, that of the last full
+    /// picture.
+    pub(crate) fn view(&self) -> Option<View> {
+        let camera = self.camera()?;
+        let drawn = || {
+            let report = self.worker.shown(|shown| shown.report.clone())?;
+            let found = report.origins.cameras.iter().find(|(node, _)| *node == camera.name);
+            found.map(|(_, camera)| View::from(**camera))
+        };
+        View::from_camera(camera).or_else(drawn)
     }
 
     pub(crate) fn camera(&self) -> Option<&NodeEntry> {

@@ -35,7 +35,8 @@ def scene(
     widgets : list of dict
         The transfer function, by `voltet.widgets`. Default: viridis over the range of the scalar, the higher the denser.
     camera : mapping
-        Parameters of the node `camera`; those that are left out are chosen so that the whole grid is seen.
+        Parameters of the node `camera`; those that are left out are chosen so that the whole grid is seen, also from the side of a
+        `view` such as `"+x"`.
     size : pair of int
         Width and height in pixels.
     method : str or mapping
@@ -65,7 +66,9 @@ def scene(
         widgets = [{"kind": "colormap", "extinction": 0.08}]
     # By which numbers may be relative to the data.
     pipeline.add("look", "transfer-function", volume="gradient", widgets=list(widgets), unit_distance=unit_distance)
-    pipeline.add("view", "camera", **{**_fitted(about["bounds"], size), **dict(camera or {})})
+    camera = dict(camera or {})
+    placed = {"volume": "gradient", "size": list(size)} if "view" in camera else _fitted(about["bounds"], size)
+    pipeline.add("view", "camera", **{**placed, **camera})
     pipeline.add("picture", "renderer", volume="gradient", transfer_function="look", camera="view", **renderer)
     return pipeline
 

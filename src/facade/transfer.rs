@@ -23,7 +23,7 @@ pub enum UnitDistance {
 }
 
 /// Colour and extinction over (s, g), as a sum of widgets.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
 pub struct TransferFunction {
     /// The widgets, whose extinctions add up.
@@ -32,13 +32,6 @@ pub struct TransferFunction {
     pub model: OpticalModel,
     /// Length over which extinction is stated.
     pub unit_distance: UnitDistance,
-}
-
-impl Default for TransferFunction {
-    fn default() -> Self {
-        let (widgets, model) = (Vec::new(), OpticalModel::DensityEmitter);
-        TransferFunction { widgets, model, unit_distance: UnitDistance::Auto }
-    }
 }
 
 impl TransferFunction {

@@ -18,9 +18,10 @@ pub struct TransferFunction {
 }
 
 /// The optical model (docs/src/explanation/optics.md, section 6).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum OpticalModel {
     /// C = ∫ Σ c_i ρ_i e^(−T) dl (Williams & Max 1992; Max 1995).
+    #[default]
     DensityEmitter,
     /// C = ∫ Σ κ_i e^(−T) dl, κ_i = c_i/U where ρ_i > cutoff × its peak (Song et al. 2009, Eq. 4).
     ConstantEmitter {

@@ -19,10 +19,29 @@ pub fn srgb_from_linear(v: f32) -> f32 {
 
 /// 8-bit sRGB of a premultiplied pixel over a linear background, clamped to 0 … 1.
 pub fn srgb8(pixel: [f32; 4], background: [f64; 3]) -> [u8; 3] {
-    std::array::from_fn(|channel| {
-        let linear = pixel[channel] + (1.0 - pixel[3]) * background[channel] as f32;
-        (srgb_from_linear(linear.clamp(0.0, 1.0)) * 255.0).round() as u8
-    })
+    over(pixel, background, 255.0).map(|code| code as u8)
+}
+
+/// sRGB of a premultiplied pixel over a linear background, in whole numbers up to `largest`.
+pub(super) fn over(pixel: [f32; 4], background: [f64; 3], largest: f32) -> [u16; 3] {
+    let linear = |channel: usize| pixel[channel] + (1.0 - pixel[3]) * background[channel] as f32;
+    [0, 1, 2].map(|channel| code(linear(channel), largest))
+}
+
+/// Straight sRGB and alpha of a premultiplied pixel, in whole numbers up to `largest`; and true if the colour is brighter than such a
+/// pixel can be. The colour is divided by the alpha that is written, so that over black it is as exact as without alpha.
+pub(super) fn straight([r, g, b, opacity]: [f32; 4], largest: f32) -> ([u16; 4], bool) {
+    let alpha = (opacity.clamp(0.0, 1.0) * largest).round();
+    let opacity = alpha / largest;
+    let color = [r, g, b].map(|linear| if alpha > 0.0 { code(linear / opacity, largest) } else { 0 });
+    // Rounding of the alpha is no loss.
+    let is_cut = [r, g, b].iter().any(|linear| *linear > opacity + 1.0 / largest);
+    ([color[0], color[1], color[2], alpha as u16], is_cut)
+}
+
+/// sRGB of linear light, clamped to 0 … 1, in whole numbers up to `largest`.
+fn code(linear: f32, largest: f32) -> u16 {
+    (srgb_from_linear(linear.clamp(0.0, 1.0)) * largest).round() as u16
 }
 
 /// The colour of a level from 0 (dark violet) to 1 (yellow) of the map viridis; linear, opaque.
