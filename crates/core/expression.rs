@@ -2,10 +2,22 @@
 //!
 //! Precedence from low to high: + −, * /, unary −, ^ (which binds to the right: −2^2 is −4, 2^3^2 is 512). Names are letters, digits,
 //! `_` and `.`, then perhaps `:` and a component (`V:X`, `V:0`); any other name stands in quotes ('mass fraction').
+//!
+//! It is read here and not by a crate: of exmex, fasteval, meval and mathexpr no error has a place, and evalexpr's licence is the AGPL.
 
 use crate::Error;
+use crate::field::Derivative;
 use crate::parameters::suggest;
 use std::ops::Range;
+
+/// Result of reading, or an error with the bytes where it is.
+pub type Parsed<T = ()> = Result<T, (Error, Range<usize>)>;
+
+/// Function of one number.
+type Unary = fn(f64) -> f64;
+
+/// Function of two numbers.
+type Binary = fn(f64, f64) -> f64;
 
 /// A parsed expression.
 #[derive(Debug, Clone)]
@@ -20,6 +32,8 @@ pub struct Expression {
 pub struct NamedArray {
     /// Its name, as a reader takes it: `u`, `V:X`, `V:magnitude`.
     pub name: String,
+    /// Quantity made of its gradients, in place of its values.
+    pub derivative: Option<Derivative>,
     /// Bytes of the expression where it stands first.
     pub span: Range<usize>,
 }
@@ -29,12 +43,12 @@ pub struct NamedArray {
 enum Step {
     Number(f64),
     Array(usize),
-    One(fn(f64) -> f64),
-    Two(fn(f64, f64) -> f64),
+    One(Unary),
+    Two(Binary),
 }
 
 /// Functions of one argument.
-const OF_ONE: &[(&str, fn(f64) -> f64)] = &[
+const OF_ONE: &[(&str, Unary)] = &[
     ("abs", f64::abs),
     ("sqrt", f64::sqrt),
     ("cbrt", libm::cbrt),
@@ -55,7 +69,7 @@ const OF_ONE: &[(&str, fn(f64) -> f64)] = &[
 ];
 
 /// Functions of two arguments.
-const OF_TWO: &[(&str, fn(f64, f64) -> f64)] =
+const OF_TWO: &[(&str, Binary)] =
     &[("min", least), ("max", greatest), ("atan2", libm::atan2), ("pow", libm::pow)];
 
 /// Not a number where one of the two is none, other than `f64::min`.
@@ -78,7 +92,7 @@ impl Expression {
     ///
     /// # Errors
     /// - one that is not well formed, with the bytes where it is not.
-    pub fn parse(text: &str) -> std::result::Result<Expression, (Error, Range<usize>)> {
+    pub fn parse(text: &str) -> Parsed<Expression> {
         let (arrays, steps) = (Vec::new(), Vec::new());
         let mut parser = Parser { text, at: 0, depth: 0, expression: Expression { arrays, steps } };
         parser.sum().and_then(|()| match parser.peek() {
@@ -116,8 +130,6 @@ struct Parser<'a> {
     expression: Expression,
 }
 
-type Parsed<T = ()> = std::result::Result<T, (Error, Range<usize>)>;
-
 impl<'a> Parser<'a> {
     /// The next character behind spaces.
     fn peek(&mut self) -> Option<char> {
@@ -153,7 +165,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    fn push(&mut self, function: fn(f64, f64) -> f64) {
+    fn push(&mut self, function: Binary) {
         self.expression.steps.push(Step::Two(function));
     }
 
@@ -228,12 +240,12 @@ impl<'a> Parser<'a> {
                 let name = self.name()?;
                 match self.peek() {
                     Some('(') if !is_quote(c) => self.call(&name, start),
-                    _ if name == "pi" => {
+                    _ if name == "pi" && !is_quote(c) => {
                         self.expression.steps.push(Step::Number(std::f64::consts::PI));
                         Ok(())
                     }
                     _ => {
-                        self.array(name, start);
+                        self.array(name, None, start);
                         Ok(())
                     }
                 }
@@ -294,10 +306,11 @@ impl<'a> Parser<'a> {
         Ok(name)
     }
 
-    fn array(&mut self, name: String, start: usize) {
-        let known = self.expression.arrays.iter().position(|array| array.name == name);
+    fn array(&mut self, name: String, derivative: Option<Derivative>, start: usize) {
+        let is_it = |array: &NamedArray| array.name == name && array.derivative == derivative;
+        let known = self.expression.arrays.iter().position(is_it);
         let number = known.unwrap_or_else(|| {
-            self.expression.arrays.push(NamedArray { name, span: start..self.at });
+            self.expression.arrays.push(NamedArray { name, derivative, span: start..self.at });
             self.expression.arrays.len() - 1
         });
         self.expression.steps.push(Step::Array(number));
@@ -306,19 +319,24 @@ impl<'a> Parser<'a> {
     fn call(&mut self, name: &str, start: usize) -> Parsed {
         let span = start..self.at;
         self.takes('(');
-        if name == MAGNITUDE {
+        let derivative = Derivative::ALL.into_iter().find(|of| of.0 == name).map(|of| of.1);
+        if name == MAGNITUDE || derivative.is_some() {
             let start = (self.peek(), self.at).1;
             let is_name = self.peek().is_some_and(|c| is_quote(c) || c.is_alphabetic() || c == '_');
             let array = if is_name { self.name()? } else { String::new() };
             if array.is_empty() || self.peek() != Some(')') {
-                return Err(self.unexpected("the name of a vector array alone, as in mag(V)"));
+                return Err(self.unexpected(&format!("the name of an array alone, as in {name}(V)")));
             }
-            self.array(format!("{array}:magnitude"), start);
+            match derivative {
+                None => self.array(format!("{array}:magnitude"), None, start),
+                derivative => self.array(array, derivative, start),
+            }
             return self.closed();
         }
         let (one, two) = (OF_ONE.iter().find(|of| of.0 == name), OF_TWO.iter().find(|of| of.0 == name));
         if one.is_none() && two.is_none() {
-            let names = OF_ONE.iter().map(|of| of.0).chain(OF_TWO.iter().map(|of| of.0)).chain([MAGNITUDE]);
+            let of_numbers = OF_ONE.iter().map(|of| of.0).chain(OF_TWO.iter().map(|of| of.0));
+            let names = of_numbers.chain([MAGNITUDE]).chain(Derivative::ALL.iter().map(|of| of.0));
             let error = Error::usage("the expression calls a function that is not known").got(name);
             return Err((error.expected(suggest(name, names)), span));
         }
@@ -353,6 +371,7 @@ mod tests {
             "V:X" => 5.0,
             "V:magnitude" => 7.0,
             "mass fraction:0" => 11.0,
+            "pi" => 13.0,
             other => panic!("{other}"),
         };
         expression.value(of, &mut Vec::new())
@@ -377,7 +396,7 @@ mod tests {
             ("1.5e1 + .5", 15.5),
             ("max(u, v) - min(u, v)", 7.0),
             ("atan2(1, 1) * 4 - pi", 0.0),
-            ("pow(u, 2)", 9.0),
+            ("pow(u, 2) + 'pi'", 22.0),
             ("ln(exp(2)) + log10(100) + abs(v)", 8.0),
             ("floor(2.5) + ceil(2.5)", 5.0),
         ] {
@@ -402,6 +421,8 @@ mod tests {
             ("sqrt(u, v)", 6..7, "')'"),
             ("mag(u + v)", 6..7, "mag(V)"),
             ("mag()", 4..5, "mag(V)"),
+            ("vorticity(2*V)", 10..11, "vorticity(V)"),
+            ("vorticty(V)", 0..8, "'vorticity', the nearest name"),
             ("1.2.3", 0..5, "a number"),
             ("1e999", 0..5, "a number"),
             ("'u", 0..2, "closing quote"),

@@ -1,6 +1,6 @@
 //! Averages of cell values at the points.
 
-use super::parts::{Association, RawGrid, Scalar, number};
+use super::parts::{Association, CellValues, RawGrid, Scalar, number};
 use super::{Array, Grid, cells_of_points, tetrahedron_volume};
 use crate::Result;
 use crate::SharedSlice;
@@ -46,21 +46,9 @@ pub(super) fn average(grid: &mut Grid, cells: CellArrays) {
     if cells.is_empty() {
         return;
     }
-    let average = averager(grid);
-    let converted = cells.converted(average);
-    set(grid, converted);
-}
-
-/// Means at the points of a number in every cell of the file, weighted as a reader's.
-pub fn means_at_points(grid: &Grid, values: &[f64]) -> Vec<f64> {
-    averager(grid)(values, 1)
-}
-
-/// Function from the values of the file's cells, and the components of a tuple, to means at the points.
-fn averager(grid: &Grid) -> impl Fn(&[f64], usize) -> Vec<f64> {
     let volumes = volumes_of_cells(grid);
     let rows = cells_of_points(grid);
-    move |values, component_count| {
+    let average = |values: &[f64], component_count: usize| {
         let n = component_count.max(1);
         let mut means = vec![0.0; grid.points.len() * n];
         means.par_chunks_exact_mut(n).with_min_len(1024).enumerate().for_each(|(p, mean)| {
@@ -87,7 +75,23 @@ fn averager(grid: &Grid) -> impl Fn(&[f64], usize) -> Vec<f64> {
             }
         });
         means
+    };
+    let converted = cells.converted(average);
+    set(grid, converted);
+}
+
+/// Adds the point array that is made of an array of the file's cells, as a reader makes it.
+///
+/// # Errors
+/// - cells that keep constant values need too many points.
+pub fn add_from_cells(grid: &mut Grid, name: &str, array: Array, conversion: CellValues) -> Result<()> {
+    grid.point_arrays.remove(name);
+    let cells = CellArrays { scalar: None, arrays: BTreeMap::from([(name.to_owned(), array)]) };
+    match conversion {
+        CellValues::Average => average(grid, cells),
+        CellValues::Constant => keep_constant(grid, cells)?,
     }
+    Ok(())
 }
 
 /// Volume of every cell of the file up to the last one that is drawn, in units that keep it in the number range.

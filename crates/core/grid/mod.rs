@@ -21,7 +21,7 @@ mod tetrahedra;
 pub use adjacency::{Csr, Neighbours, cells_of_faces, cells_of_points, points_of_points, sum_over_cells};
 pub use build::build;
 pub use cell_types::{CellType, code, describe_counts};
-pub use cell_values::means_at_points;
+pub use cell_values::add_from_cells;
 pub use parts::{
     Array, Association, CellSet, CellValues, Cells, FileCells, ImportStats, Options, Polyhedron, RawGrid,
     Scalar, is_drawn, structured_corners,

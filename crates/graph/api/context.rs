@@ -37,7 +37,7 @@ pub struct DemandContext<'a> {
     /// Type of the output that feeds each edge.
     pub(crate) fed: Vec<PortType>,
     /// Demand on each edge.
-    pub(crate) asks: Vec<Demand>,
+    pub(crate) asks: Vec<Option<Demand>>,
 }
 
 impl DemandContext<'_> {
@@ -75,14 +75,15 @@ impl DemandContext<'_> {
     /// Adds a demand on an input.
     pub fn ask(&mut self, port: &str, demand: &Demand) -> Result<()> {
         for edge in self.wiring.edges(port)? {
-            self.asks[edge].join(demand);
+            demand.add_to(&mut self.asks[edge]);
         }
         Ok(())
     }
 
-    /// Passes the demand on this node on to every input.
+    /// Passes the demand on this node on to every input, and requests the scalar.
     pub fn pass_on(&mut self) -> Result<()> {
-        self.asks.iter_mut().for_each(|ask| ask.join(self.asked));
+        let demand = Demand { without_scalar: false, ..self.asked.clone() };
+        self.asks.iter_mut().for_each(|ask| demand.add_to(ask));
         Ok(())
     }
 }

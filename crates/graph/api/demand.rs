@@ -21,6 +21,9 @@ pub struct Demand {
     /// g is there, they may be what they are at another point. `None`: everywhere. Asked by nodes that have a transfer function or
     /// cells ([`crate::DemandContext::ask`]); of others, which may give another scalar than they get, everything is asked.
     pub gradient_for: Option<Vec<Arc<TransferFunctionSpec>>>,
+    /// True if the scalar is not looked at, as where a node replaces it: it need not be read. A node that looks at the scalar of an
+    /// input leaves this false there.
+    pub without_scalar: bool,
     /// An order of the cells.
     pub order: bool,
     /// The file's own cells, to write them back.
@@ -39,7 +42,7 @@ pub struct Arrays {
     pub named: BTreeSet<String>,
     /// True if all other arrays are requested, too.
     pub and_all_others: bool,
-    /// Where some of the names are written.
+    /// Places where some of the names are written.
     pub origins: BTreeMap<String, SourceSpan>,
 }
 
@@ -57,15 +60,18 @@ impl Arrays {
         }
     }
 
+    /// Requests an array whose name is written at `origin`.
+    pub fn request(&mut self, name: &str, origin: SourceSpan) {
+        self.named.insert(name.to_owned());
+        self.origins.entry(name.to_owned()).or_insert(origin);
+    }
+
     /// An error about an array at the place where its name is written, where that is known; otherwise as it is.
-    pub fn locate(&self, mut error: Error) -> Error {
-        let of = |name: &str| error.what.contains(&format!("'{}'", name.split(':').next().unwrap_or(name)));
-        let Some((_, origin)) = self.origins.iter().find(|(name, _)| of(name)) else { return error };
-        if let Some(file) = error.location.file.take() {
-            error.what += &format!(" ({file})");
+    pub fn locate(&self, name: &str, error: Error) -> Error {
+        match self.origins.get(name) {
+            Some(origin) => origin.locate(error),
+            None => error,
         }
-        *error.location = Default::default();
-        origin.locate(error)
     }
 }
 
@@ -79,6 +85,14 @@ impl Demand {
     /// Everything that a node downstream could ever ask for: what holds when it cannot be known beforehand.
     pub fn unknown() -> Self {
         Demand { gradient_magnitude: true, gradient: false, order: true, ..Demand::default() }
+    }
+
+    /// Adds a demand to those on the same node, of which there may be none yet.
+    pub(crate) fn add_to(&self, all: &mut Option<Demand>) {
+        match all {
+            Some(all) => all.join(self),
+            none => *none = Some(self.clone()),
+        }
     }
 
     /// Adds another demand on the same node.
@@ -98,6 +112,7 @@ impl Demand {
         self.cell_arrays.join(&other.cell_arrays);
         self.gradient_magnitude |= other.gradient_magnitude;
         self.gradient |= other.gradient;
+        self.without_scalar &= other.without_scalar;
         self.order |= other.order;
         self.file_cells |= other.file_cells;
         self.cell_values |= other.cell_values;
