@@ -31,9 +31,7 @@ pub const NODE: Node = Node {
             parameter_type: ParameterType::Text,
             unit: "",
             default: DefaultValue::Required,
-            help: "numbers, arrays (u, V:X, 'mass fraction'), + - * / ^, pi, abs, sqrt, cbrt, exp, ln, log10, sin, cos, tan, asin, acos, \
-                   atan, atan2, sinh, cosh, tanh, floor, ceil, min, max, pow; of the values of an array V: mag(V), and of its \
-                   gradients: gradient_magnitude(s), vorticity(V) (the length of the curl), divergence(V), q_criterion(V)",
+            help: "such as \"mag(V) - ln(p)/2\": arrays, + - * / ^ and the functions that docs/src/how-to/calculator.md lists",
         },
         Parameter {
             name: "name",
@@ -58,8 +56,7 @@ pub const NODE: Node = Node {
             parameter_type: ParameterType::Boolean,
             unit: "",
             default: DefaultValue::Boolean(true),
-            help: "true: the result is the scalar that is drawn, and that of the input is not read; false: an array beside it, computed \
-                   where a node uses it",
+            help: "true: the result is the scalar that is drawn, in place of the input's; false: an array beside it",
         },
         Parameter {
             name: "method",

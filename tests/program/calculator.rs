@@ -183,6 +183,10 @@ fn two_grids_of_one_mesh_are_compared() {
     let ran =
         fails(&format!("expression = \"x - other.z\"\n{SECOND}"), 1, &["no array 'z'", "second.vtu", "'x'"]);
     assert!(ran.stderr.contains(":19\n"), "{}", ran.stderr);
+    scene(&folder, &difference, [-1.0, 2.0]);
+    let text = std::fs::read_to_string(folder.join("slab.toml")).unwrap();
+    folder.write("slab.toml", text.replace("other = \"second\"", "other = [\"second\", \"grid\"]"));
+    run(&folder).fails(2, &["several outputs feed the input 'other'", "expected one output"]);
     folder.write("second.vtu", cube(2));
     fails(&difference, 1, &["of another mesh", "27 points", "64 points"]);
     let moved = cube(3).replace("1 1 1</DataArray>\n</Points>", "1 1 1.00001</DataArray>\n</Points>");

@@ -314,8 +314,14 @@ impl RunContext<'_> {
     }
 
     fn edge(&self, port: &str) -> Result<usize> {
-        let none = || Error::run(format!("the node looks at its input '{port}', which is not wired"));
-        self.wiring.edges(port)?.next().ok_or_else(none)
+        let mut edges = self.wiring.edges(port)?;
+        match (edges.next(), edges.next()) {
+            (Some(edge), None) => Ok(edge),
+            (None, _) => Err(Error::run(format!("the node looks at its input '{port}', which is not wired"))),
+            (Some(_), Some(_)) => {
+                Err(Error::usage(format!("several outputs feed the input '{port}'")).expected("one output"))
+            }
+        }
     }
 
     /// The grid at an input.
