@@ -11,6 +11,7 @@
 
 mod bands;
 mod boundary;
+mod calculator;
 mod camera;
 mod composite;
 mod contour;
@@ -51,6 +52,7 @@ use voltet_optics::integrators::{self, Integrator};
 pub static NODES: &[&Node] = &[
     &reader::NODE,
     &wavelet::NODE,
+    &calculator::NODE,
     &gradient_magnitude::NODE,
     &multi_gradient::NODE,
     &probe::NODE,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use voltet_core::{Error, Result};
 use voltet_graph::{
     DefaultValue, Demand, Diagnostics, Node, Outputs, Parameter, ParameterType, ParameterValue, Parameters,
-    PlanContext, Port, PortType, Preparation, Range, RunContext, SavedWork, Steps, Value,
+    PlanContext, Port, PortType, Preparation, Range, RunContext, SavedWork, Steps, TimeSeries, Value,
 };
 use voltet_io::formats::{
     self, Association, CellValues, Options, Request, SelectedArrays, TimeStep, existing_file,
@@ -36,16 +36,7 @@ pub const NODE: Node = Node {
             default: DefaultValue::Text("auto"),
             help: "where the scalar is looked for",
         },
-        Parameter {
-            name: "cell_values",
-            parameter_type: ParameterType::Choice(&[
-                ("average", "averaged to the points, weighted by volume"),
-                ("constant", "constant in every cell, with jumps between cells"),
-            ]),
-            unit: "",
-            default: DefaultValue::Text("average"),
-            help: "what becomes of a scalar that is given per cell",
-        },
+        CELL_VALUES,
         Parameter {
             name: "time_step",
             parameter_type: ParameterType::Integer(Range::at_least(0.0)),
@@ -96,6 +87,26 @@ pub const SCALAR: Parameter = Parameter {
     help: "the array to draw; \"NAME:magnitude\" or \"NAME:0\" for vectors",
 };
 
+/// Conversion of cell values to point values.
+pub const CELL_VALUES: Parameter = Parameter {
+    name: "cell_values",
+    parameter_type: ParameterType::Choice(&[
+        ("average", "averaged to the points, weighted by volume"),
+        ("constant", "constant in every cell, with jumps between cells"),
+    ]),
+    unit: "",
+    default: DefaultValue::Text("average"),
+    help: "what becomes of a scalar that is given per cell",
+};
+
+/// The conversion that the parameter [`CELL_VALUES`] names.
+pub fn cell_values(p: &Parameters) -> Result<CellValues> {
+    Ok(match p.text("cell_values")? {
+        "constant" => CellValues::Constant,
+        _ => CellValues::Average,
+    })
+}
+
 fn prepare(preparation: &Preparation) -> Result<()> {
     refuse_missing(&preparation.path("path")?)?;
     match preparation.parameters.optional("solution") {
@@ -108,7 +119,7 @@ fn prepare(preparation: &Preparation) -> Result<()> {
 pub(crate) fn run(call: &mut RunContext, chosen: Option<SelectedArrays>) -> Result<Outputs> {
     let request = asked(call.parameters, call.demand, chosen, &|path| call.resolve(path))?;
     let path = call.path("path")?;
-    let grid = formats::read(&path, &request, call.progress())?;
+    let grid = formats::read(&path, &request, call.progress()).map_err(with_file_named)?;
     let origin = &grid.origin;
     call.notes.warnings.extend(origin.warnings.iter().cloned());
     if !origin.arrays_unread.is_empty() {
@@ -143,30 +154,41 @@ fn files_beside(preparation: &Preparation, steps: Steps) -> Vec<PathBuf> {
 }
 
 /// Each step of a series by its number.
-pub(crate) fn steps(preparation: &Preparation, chosen: Option<SelectedArrays>) -> Result<Vec<Parameters>> {
+pub(crate) fn steps(preparation: &Preparation, chosen: Option<SelectedArrays>) -> Result<TimeSeries> {
     let p = preparation.parameters;
     let mut request = request(p, chosen)?;
     if p.is_set("solution") {
         request.solution = Some(preparation.path("solution")?);
     }
     // A step that is not there is said when it is read.
-    let count = formats::step_count(&preparation.path("path")?, &Request { time_step: None, ..request })?;
+    let (count, own) = formats::steps(&preparation.path("path")?, &request)?;
     if count == 1 {
-        return Ok(vec![p.clone()]);
+        return Ok(TimeSeries::of_one(p));
     }
     let at = |step: usize| p.with("time", None).with("time_step", Some(ParameterValue::Integer(step as i64)));
-    Ok((0..count).map(at).collect())
+    Ok(TimeSeries { steps: (0..count).map(at).collect(), own })
 }
 
 /// Notes the arrays that are left out, from the headers of the file alone.
 pub(crate) fn foresee(foresight: &mut PlanContext, chosen: Option<SelectedArrays>) -> Result<()> {
     let parameters = foresight.parameters;
     let request = asked(parameters, foresight.demand, chosen, &|path| foresight.resolve(path))?;
-    let unread = formats::unread(&foresight.resolve(parameters.text("path")?), &request)?;
+    let path = foresight.resolve(parameters.text("path")?);
+    let unread = formats::unread(&path, &request).map_err(with_file_named)?;
     if !unread.arrays.is_empty() {
         record_unread(foresight.notes, &unread.arrays, unread.value_count);
     }
     Ok(())
+}
+
+/// An error that has its place in the pipeline names the data file in its text.
+fn with_file_named(mut error: Error) -> Error {
+    if error.location.span.is_some()
+        && let Some(file) = error.location.file.take()
+    {
+        error.what += &format!(" ({file})");
+    }
+    error
 }
 
 /// Records the arrays that are not read: each number of them would become one of 64 bits.
@@ -185,6 +207,8 @@ fn asked(
     let mut request = request(p, chosen)?;
     request.point_arrays = demand.arrays.named.iter().cloned().collect();
     request.cell_arrays = demand.cell_arrays.named.iter().cloned().collect();
+    request.origins = [&demand.arrays, &demand.cell_arrays].map(|arrays| arrays.origins.clone());
+    request.without_scalar = demand.without_scalar;
     request.options.keep_cells = demand.file_cells;
     request.every_array = demand.arrays.and_all_others || demand.cell_arrays.and_all_others;
     if p.is_set("solution") {
@@ -200,10 +224,7 @@ pub(crate) fn request(p: &Parameters, chosen: Option<SelectedArrays>) -> Result<
         "cell" => Some(Association::Cell),
         _ => None,
     };
-    let cell_values = match p.text("cell_values")? {
-        "constant" => CellValues::Constant,
-        _ => CellValues::Average,
-    };
+    let cell_values = cell_values(p)?;
     let time_step = match (p.is_set("time_step"), p.optional_number("time")) {
         (true, Some(_)) => return Err(p.error("time", "'time' and 'time_step' exclude each other")),
         (true, None) => Some(TimeStep::Index(p.integer("time_step")? as usize)),

@@ -65,19 +65,26 @@ fn field(p: glam::DVec3) -> f64 {
 }
 
 fn run(call: &mut RunContext) -> Result<Outputs> {
-    if let Some(name) = call.demand.arrays.named.iter().chain(&call.demand.cell_arrays.named).next() {
-        return Err(Error::run("a wavelet has no array of this name")
-            .got(name)
-            .expected("its scalar alone, or a reader"));
+    let name = call.parameters.text("field")?;
+    for (arrays, own) in [(&call.demand.arrays, Some(name)), (&call.demand.cell_arrays, None)] {
+        if let Some(other) = arrays.named.iter().find(|&other| Some(other.as_str()) != own) {
+            let error = Error::run("a wavelet has no array of this name").got(other);
+            let accepted = format!("its scalar '{name}' alone, at the points, or a reader");
+            return Err(arrays.locate(other, error.expected(accepted)));
+        }
     }
     let counts: [f64; 3] = call.parameters.vector("resolution")?;
     let jitter = call.parameters.number("jitter")?;
-    let name = call.parameters.text("field")?;
     let field = if name == "distance" { glam::DVec3::length } else { field };
     let half = glam::DVec3::splat(HALF);
     // Within the declared range, so nothing is lost.
     let grid = box_of_tetrahedra(counts.map(|n| n as usize), [-half, half], jitter);
-    Ok(vec![Value::Grid(Arc::new(with_scalar(grid, name, field)))])
+    let mut grid = with_scalar(grid, name, field);
+    if call.demand.arrays.named.contains(name) {
+        let scalar = grid.scalar.clone().unwrap_or_default();
+        grid.point_arrays.insert(name.into(), Arc::new(scalar.into()));
+    }
+    Ok(vec![Value::Grid(Arc::new(grid))])
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ pub mod colormap;
 mod counted;
 pub mod diagnostics;
 pub mod error;
+pub mod expression;
 pub mod field;
 pub mod grid;
 pub mod parameters;

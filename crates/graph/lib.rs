@@ -26,7 +26,7 @@ pub use api::context::{
     DemandContext, NoObserver, NodeProgress, Observer, Outputs, PlanContext, Preparation, RunContext,
 };
 pub use api::demand::{Arrays, Demand};
-pub use api::node::{NamedStub, Node, PlanningStub, Steps};
+pub use api::node::{NamedStub, Node, PlanningStub, Steps, TimeSeries};
 pub use api::origins::{FileRead, FileStamp, Origins, ResolvedPipeline, Stamp, relative_path};
 pub use api::value::{
     CellValues, Edge, Port, PortType, Revision, StagePayload, TransferFunctionSpec, Value, diagonal,

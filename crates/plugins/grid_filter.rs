@@ -41,7 +41,7 @@ pub(crate) fn grid_node(item: PluginItem) -> &'static Node {
 
 /// Demands of the input: that of the output without the arrays that the filter makes, and the arrays that its parameters name.
 fn demand(item: &PluginItem, context: &mut DemandContext) -> Result<()> {
-    let mut demand = context.asked.clone();
+    let mut demand = Demand { without_scalar: false, ..context.asked.clone() };
     if let Family::GridFilter { made } = item.declaration.family {
         demand.arrays.named.retain(|name| !made.contains(&name.as_str()));
     }

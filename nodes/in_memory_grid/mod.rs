@@ -52,12 +52,14 @@ fn run(call: &mut RunContext, given: &Grid) -> Result<Outputs> {
     let asked = &call.demand.arrays;
     grid.point_arrays.retain(|name, _| asked.contains(name));
     for name in &asked.named {
-        grid.point_arrays.insert(name.to_string(), point_array(given, name)?);
+        let array = point_array(given, name).map_err(|error| asked.locate(name, error))?;
+        grid.point_arrays.insert(name.to_string(), array);
     }
     if let Some(name) =
         call.demand.cell_arrays.named.iter().find(|name| !given.cell_arrays.contains_key(*name))
     {
-        return Err(missing(name, given.cell_arrays.keys()));
+        let error = missing(name, given.cell_arrays.keys());
+        return Err(call.demand.cell_arrays.locate(name, error));
     }
     call.notes.warnings.extend(given.origin.warnings.iter().cloned());
     Ok(vec![Value::Grid(Arc::new(grid))])

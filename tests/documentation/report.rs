@@ -132,6 +132,7 @@ const COUNTS: &[(&str, &str)] = &[
     ("tiles_sorted", "tiles whose segments were put in order"),
     ("tiles_stopped", "tiles that were opaque before all their cells were visited"),
     ("uploads", "transfers of a grid to the device"),
+    ("values_computed", "values of expressions computed"),
 ];
 
 /// Page of the report, after a run's report was found to have no other keys.

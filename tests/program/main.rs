@@ -3,6 +3,7 @@
 
 mod bad_data;
 mod bad_pipelines;
+mod calculator;
 mod collisions;
 mod colormap;
 mod commands;

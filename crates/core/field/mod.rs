@@ -4,11 +4,13 @@
 //! finds: docs/src/explanation/optics.md, section 3.
 
 mod cell_mean;
+mod derivative;
 mod filter;
 mod least_squares;
 mod quadratic_fit;
 
 pub use cell_mean::{CellAverage, FromArray, VolumeWeighted};
+pub use derivative::Derivative;
 pub use filter::{Fallback, Gradient, GradientFilter, Method, Plugin, check_scalar, for_points};
 pub use least_squares::LeastSquares;
 pub use quadratic_fit::QuadraticFit;

@@ -100,6 +100,8 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
     }
     progress.report("tetrahedra", 0.8);
 
+    let of_cells = parts.cell_arrays.keys().filter(|name| !parts.point_arrays.contains_key(*name));
+    origin.arrays_of_cells = of_cells.cloned().collect();
     let cell_values = cell_values::take(&mut parts);
     let mut numbers = drop_unused_points(&mut parts, &mut tetrahedra)?;
     let mut grid = Grid {

@@ -1,6 +1,6 @@
 //! Averages of cell values at the points.
 
-use super::parts::{Association, RawGrid, Scalar, number};
+use super::parts::{Association, CellValues, RawGrid, Scalar, number};
 use super::{Array, Grid, cells_of_points, tetrahedron_volume};
 use crate::Result;
 use crate::SharedSlice;
@@ -78,6 +78,20 @@ pub(super) fn average(grid: &mut Grid, cells: CellArrays) {
     };
     let converted = cells.converted(average);
     set(grid, converted);
+}
+
+/// Adds the point array that is made of an array of the file's cells, as a reader makes it.
+///
+/// # Errors
+/// - cells that keep constant values need too many points.
+pub fn add_from_cells(grid: &mut Grid, name: &str, array: Array, conversion: CellValues) -> Result<()> {
+    grid.point_arrays.remove(name);
+    let cells = CellArrays { scalar: None, arrays: BTreeMap::from([(name.to_owned(), array)]) };
+    match conversion {
+        CellValues::Average => average(grid, cells),
+        CellValues::Constant => keep_constant(grid, cells)?,
+    }
+    Ok(())
 }
 
 /// Volume of every cell of the file up to the last one that is drawn, in units that keep it in the number range.

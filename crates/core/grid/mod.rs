@@ -25,6 +25,7 @@ pub use adjacency::{Csr, Neighbours, cells_of_faces, cells_of_points, points_of_
 pub use boundary::boundary;
 pub use build::build;
 pub use cell_types::{CellType, code, describe_counts};
+pub use cell_values::add_from_cells;
 pub use contour::contour;
 pub use grid_surface::{EdgePoint, GridSurface, point_normals};
 pub use parts::{

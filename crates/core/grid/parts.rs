@@ -89,6 +89,8 @@ pub struct ImportStats {
     pub values_unread: u64,
     /// Arrays that were decoded: the scalar and those beside it.
     pub arrays_decoded: u64,
+    /// Point arrays that are means of arrays of the file's cells.
+    pub arrays_of_cells: Vec<String>,
     /// Warnings for the user, each a sentence.
     pub warnings: Vec<String>,
 }

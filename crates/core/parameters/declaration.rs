@@ -211,7 +211,7 @@ impl ParameterType {
             ParameterType::ChoiceOrPath(words, endings) => {
                 format!("{} | path of a file .{}", joined(words), endings.join(" or ."))
             }
-            ParameterType::Color(range) => format!("{} or \"#rrggbb\"", ranged("3 numbers", range)),
+            ParameterType::Color(range) => format!("\"#rrggbb\" in sRGB or {}", ranged("3 numbers", range)),
             ParameterType::InputPath | ParameterType::OutputPath => "path".into(),
             ParameterType::Numbers(Some(n), range) => ranged(&counted(*n, "number"), range),
             ParameterType::Numbers(None, range) => ranged("list of numbers", range),

@@ -74,6 +74,8 @@ impl PartialEq for SourceSpan {
     }
 }
 
+impl Eq for SourceSpan {}
+
 impl<T: Into<ParameterValue>> From<T> for LocatedValue {
     fn from(datum: T) -> Self {
         LocatedValue { datum: datum.into(), origin: SourceSpan::Nowhere }
@@ -121,6 +123,17 @@ impl LocatedValue {
     /// An error about this setting: `what`, with the value as found and the setting's place.
     pub fn error(&self, what: impl Into<String>, accepted: impl fmt::Display) -> Error {
         self.origin.locate(Error::usage(what).got(&self.datum).expected(accepted))
+    }
+
+    /// Location of some bytes of a text; of all of it where it is written with escapes or over several lines.
+    pub fn origin_of(&self, bytes: std::ops::Range<usize>) -> SourceSpan {
+        match (&self.origin, self.text()) {
+            (SourceSpan::Span(whole), Some(text)) if whole.len() == text.len() + 2 => {
+                let start = whole.start + 1;
+                SourceSpan::Span(start + bytes.start..start + bytes.end.max(bytes.start + 1))
+            }
+            (origin, _) => origin.clone(),
+        }
     }
 
     /// The value as a number; whole numbers count.

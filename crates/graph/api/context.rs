@@ -38,7 +38,7 @@ pub struct DemandContext<'a> {
     /// Type of the output that feeds each edge.
     pub(crate) fed: Vec<PortType>,
     /// Demand on each edge.
-    pub(crate) asks: Vec<Demand>,
+    pub(crate) asks: Vec<Option<Demand>>,
 }
 
 impl DemandContext<'_> {
@@ -76,14 +76,15 @@ impl DemandContext<'_> {
     /// Adds a demand on an input.
     pub fn ask(&mut self, port: &str, demand: &Demand) -> Result<()> {
         for edge in self.wiring.edges(port)? {
-            self.asks[edge].join(demand);
+            demand.add_to(&mut self.asks[edge]);
         }
         Ok(())
     }
 
-    /// Passes the demand on this node on to every input.
+    /// Passes the demand on this node on to every input, and requests the scalar.
     pub fn pass_on(&mut self) -> Result<()> {
-        self.asks.iter_mut().for_each(|ask| ask.join(self.asked));
+        let demand = Demand { without_scalar: false, ..self.asked.clone() };
+        self.asks.iter_mut().for_each(|ask| demand.add_to(ask));
         Ok(())
     }
 }
@@ -314,8 +315,14 @@ impl RunContext<'_> {
     }
 
     fn edge(&self, port: &str) -> Result<usize> {
-        let none = || Error::run(format!("the node looks at its input '{port}', which is not wired"));
-        self.wiring.edges(port)?.next().ok_or_else(none)
+        let mut edges = self.wiring.edges(port)?;
+        match (edges.next(), edges.next()) {
+            (Some(edge), None) => Ok(edge),
+            (None, _) => Err(Error::run(format!("the node looks at its input '{port}', which is not wired"))),
+            (Some(_), Some(_)) => {
+                Err(Error::usage(format!("several outputs feed the input '{port}'")).expected("one output"))
+            }
+        }
     }
 
     /// The grid at an input.

@@ -1,8 +1,10 @@
 //! Demands on nodes, which the demand pass collects from the sinks upward.
 
 use super::value::TransferFunctionSpec;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
+use voltet_core::Error;
+use voltet_core::parameters::SourceSpan;
 
 /// Demand on a node's outputs. Nothing else is read, computed or sorted.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -19,6 +21,9 @@ pub struct Demand {
     /// g is there, they may be what they are at another point. `None`: everywhere. Asked by nodes that have a transfer function or
     /// cells ([`crate::DemandContext::ask`]); of others, which may give another scalar than they get, everything is asked.
     pub gradient_for: Option<Vec<Arc<TransferFunctionSpec>>>,
+    /// True if the scalar is not looked at, as where a node replaces it: it need not be read. A node that looks at the scalar of an
+    /// input leaves this false there.
+    pub without_scalar: bool,
     /// An order of the cells.
     pub order: bool,
     /// The file's own cells, to write them back.
@@ -37,6 +42,8 @@ pub struct Arrays {
     pub named: BTreeSet<String>,
     /// True if all other arrays are requested, too.
     pub and_all_others: bool,
+    /// Places where some of the names are written.
+    pub origins: BTreeMap<String, SourceSpan>,
 }
 
 impl Arrays {
@@ -48,12 +55,29 @@ impl Arrays {
     fn join(&mut self, other: &Arrays) {
         self.named.extend(other.named.iter().cloned());
         self.and_all_others |= other.and_all_others;
+        for (name, origin) in &other.origins {
+            self.origins.entry(name.clone()).or_insert(origin.clone());
+        }
+    }
+
+    /// Requests an array whose name is written at `origin`.
+    pub fn request(&mut self, name: &str, origin: SourceSpan) {
+        self.named.insert(name.to_owned());
+        self.origins.entry(name.to_owned()).or_insert(origin);
+    }
+
+    /// An error about an array at the place where its name is written, where that is known; otherwise as it is.
+    pub fn locate(&self, name: &str, error: Error) -> Error {
+        match self.origins.get(name) {
+            Some(origin) => origin.locate(error),
+            None => error,
+        }
     }
 }
 
 impl FromIterator<String> for Arrays {
     fn from_iter<I: IntoIterator<Item = String>>(names: I) -> Self {
-        Arrays { named: names.into_iter().collect(), and_all_others: false }
+        Arrays { named: names.into_iter().collect(), ..Arrays::default() }
     }
 }
 
@@ -61,6 +85,14 @@ impl Demand {
     /// Everything that a node downstream could ever ask for: what holds when it cannot be known beforehand.
     pub fn unknown() -> Self {
         Demand { gradient_magnitude: true, gradient: false, order: true, ..Demand::default() }
+    }
+
+    /// Adds a demand to those on the same node, of which there may be none yet.
+    pub(crate) fn add_to(&self, all: &mut Option<Demand>) {
+        match all {
+            Some(all) => all.join(self),
+            none => *none = Some(self.clone()),
+        }
     }
 
     /// Adds another demand on the same node.
@@ -80,6 +112,7 @@ impl Demand {
         self.cell_arrays.join(&other.cell_arrays);
         self.gradient_magnitude |= other.gradient_magnitude;
         self.gradient |= other.gradient;
+        self.without_scalar &= other.without_scalar;
         self.order |= other.order;
         self.file_cells |= other.file_cells;
         self.cell_values |= other.cell_values;

@@ -24,6 +24,22 @@ pub enum Steps {
     All,
 }
 
+/// Time series that a node reads.
+#[derive(Debug, Clone)]
+pub struct TimeSeries {
+    /// Parameters with which the node reads each step.
+    pub steps: Vec<Parameters>,
+    /// Number of the step that it reads.
+    pub own: usize,
+}
+
+impl TimeSeries {
+    /// Series of one step: the node reads none.
+    pub fn of_one(parameters: &Parameters) -> TimeSeries {
+        TimeSeries { steps: vec![parameters.clone()], own: 0 }
+    }
+}
+
 /// A node type: its declaration and the functions that work for it. A constant for the nodes that ship; a plug-in
 /// leaks its own (`Box::leak`), since node types live as long as the program.
 pub struct Node {
@@ -60,9 +76,8 @@ pub struct Node {
     pub demand: &'static (dyn Fn(&mut DemandContext) -> Result<()> + Send + Sync),
     /// Notes what the headers of its files tell that it will leave out; reads no data. An error where they do not tell.
     pub foresee: &'static (dyn Fn(&mut PlanContext) -> Result<()> + Send + Sync),
-    /// The parameters with which the node reads each step of the time series that its files are, as far as headers tell; these
-    /// alone where it reads none.
-    pub steps: &'static (dyn Fn(&Preparation) -> Result<Vec<Parameters>> + Send + Sync),
+    /// The time series that its files are, as far as headers tell.
+    pub steps: &'static (dyn Fn(&Preparation) -> Result<TimeSeries> + Send + Sync),
     /// The files that it reads beside those that its parameters name, from headers alone: where one of them changes it runs again,
     /// and pictures say what they were. Of a series the files of the step that is read, or of all. What cannot be read names none.
     pub files_beside: &'static (dyn Fn(&Preparation, Steps) -> Vec<PathBuf> + Send + Sync),
@@ -91,7 +106,7 @@ impl Node {
         check: &|_| Ok(()),
         demand: &|asking| asking.pass_on(),
         foresee: &|_| Ok(()),
-        steps: &|preparation| Ok(vec![preparation.parameters.clone()]),
+        steps: &|preparation| Ok(TimeSeries::of_one(preparation.parameters)),
         files_beside: &|_, _| Vec::new(),
         prepare: &|_| Ok(()),
         run: &|_| Ok(Vec::new()),

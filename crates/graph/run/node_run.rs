@@ -89,27 +89,37 @@ impl<'a> NodeRun<'a> {
             let node = &graph.nodes[place];
             let asks = asks_of(graph, node, &demand, &mut Diagnostics::default(), |_| (None, false))?;
             for (edge, ask) in node.inputs.iter().zip(asks) {
-                demands[edge.node].get_or_insert_default().join(&ask);
+                ask.add_to(&mut demands[edge.node]);
             }
             feeding.push(FeedingNode { place, parameters: Vec::new(), demand });
         }
         feeding.reverse();
-        let mut series: Option<(&str, usize)> = None;
+        let mut series: Option<(&str, usize, usize)> = None;
         for FeedingNode { place, parameters, .. } in &mut feeding {
             let node = &graph.nodes[*place];
             let preparation = Preparation { parameters: &node.parameters, folder: &graph.folder };
-            *parameters = (node.node.steps)(&preparation).map_err(|error| node.locate(error))?;
+            let read = (node.node.steps)(&preparation).map_err(|error| node.locate(error))?;
+            let own_step = read.own;
+            *parameters = read.steps;
             match (series, parameters.len()) {
                 (_, 1) => {}
-                (Some((other, count)), own) if own != count => {
+                (Some((other, count, _)), own) if own != count => {
                     let error = Error::usage("two time series have different numbers of steps");
                     let found = format!("{count} of '{other}' and {own} of '{}'", node.name);
                     return Err(node.locate(error.got(found).expected("series of the same length")));
                 }
-                (_, own) => series = Some((&node.name, own)),
+                (Some((other, _, step)), _) if own_step != step => {
+                    let error = Error::usage(
+                        "all steps of two time series are needed, which are read at different steps",
+                    );
+                    let found = format!("step {step} of '{other}' and step {own_step} of '{}'", node.name);
+                    let accepted = "the same step of both, as they go on together; or numbers relative to this step alone";
+                    return Err(node.locate(error.got(found).expected(accepted)));
+                }
+                (_, own) => series = Some((&node.name, own, own_step)),
             }
         }
-        Ok((feeding, series.map_or(1, |(_, count)| count)))
+        Ok((feeding, series.map_or(1, |(_, count, _)| count)))
     }
 
     /// Runs what feeds a port, at one step.

@@ -68,6 +68,8 @@ pub(super) fn everything_of(node: &GraphNode) -> Demand {
         arrays,
         gradient_magnitude: gradient,
         gradient,
+        // Nor is a scalar requested that another replaces: it might not be there.
+        without_scalar: true,
         order: true,
         file_cells: grid,
         cell_values: node.gives(PortType::CellValues),
@@ -100,10 +102,10 @@ pub(super) fn asks_of(
         early,
         is_known,
         fed: node.inputs.iter().map(output_type).collect(),
-        asks: vec![Demand::default(); node.inputs.len()],
+        asks: vec![None; node.inputs.len()],
     };
     (node.node.demand)(&mut asking).map_err(|error| node.locate(error))?;
-    let asks = asking.asks;
+    let asks: Vec<Demand> = asking.asks.into_iter().map(Option::unwrap_or_default).collect();
     node.inputs
         .iter()
         .zip(&asks)

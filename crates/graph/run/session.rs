@@ -83,8 +83,10 @@ impl Session {
             }
         }
         let outlines = outlines(graph, &plan.early)?;
+        let mut demands: Vec<Option<Demand>> = vec![None; count];
         for &i in graph.order.iter().rev() {
             let node = &graph.nodes[i];
+            plan.demands[i] = demands[i].take().unwrap_or_default();
             if node.makes_volume() {
                 plan.demands[i].join(of_volumes);
             }
@@ -99,7 +101,7 @@ impl Session {
             for (edge, ask) in node.inputs.iter().zip(asks) {
                 let says_where = node.draws() && !self.widgets_move;
                 let ask = if says_where { ask } else { ask.everywhere() };
-                plan.demands[edge.node].join(&ask);
+                ask.add_to(&mut demands[edge.node]);
             }
         }
         Ok(plan)

@@ -34,6 +34,15 @@ fn places_add_up_and_who_names_none_wants_all() {
 }
 
 #[test]
+fn a_scalar_is_left_out_where_nobody_looks_at_it() {
+    let without = Demand { without_scalar: true, ..Demand::default() };
+    let mut both = without.clone();
+    both.join(&Demand::default());
+    assert_eq!(both, Demand::default());
+    assert!(both.covers(&without) && !without.covers(&both) && without.covers(&without));
+}
+
+#[test]
 fn what_is_made_in_some_places_serves_who_looks_there() {
     let (one, both, everywhere) = (of(Some(&[1.0])), of(Some(&[1.0, 2.0])), of(None));
     assert!(both.covers(&one) && everywhere.covers(&both) && one.covers(&Demand::default()));

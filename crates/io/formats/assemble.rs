@@ -10,6 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use voltet_core::grid::{
     Array, Association, CellType, Cells, Grid, RawGrid, Scalar, code, structured_corners,
 };
+use voltet_core::parameters::SourceSpan;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result, counted, grid, progress};
 
@@ -98,8 +99,9 @@ fn refuse_beyond_memory(
     let mut size =
         GridSize { points: pieces.iter().map(|piece| piece.point_count).sum(), ..GridSize::default() };
     cells.iter().for_each(|cells| size.add(cells));
-    let further =
-        (array_count as u64 - 1).saturating_mul(size.points.saturating_mul(size_of::<f64>() as u64));
+    let further = (array_count as u64)
+        .saturating_sub(1)
+        .saturating_mul(size.points.saturating_mul(size_of::<f64>() as u64));
     let what = || format!("a grid of about {}", counted(size.tetrahedra, "tetrahedron"));
     progress::refuse_beyond_memory(progress, what, size.bytes().saturating_add(further))
 }
@@ -107,12 +109,20 @@ fn refuse_beyond_memory(
 /// The arrays that a request means: the scalar, those beside it on the points, and those that stay on the cells.
 pub(super) fn choices(dataset: &Dataset, request: &Request) -> Result<Vec<ArraySelection>> {
     let model = request::model(dataset)?;
-    let mut choices = vec![request::scalar(dataset, request.scalar.as_deref(), request.association)?];
-    for name in unique(&request.point_arrays) {
-        choices.push(request::array(model, name, None)?);
+    let scalar = || request::scalar(dataset, request.scalar.as_deref(), request.association);
+    let mut choices = Vec::new();
+    if !request.without_scalar {
+        choices.push(scalar()?);
     }
-    for name in unique(&request.cell_arrays) {
-        choices.push(request::array(model, name, Some(Association::Cell))?);
+    let [of_points, of_cells] = &request.origins;
+    for (names, origins, association) in
+        [(&request.point_arrays, of_points, None), (&request.cell_arrays, of_cells, Some(Association::Cell))]
+    {
+        for name in unique(names) {
+            let locate =
+                |error| origins.get(name).map_or(&SourceSpan::Nowhere, |origin| origin).locate(error);
+            choices.push(request::array(model, name, association).map_err(locate)?);
+        }
     }
     Ok(choices)
 }
@@ -180,8 +190,7 @@ pub(super) struct PieceRequest<'a> {
 /// A piece as the import takes it.
 pub(super) fn load(piece: &Piece, mut cells: Cells, wanted: &PieceRequest, meter: &Meter) -> Result<RawGrid> {
     // The values first, for progress: they are bytes of the file, the points of a uniform grid are not.
-    let columns = wanted.choices.iter().map(|choice| column(piece, choice, meter));
-    let mut columns = wanted.choices.iter().zip(columns.collect::<Result<Vec<_>>>()?);
+    let mut columns = wanted.choices.iter().zip(columns(piece, wanted.choices, meter)?);
     let ghost = ghosts(piece, &cells, meter)?;
     let degrees = degrees(piece, &cells, meter)?;
     let ids = wanted.ids.and_then(|name| piece.array(Association::Point, name));
@@ -190,7 +199,9 @@ pub(super) fn load(piece: &Piece, mut cells: Cells, wanted: &PieceRequest, meter
     let warning = hexahedra::restore_order(&mut cells, &points, degrees.as_deref(), piece.is_old_order);
     let mut raw = RawGrid { ghost, degrees, global_ids, ..RawGrid::new(points, cells) };
     raw.origin.warnings.extend(warning);
-    if let Some((choice, values)) = columns.next() {
+    if !wanted.request.without_scalar
+        && let Some((choice, values)) = columns.next()
+    {
         let name = wanted.request.scalar.clone().unwrap_or_else(|| choice.name.clone());
         raw.scalar = Some(Scalar { name, association: choice.association, values: values.into() });
     }
@@ -209,8 +220,45 @@ pub(super) fn load(piece: &Piece, mut cells: Cells, wanted: &PieceRequest, meter
     Ok(raw)
 }
 
+/// The values of each choice. An array of which several components are chosen is decoded once.
+fn columns(piece: &Piece, choices: &[ArraySelection], meter: &Meter) -> Result<Vec<Vec<f64>>> {
+    let mut columns: Vec<Option<Vec<f64>>> = vec![None; choices.len()];
+    for (i, choice) in choices.iter().enumerate().filter(|choice| choice.1.component != Component::All) {
+        if columns[i].is_none() {
+            let values = decoded(piece, choice, meter)?;
+            let is_same = |other: &ArraySelection| {
+                let whole = ArraySelection { component: choice.component, ..other.clone() };
+                whole == *choice && other.component != Component::All
+            };
+            for (other, column) in choices.iter().zip(&mut columns).filter(|other| is_same(other.0)) {
+                *column = Some(component(&values, other));
+            }
+        }
+    }
+    let of =
+        |(choice, column): (_, Option<Vec<f64>>)| column.map_or_else(|| decoded(piece, choice, meter), Ok);
+    choices.iter().zip(columns).map(of).collect()
+}
+
 /// The values of a choice.
 pub(super) fn column(piece: &Piece, choice: &ArraySelection, meter: &Meter) -> Result<Vec<f64>> {
+    Ok(component(&decoded(piece, choice, meter)?, choice))
+}
+
+/// The component of a choice from the values of its array.
+fn component(values: &[f64], choice: &ArraySelection) -> Vec<f64> {
+    let count = choice.component_count;
+    match choice.component {
+        Component::Index(index) if count > 1 => {
+            values.par_iter().skip(index).step_by(count).copied().collect()
+        }
+        Component::Magnitude => values.par_chunks(count).map(length).collect(),
+        _ => values.to_vec(),
+    }
+}
+
+/// The values of the array of a choice.
+fn decoded(piece: &Piece, choice: &ArraySelection, meter: &Meter) -> Result<Vec<f64>> {
     let Some(stored) = piece.array(choice.association, &choice.name) else {
         return Err(Error::run(format!("a piece of the file lacks the array '{}'", choice.name))
             .expected("the same arrays in every piece"));
@@ -224,13 +272,7 @@ pub(super) fn column(piece: &Piece, choice: &ArraySelection, meter: &Meter) -> R
         .got(counted(count, "component"))
         .expected(choice.component_count));
     }
-    let values: Vec<f64> = stored.load(meter)?;
-    Ok(match choice.component {
-        Component::All => values,
-        Component::Index(_) if count == 1 => values,
-        Component::Index(index) => values.into_par_iter().skip(index).step_by(count).collect(),
-        Component::Magnitude => values.par_chunks(count).map(length).collect(),
-    })
+    stored.load(meter)
 }
 
 /// Length of a vector, without overflow on the way.

@@ -3,11 +3,11 @@
 
 use super::contents::{Dataset, GHOST_LEVELS, GHOST_TYPE, Piece};
 use super::source::Source;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::grid::{Association, Options};
-use voltet_core::parameters::{Parameters, nearest_first};
+use voltet_core::parameters::{Parameters, SourceSpan, nearest_first};
 use voltet_core::reading::GridReader;
 use voltet_core::{Error, Result, counted};
 
@@ -26,12 +26,16 @@ pub struct Request {
     /// The scalar: an array's name (`density`), or for arrays of several components `NAME:magnitude` or `NAME:0`.
     /// `None`: the only array of the file, or the one that the file marks as its scalars.
     pub scalar: Option<String>,
+    /// True if there is to be no scalar.
+    pub without_scalar: bool,
     /// Location of the scalar; `None`: the point array of that name, or, if there is none, the cell array.
     pub association: Option<Association>,
     /// Further arrays, per point (cell arrays are averaged); all components, or one as in `scalar`.
     pub point_arrays: Vec<String>,
     /// Cell arrays that are wanted as they are; all components, or one as in `scalar`.
     pub cell_arrays: Vec<String>,
+    /// Places where names among `point_arrays` and among `cell_arrays` are written, for errors about them.
+    pub origins: [BTreeMap<String, SourceSpan>; 2],
     /// The step of a time series (.pvd); `None`: the first.
     pub time_step: Option<TimeStep>,
     /// Options of the import.

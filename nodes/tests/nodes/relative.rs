@@ -282,6 +282,30 @@ fn a_series_has_one_range_over_all_its_steps() {
     assert!(!report.counts.contains_key("steps_read"));
 }
 
+/// Steps of two series go on together, so that a difference to one step would be that of a step to itself.
+#[test]
+fn two_series_are_at_the_same_step() {
+    let folder = tempfile::tempdir().unwrap();
+    series(folder.path());
+    let widgets = "relative_to = \"series\"\n[[nodes.look.widgets]]\nkind = \"uniform\"\ncolor = [1, 1, 1]\nextinction = 1\n\
+                   region = { s = [\"0 %\", \"100 %\"] }\n";
+    let at = |expression: &str, step: usize| {
+        scene("all.pvd", "a", WIRED, widgets)
+            .replace("inputs = { grid = \"grid\" }", "inputs = { grid = \"both\" }")
+            + &format!(
+                "\n[nodes.second]\ntype = \"reader\"\npath = \"all.pvd\"\ntime_step = {step}\n[nodes.both]\ntype = \"calculator\"\n\
+                 expression = \"{expression}\"\ninputs = {{ grid = \"grid\", other = \"second\" }}\n"
+            )
+    };
+    let mut session = session();
+    let report = run(&mut session, &at("a + other.a", 0), folder.path());
+    let found = report.findings.iter().find(|f| f.what.starts_with("widget 0")).unwrap();
+    assert!(found.what.contains("s = [0.0, 36.0]"), "{}", found.what);
+    let graph = graph(&at("a - other.a", 2), folder.path()).unwrap();
+    let error = session.run(&graph, &NoObserver).unwrap_err().to_string();
+    assert!(error.contains("step 0 of 'grid' and step 2 of 'second'"), "{error}");
+}
+
 /// The file of a step is written again while a session is open, as a solver does.
 #[test]
 fn a_changed_step_is_read_again() {

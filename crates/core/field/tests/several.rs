@@ -49,3 +49,24 @@ fn it_agrees_with_another_way_to_the_largest_singular_value() {
         }
     }
 }
+
+#[test]
+fn curl_divergence_and_q_are_those_of_the_parts_of_the_matrix() {
+    let rows = [DVec3::new(1.0, -2.0, 0.0), DVec3::new(2.0, 0.0, 0.0), DVec3::new(0.0, 0.0, 3.0)];
+    let values = Derivative::ALL.map(|(_, derivative)| derivative.value(rows));
+    assert_eq!(values, [5.0_f64.sqrt(), 4.0, 4.0, -1.0]);
+    let mut random = Random(11);
+    for _ in 0..100 {
+        let mut number = || 2.0 * random.next() - 1.0;
+        let rows = [0; 3].map(|_| DVec3::new(number(), number(), number()));
+        let square = |sign: f64| {
+            let part = |i: usize, j: usize| 0.5 * (rows[i][j] + sign * rows[j][i]);
+            (0..9).map(|k| part(k / 3, k % 3).powi(2)).sum::<f64>()
+        };
+        let (rotation, strain) = (square(-1.0), square(1.0));
+        let [_, vorticity, _, q] = Derivative::ALL.map(|(_, derivative)| derivative.value(rows));
+        assert!((q - 0.5 * (rotation - strain)).abs() < 1e-14, "{q}");
+        // Each component of the curl is twice one of the antisymmetric part, which holds it twice.
+        assert!((vorticity - (2.0 * rotation).sqrt()).abs() < 1e-14, "{vorticity}");
+    }
+}

@@ -158,7 +158,7 @@ pub(super) const COLOR: Parameter = Parameter {
     parameter_type: ParameterType::Color(Range::at_least(0.0)),
     unit: "linear RGB",
     default: DefaultValue::Required,
-    help: "colour; components may exceed 1; a text is 8-bit sRGB",
+    help: "colour; components may exceed 1",
 };
 
 pub(super) const EXTINCTION: Parameter = Parameter {
