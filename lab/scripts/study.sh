@@ -15,7 +15,7 @@ Three of the pipelines, drawn with every integrator that supports them and its s
 there is one, against the 64-bit reference. `lab/scripts/study.sh` makes this page; `voltet study FILE` does the same for any scene, with
 more figures.
 
-`total ms` is the median time of a picture from culling on, on the CPU with set-up (tables). Errors are those of premultiplied linear
+`picture ms` is the median time of a picture from culling on, on the CPU with set-up (tables). Errors are those of premultiplied linear
 RGBA over all pixels, 1 being full scale. `FLIP` is the perceptual difference of Andersson et al. (2020).
 TEXT
 printf '\nMeasured on %s with %s cores (%s).\n' "$(date +%F)" "$(nproc)" "$(uname -sm)" >> "$page"
