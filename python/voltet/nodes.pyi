@@ -6,7 +6,7 @@ from typing import Any, Literal
 from ._node import Node
 from ._pipeline import Pipeline
 
-__all__ = ["bands", "camera", "composite", "cull", "gpu_renderer", "gradient_magnitude", "grid_writer", "histogram", "image_writer", "multi_gradient", "probe", "project", "reader", "renderer", "report_writer", "sort", "transfer_function", "wavelet"]
+__all__ = ["bands", "calculator", "camera", "composite", "cull", "gpu_renderer", "gradient_magnitude", "grid_writer", "histogram", "image_writer", "multi_gradient", "probe", "project", "reader", "renderer", "report_writer", "sort", "transfer_function", "wavelet"]
 
 _Source = str | Node | Sequence[str | Node]
 
@@ -35,6 +35,22 @@ def wavelet(
     jitter: float | None = None,
 ) -> Node:
     """Computes a grid of tetrahedra and a field on it, of any size: VTK's analytic source "Wavelet"."""
+def calculator(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    grid: _Source | None = None,
+    other: _Source | None = None,
+    expression: str,
+    name: str | None = None,
+    association: Literal["point", "cell"] | None = None,
+    cell_values: Literal["average", "constant"] | None = None,
+    scalar: bool | None = None,
+    method: str | None = None,
+    **of_method: Any,
+) -> Node:
+    """Computes an array from others by an expression, and makes it the scalar that is drawn."""
 def gradient_magnitude(
     pipeline: Pipeline,
     node: str,
