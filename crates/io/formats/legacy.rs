@@ -398,12 +398,22 @@ struct Scanner {
     window_at: u64,
     at: u64,
     line: usize,
+    /// Components of the last array.
+    component_count: usize,
 }
 
 impl Scanner {
     /// At the beginning of the file.
     fn new(source: Arc<Source>) -> Self {
-        Scanner { source, binary: false, window: Vec::new(), window_at: 0, at: 0, line: 1 }
+        Scanner {
+            source,
+            binary: false,
+            window: Vec::new(),
+            window_at: 0,
+            at: 0,
+            line: 1,
+            component_count: 0,
+        }
     }
 
     /// An error at this place.
@@ -509,10 +519,16 @@ impl Scanner {
         Ok(false)
     }
 
-    /// Skips a METADATA block, which ends with an empty line.
+    /// Skips a METADATA block of the last array, which ends with an empty line; the line of a component without a name is empty, too.
     fn skip_metadata(&mut self) -> Result<()> {
         self.rest_of_line()?;
-        while self.rest_of_line()?.is_some_and(|line| !line.is_empty()) {}
+        while let Some(line) = self.rest_of_line()?.filter(|line| !line.is_empty()) {
+            if line == "COMPONENT_NAMES" {
+                for _ in 0..self.component_count {
+                    self.rest_of_line()?;
+                }
+            }
+        }
         Ok(())
     }
 
@@ -545,6 +561,7 @@ impl Scanner {
         component_count: usize,
         tuple_count: u64,
     ) -> Result<Option<Stored>> {
+        self.component_count = component_count;
         if self.binary {
             self.rest_of_line()?;
         }

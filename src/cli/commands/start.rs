@@ -16,7 +16,7 @@ use crate::io::formats::{ArraySummary, Association, FileArray, Request, Summary,
 use crate::nodes::files::{
     folder, is_standard_output, refuse_unwritable, relative_to, standard_output, write_whole,
 };
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -32,6 +32,9 @@ const HAZE: f64 = 0.1;
 /// Vertical angle of view, degrees.
 const FOV_Y: f64 = 30.0;
 
+/// Smallest range of values: a thousandth of it has an inverse in 64 bits.
+const LEAST_RANGE: f64 = 1e-300;
+
 /// Width and height of the picture, pixels.
 const PICTURE: [f64; 2] = [1024.0, 768.0];
 
@@ -43,6 +46,9 @@ const OBLIQUE: DVec3 = DVec3::new(-0.8, -1.4, 0.9);
 
 /// Share of the picture under which other directions are tried.
 const FILLED: f64 = 0.3;
+
+/// Share of the upright box's volume under which a box that leans is taken.
+const FAR_SMALLER: f64 = 0.125;
 
 /// Shares of the components of the oblique direction in those that are tried.
 const TILTS: [f64; 5] = [0.01, 0.05, 0.2, 0.5, 1.0];
@@ -92,6 +98,17 @@ pub fn pipeline(
     let Some([low, high]) = range(&scalar).filter(|&[low, high]| differ(low, high, f64::EPSILON)) else {
         return Err(without_boundary(arguments, &asked, &named, progress));
     };
+    if high - low < LEAST_RANGE {
+        return Err(Error::run(format!(
+            "the values of '{named}' differ by less than widgets can tell apart"
+        ))
+        .got(format_args!("{low:?} to {high:?}"))
+        .expected(format_args!("a range of at least {LEAST_RANGE:?}"))
+        .in_file(&arguments.data));
+    }
+    if !has_volume(&grid) {
+        return Err(without_volume(arguments));
+    }
     let gradient = Method::with_defaults(Arc::new(LeastSquares))?.gradient(&grid, &scalar, progress)?;
     let g = magnitude(&gradient.vectors);
     let found = histogram_of(&grid, &scalar, &g, progress)?;
@@ -156,7 +173,7 @@ pub fn pipeline(
     let stem = if is_standard_output(output) { arguments.data.file_stem() } else { output.file_stem() };
     let picture = PathBuf::from(stem.unwrap_or_default()).with_extension("png");
     let text = format!(
-        "# Boundaries of {named}, told apart by its value s and its gradient magnitude g: the widgets are Gaussians at equal
+        "# Boundaries of {}, told apart by its value s and its gradient magnitude g: the widgets are Gaussians at equal
 # shares of the level surfaces' area, found from the data. What is
 # quieter than g = {} is left out. Ranges: s {} to {}, g to {} in 99.9 % of the volume.
 {linearly}
@@ -191,6 +208,7 @@ path = {}
 background = [0.0, 0.0, 0.0]
 inputs = {{ image = \"picture\" }}
 ",
+        name(&named),
         at_g(g_axis.low),
         at_s(s_axis.low),
         at_s(s_axis.high),
@@ -210,6 +228,24 @@ inputs = {{ image = \"picture\" }}
         said += &format!("; {}", note.trim_end().trim_end_matches('.'));
     }
     Ok((text, said))
+}
+
+/// False if all cells are flat, to roundings of their longest edge.
+fn has_volume(grid: &Grid) -> bool {
+    grid.tetrahedra.iter().any(|corners| {
+        let [a, b, c, d] = corners.map(|corner| grid.points[corner as usize]);
+        let edges = [b - a, c - a, d - a];
+        let longest = edges.iter().map(|edge| edge.abs().max_element()).fold(f64::MIN_POSITIVE, f64::max);
+        let [u, v, w] = edges.map(|edge| edge / longest);
+        u.cross(v).dot(w) != 0.0
+    })
+}
+
+/// The error for a file without a cell that can be drawn.
+fn without_volume(arguments: &Start) -> Error {
+    Error::run("no cell has a volume, so there is nothing to draw")
+        .expected("cells of three dimensions, such as tetrahedra or hexahedra, that are not flat")
+        .in_file(&arguments.data)
 }
 
 /// The error for an array that is the same everywhere; names those that are not.
@@ -245,7 +281,7 @@ fn named_array(arguments: &Start, named: &str, all: &[FileArray]) -> Result<Arra
 /// The file's own scalar, or the first that is a quantity; a flag or a number of something where nothing else differs.
 fn first_quantity(arguments: &Start, summary: &Summary) -> Result<ArrayChoice> {
     if !summary.has_volume() {
-        return Err(Error::run("no cell has a volume, so there is nothing to draw").in_file(&arguments.data));
+        return Err(without_volume(arguments));
     }
     let heads: Vec<FileArray> = summary.arrays.iter().map(|array| array.head.clone()).collect();
     let mut arrays: Vec<&ArraySummary> = summary.arrays.iter().filter(|array| differs(array)).collect();
@@ -318,10 +354,46 @@ struct FirstView {
     chord: f64,
     /// Share of the picture that the box fills.
     filled: f64,
+    /// Distance of the nearest point along the view.
+    nearest: f64,
+}
+
+/// A view of all points, in a box that may lean.
+fn view(points: &[DVec3]) -> Option<FirstView> {
+    let [low, high] = bounds(points)?;
+    let middle = 0.5 * low + 0.5 * high;
+    let Some(axes) = leaning_axes(points, middle, high - low) else {
+        return upright_view(points);
+    };
+    let turned: Vec<DVec3> = points.iter().map(|point| axes.transpose() * (*point - middle)).collect();
+    let seen = upright_view(&turned)?;
+    let [eye, target] = [seen.eye, seen.target].map(|place| middle + axes * place);
+    Some(FirstView { eye, target, up: axes * seen.up, ..seen })
+}
+
+/// Axes of a box that is far smaller than the upright one, as of a rod along a diagonal: the longest distance between points and the
+/// farthest point across it.
+fn leaning_axes(points: &[DVec3], middle: DVec3, size: DVec3) -> Option<DMat3> {
+    let largest = size.max_element().max(f64::MIN_POSITIVE);
+    let places = || points.iter().filter(|point| point.is_finite()).map(|point| (*point - middle) / largest);
+    let farthest = |measure: &dyn Fn(DVec3) -> f64| {
+        places().max_by(|a, b| measure(*a).total_cmp(&measure(*b))).unwrap_or(DVec3::ZERO)
+    };
+    let end = farthest(&|place| place.length_squared());
+    let along = (end - farthest(&|place| place.distance_squared(end))).try_normalize()?;
+    let beside = |place: DVec3| place - along * along.dot(place);
+    let across = beside(farthest(&|place| beside(place).length_squared())).try_normalize()?;
+    let above = along.cross(across);
+    let side = if above.z < 0.0 { -1.0 } else { 1.0 };
+    let axes = DMat3::from_cols(along, side * across, side * above);
+    let turned: Vec<DVec3> = places().map(|place| axes.transpose() * place).collect();
+    let [low, high] = bounds(&turned)?;
+    let content = |sides: DVec3| sides.max(DVec3::splat(1e-9)).element_product();
+    (content(high - low) < FAR_SMALLER * content(size / largest)).then_some(axes)
 }
 
 /// A view of all points, mostly along the shortest side of their box; along another where that leaves the picture empty, as of a rod.
-fn view(points: &[DVec3]) -> Option<FirstView> {
+fn upright_view(points: &[DVec3]) -> Option<FirstView> {
     let [low, high] = bounds(points)?;
     let largest = (high - low).max_element().max(f64::MIN_POSITIVE);
     let size = (high - low).max(DVec3::splat(1e-9 * largest));
@@ -356,11 +428,13 @@ impl FirstView {
         // picture the point that is farthest out counts. Positions are those from the box's middle.
         let middle = low + 0.5 * size;
         let mut out = [f64::NEG_INFINITY; 4];
+        let mut front = f64::NEG_INFINITY;
         for point in points.iter().filter(|point| point.is_finite()) {
             let p = *point - middle;
             let (x, y, z) = (p.dot(right), p.dot(above), p.dot(towards));
             let own = [x + tan_x * z, -x + tan_x * z, y + tan_y * z, -y + tan_y * z];
             out.iter_mut().zip(own).for_each(|(out, own)| *out = out.max(own));
+            front = front.max(z);
         }
         let [east, west, north, south] = out;
         let (x, y) = (0.5 * (east - west), 0.5 * (north - south));
@@ -368,13 +442,13 @@ impl FirstView {
         let eye = x * right + y * above + distance * towards;
         let (chord, filled) = rays(eye, [right, above, towards], -0.5 * size, 0.5 * size);
         let target = middle + eye - towards * distance.max(0.5 * size.min_element());
-        FirstView { eye: middle + eye, target, up, chord, filled }
+        FirstView { eye: middle + eye, target, up, chord, filled, nearest: distance - front }
     }
 
     /// Its keys in a pipeline file.
     fn keys(&self) -> String {
-        // A thousandth of a pixel.
-        let step = 1e-6 * self.eye.distance(self.target);
+        // A thousandth of a pixel at what is nearest.
+        let step = 1e-6 * self.nearest;
         let vector = |v: DVec3| {
             let [x, y, z] = v.to_array().map(|x| decimal(x, step));
             format!("[{x:?}, {y:?}, {z:?}]")
