@@ -13,11 +13,16 @@ fn corners_of_values(points: vec4u) -> Corners {
     return corners;
 }
 
+// Counted from one corner: equal corners give their value, not one beside it by what the sum of the weights is rounded.
+fn mean(weights: vec4f, corners: vec4f) -> f32 {
+    return corners.x + dot(weights.yzw, corners.yzw - corners.x);
+}
+
 fn values_at(corners: Corners, weights: vec4f) -> Values {
     var given = corners;
     var values = Values();
     for (var i = 0u; i < VALUE_COUNT; i++) {
-        values[i] = dot(weights, given[i]);
+        values[i] = mean(weights, given[i]);
     }
     return values;
 }
@@ -32,7 +37,7 @@ fn attribute_corners(points: vec4u, slot: u32) -> vec4f {
 }
 
 fn attribute_at(points: vec4u, weights: vec4f, slot: u32) -> f32 {
-    return dot(weights, attribute_corners(points, slot));
+    return mean(weights, attribute_corners(points, slot));
 }
 
 // What the ray's way through a cell from entry to exit adds.

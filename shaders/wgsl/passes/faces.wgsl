@@ -24,14 +24,24 @@ struct Ray {
     stretch: f32,
 }
 
+// Twice the area of a triangle as a vector along its normal. The sum of products tilts the normal of a thin triangle along its longest
+// edge, where a small tilt moves the plane far away from the other end: that part is taken off. Tilts about that edge are no
+// larger than those by the rounding of the corners.
+fn area_of(a: vec3f, b: vec3f, c: vec3f) -> vec3f {
+    let u = b - a;
+    let v = c - a;
+    let w = c - b;
+    let area = cross(u, v);
+    var longest = select(v, u, dot(v, v) < dot(u, u));
+    longest = select(w, longest, dot(w, w) < dot(longest, longest));
+    return area - longest * (dot(area, longest) / dot(longest, longest));
+}
+
 fn faces_of(a: vec3f, b: vec3f, c: vec3f, d: vec3f) -> Faces {
-    let e1 = b - a;
-    let e2 = c - a;
-    let e3 = d - a;
-    let n1 = cross(e2, e3);
-    let determinant = dot(e1, n1);
+    let n1 = area_of(a, c, d);
+    let determinant = dot(b - a, n1);
     let side = select(-1.0, 1.0, 0.0 < determinant);
-    let normals = array(-side * cross(c - b, d - b), side * n1, -side * cross(e1, e3), side * cross(e1, e2));
+    let normals = array(-side * area_of(b, c, d), side * n1, -side * area_of(a, b, d), side * area_of(a, b, c));
     let depths = vec2f(min(min(a.z, b.z), min(c.z, d.z)), max(max(a.z, b.z), max(c.z, d.z)));
     return Faces(a, b, normals, abs(determinant), depths);
 }
