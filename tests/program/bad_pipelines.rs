@@ -1,6 +1,6 @@
 //! Mistakes in a pipeline file or an option: one error, with its line and a caret, exit code 2, and no file.
 
-use super::support::{Folder, SLAB};
+use super::support::{Folder, SLAB, cube};
 
 #[test]
 fn a_mistake_is_shown_with_its_line_and_a_caret() {
@@ -224,6 +224,8 @@ fn a_file_that_is_no_pipeline_file_is_refused() {
     folder.voltet(&["run", "binary.toml"]).fails(2, &["no pipeline file", "byte 0 is no UTF-8"]);
     folder.voltet(&["run", "."]).fails(2, &["the pipeline file cannot be read"]);
     folder.voltet(&["run", "cube.vtu"]).fails(2, &["this is a data file", "voltet start cube.vtu"]);
+    folder.write("my cube.vtu", cube(1));
+    folder.voltet(&["run", "my cube.vtu"]).fails(2, &["voltet start 'my cube.vtu'"]);
     folder.write("empty.toml", "");
     folder.voltet(&["run", "empty.toml"]).fails(2, &["does not state its format", "[pipeline]"]);
 }

@@ -60,6 +60,20 @@ fn labels_and_constants_are_not_chosen() {
 }
 
 #[test]
+fn numbers_of_nodes_are_labels_and_a_command_that_is_shown_can_be_typed() {
+    let folder = Folder::new();
+    let labelled = tetrahedron("GlobalNodeId", 1.0, 1.0)
+        .replace("</PointData>", "<DataArray type=\"Int32\" Name=\"count\">1 2 3 4</DataArray></PointData>")
+        .replace("<DataArray type=\"Float64\" Name=\"Global", "<DataArray type=\"Int32\" Name=\"Global")
+        .replace("0 0 1.0 1.0", "0 1 2 3");
+    folder.write("my cube's.vtu", labelled);
+    let said = folder.voltet(&["start", "my cube's.vtu"]).ok();
+    assert!(said.stderr.contains(r"voltet run 'my cube'\''s.toml'"), "{}", said.stderr);
+    let text = read(&folder, "my cube's.toml");
+    assert!(text.contains("scalar = \"count\""), "{text}");
+}
+
+#[test]
 fn of_a_scalar_that_is_named_nothing_else_is_decoded() {
     let folder = Folder::new();
     // One of the numbers of `y` is none.
@@ -74,19 +88,21 @@ fn of_a_scalar_that_is_named_nothing_else_is_decoded() {
     length.fails(1, &["'gradient:magnitude' has no boundary"]);
 }
 
-#[test]
-fn what_cannot_be_drawn_is_refused_and_a_name_of_two_lines_is_none() {
-    let folder = Folder::new();
-    let tetrahedron = |name: &str, height: f64, value: f64| {
-        format!(
-            "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece NumberOfPoints=\"4\" NumberOfCells=\"1\">\
+/// A tetrahedron with two values, of a height.
+fn tetrahedron(name: &str, height: f64, value: f64) -> String {
+    format!(
+        "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece NumberOfPoints=\"4\" NumberOfCells=\"1\">\
              <PointData><DataArray type=\"Float64\" Name=\"{name}\">0 0 {value:?} {value:?}</DataArray></PointData>\
              <Points><DataArray type=\"Float64\" NumberOfComponents=\"3\">0 0 0 1 0 0 0 1 0 0 0 {height}</DataArray></Points>\
              <Cells><DataArray type=\"Int64\" Name=\"connectivity\">0 1 2 3</DataArray>\
              <DataArray type=\"Int64\" Name=\"offsets\">4</DataArray>\
              <DataArray type=\"UInt8\" Name=\"types\">10</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>"
-        )
-    };
+    )
+}
+
+#[test]
+fn what_cannot_be_drawn_is_refused_and_a_name_of_two_lines_is_none() {
+    let folder = Folder::new();
     folder.write("flat.vtu", tetrahedron("T", 0.0, 1.0));
     folder.voltet(&["start", "flat.vtu"]).fails(1, &["no cell has a volume", "not flat"]);
     folder.write("small.vtu", tetrahedron("T", 1.0, 1e-310));
@@ -94,6 +110,9 @@ fn what_cannot_be_drawn_is_refused_and_a_name_of_two_lines_is_none() {
     folder.write("lines.vtu", tetrahedron("two&#10;lines", 1.0, 1.0));
     folder.voltet(&["start", "lines.vtu"]).ok();
     folder.voltet(&["check", "lines.toml"]).ok();
+    let large = tetrahedron("T", 1.0, 1.0).replace("1 0 0 0 1 0 0 0", "1e150 0 0 0 1e150 0 0 0");
+    folder.write("large.vtu", large);
+    folder.voltet(&["start", "large.vtu"]).fails(1, &["extent", "1e90"]);
 }
 
 /// A grid drawn by lot: any scale, place, flatness, direction, type of numbers and association, with unused points and values that are none.

@@ -5,8 +5,8 @@
 //! the bytes of an array.
 
 use super::contents::{
-    Dataset, Encoding, Geometry, Piece, PieceArray, Stored, StoredCells, StoredFaces, extent_dimensions,
-    structured_counts, tuples,
+    Dataset, Encoding, Geometry, Piece, PieceArray, Stored, StoredCells, StoredFaces, TIME,
+    extent_dimensions, structured_counts, tuples,
 };
 use super::numbers::{ByteOrder, NumberType};
 use super::request::{Format, Request};
@@ -52,9 +52,10 @@ fn open(source: Arc<Source>, _: &Request) -> Result<Dataset> {
         }
     };
     let mut word = scanner.required("DATASET")?;
+    let mut fields = Vec::new();
     // Fields of the whole file may stand first.
     while word.eq_ignore_ascii_case("FIELD") {
-        field(&mut scanner)?;
+        fields.extend(field(&mut scanner)?);
         word = scanner.required("DATASET")?;
     }
     if !word.eq_ignore_ascii_case("DATASET") {
@@ -107,10 +108,15 @@ fn open(source: Arc<Source>, _: &Request) -> Result<Dataset> {
                 found.into_iter().collect()
             }
         };
-        if let Some((association, _)) = section {
-            arrays.extend(found.into_iter().map(|stored| PieceArray::new(association, stored)));
+        match section {
+            Some((association, _)) => {
+                arrays.extend(found.into_iter().map(|stored| PieceArray::new(association, stored)));
+            }
+            None => fields.extend(found),
         }
     }
+    let of_time = |name: &&str| fields.iter().find(|field| field.name == **name)?.first();
+    dataset.time = TIME.iter().find_map(of_time);
     let (point_count, cell_count) = contents.counts(&kind, &scanner)?;
     if let Some(blanking) = contents.blanking.take() {
         let stored = blanking.hidden_where_zero();

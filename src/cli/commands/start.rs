@@ -15,7 +15,7 @@ use crate::core::{Error, Result, agreeing};
 use crate::graph::{ParameterValue, Registry};
 use crate::io::formats::{ArraySummary, Association, FileArray, Request, Summary, arrays, inspect, read};
 use crate::nodes::files::{
-    folder, is_standard_output, refuse_unwritable, relative_to, standard_output, write_whole,
+    argument, folder, is_standard_output, refuse_unwritable, relative_to, standard_output, write_whole,
 };
 use glam::{DMat3, DVec3};
 use std::path::{Path, PathBuf};
@@ -75,7 +75,7 @@ pub fn start(arguments: &Start, registry: &Registry) -> Outcome {
     }
     write_whole(&output, text.as_bytes())?;
     let file = name(&output.to_string_lossy());
-    say(&format!("{said}\n{file} is written; draw it: voltet run {file}"));
+    say(&format!("{said}\n{file} is written; draw it: voltet run {}", name(&argument(&output))));
     Ok(DONE)
 }
 
@@ -110,6 +110,7 @@ pub fn pipeline(
     if !has_volume(&grid) {
         return Err(without_volume(arguments));
     }
+    let length = scene_length(grid.bounds()).map_err(|error| error.in_file(&arguments.data))?;
     let gradient = Method::with_defaults(Arc::new(LeastSquares))?.gradient(&grid, &scalar, progress)?;
     let g = magnitude(&gradient.vectors);
     let found = histogram_of(&grid, &scalar, &g, progress)?;
@@ -122,7 +123,7 @@ pub fn pipeline(
     let none =
         || Error::run("no cell has an extent, so there is nothing to look at").in_file(&arguments.data);
     let view = view(&points).ok_or_else(none)?;
-    let chord = if view.chord > 0.0 { view.chord } else { scene_length(grid.bounds())? };
+    let chord = if view.chord > 0.0 { view.chord } else { length };
     let unit = one_digit(chord / 5.0);
     let text = |text: &str| ParameterValue::Text(text.into()).to_string();
     let own = if is_standard_output(output) { Path::new(".") } else { folder(output) };
@@ -307,6 +308,12 @@ fn first_quantity(arguments: &Start, summary: &Summary) -> Result<ArrayChoice> {
 fn is_label(name: &str) -> bool {
     const LABELS: &str =
         "id ids flag flags mask ghost ghosttype rank part partition material index block region";
+    // As in GlobalNodeId; fluids end in "id", too.
+    let stem =
+        |word: &str| Some(word.strip_suffix("Id").or(word.strip_suffix("ID"))?.ends_with(char::is_lowercase));
+    if name.split(|c: char| !c.is_alphanumeric()).any(|word| stem(word) == Some(true)) {
+        return true;
+    }
     let lower = name.to_lowercase();
     let words = lower.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
     let mut words = words.map(|word| word.trim_start_matches("vtk"));
