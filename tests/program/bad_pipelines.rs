@@ -215,6 +215,20 @@ fn a_wrong_option_names_itself() {
 }
 
 #[test]
+fn an_option_that_is_no_number_says_what_it_should_be() {
+    let folder = Folder::new();
+    folder
+        .voltet(&["pixel", "slab.toml", "1.5", "3"])
+        .fails(2, &["<X>", "found '1.5'", "expected a whole number"]);
+    folder
+        .voltet(&["stability", "--scenes", "x"])
+        .fails(2, &["--scenes", "found 'x'", "expected a whole number"]);
+    folder
+        .voltet(&["study", "slab.toml", "--max-error", "x"])
+        .fails(2, &["--max-error", "expected a number such as"]);
+}
+
+#[test]
 fn a_file_that_is_no_pipeline_file_is_refused() {
     let folder = Folder::new();
     folder

@@ -13,9 +13,13 @@ use crate::core::probing::{Axis, Histogram, ProposedWidget, histogram, proposal,
 use crate::core::progress::Progress;
 use crate::core::{Error, Result, agreeing};
 use crate::graph::{ParameterValue, Registry};
-use crate::io::formats::{ArraySummary, Association, FileArray, Request, Summary, arrays, inspect, read};
+use crate::io::encode::format_by_ending;
+use crate::io::formats::{
+    ArraySummary, Association, FileArray, Request, Summary, arrays, files_beside, inspect, read,
+};
 use crate::nodes::files::{
-    argument, folder, is_standard_output, refuse_unwritable, relative_to, standard_output, write_whole,
+    Use, argument, collision, folder, is_standard_output, refuse_unwritable, relative_to, standard_output,
+    write_whole,
 };
 use glam::{DMat3, DVec3};
 use std::path::{Path, PathBuf};
@@ -60,6 +64,7 @@ pub fn start(arguments: &Start, registry: &Registry) -> Outcome {
     });
     let to_output = is_standard_output(&output);
     if !to_output {
+        refuse_losses(arguments, &output)?;
         refuse_unwritable(&output)?;
         if output.exists() && !arguments.force {
             return Err(Error::usage("the pipeline file is there already")
@@ -77,6 +82,24 @@ pub fn start(arguments: &Start, registry: &Registry) -> Outcome {
     let file = name(&output.to_string_lossy());
     say(&format!("{said}\n{file} is written; draw it: voltet run {}", name(&argument(&output))));
     Ok(DONE)
+}
+
+/// Refuses a pipeline file in the place of its data or of its picture.
+fn refuse_losses(arguments: &Start, output: &Path) -> Result<()> {
+    let (data, solution) = (&arguments.data, arguments.options.solution.clone());
+    let is_written = Use { path: output.to_path_buf(), written: true };
+    let read = std::iter::once(data.clone()).chain(solution).chain(files_beside(data));
+    let uses: Vec<Use> =
+        std::iter::once(is_written).chain(read.map(|path| Use { path, written: false })).collect();
+    let what = match collision(&uses) {
+        Some(_) => "the pipeline file would overwrite data that it draws",
+        None if format_by_ending(output).is_ok() => "a pipeline file is written, not its picture",
+        None => return Ok(()),
+    };
+    let other = name(&output.with_extension("toml").to_string_lossy());
+    Err(Error::usage(what)
+        .got(name(&output.to_string_lossy()))
+        .expected(format!("another path after -o, such as {other}")))
 }
 
 /// The text of the pipeline file, and what was chosen in a sentence.
