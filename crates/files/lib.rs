@@ -49,6 +49,16 @@ pub fn display_path(path: &Path) -> String {
     }
 }
 
+/// A path as an argument of a command that is shown: quoted where a shell would take it apart.
+pub fn argument(path: &Path) -> String {
+    let text = path.to_string_lossy();
+    let is_plain = |c: char| c.is_alphanumeric() || "/._-+=:,@%\\".contains(c);
+    match text.chars().all(is_plain) {
+        true => text.into_owned(),
+        false => format!("'{}'", text.replace('\'', r"'\''")),
+    }
+}
+
 /// True if a path by its words alone is the standard output or a device, which have no endings.
 pub fn is_stream(path: &str) -> bool {
     path == STDOUT || path.starts_with("/dev/")

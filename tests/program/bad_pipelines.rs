@@ -1,6 +1,6 @@
 //! Mistakes in a pipeline file or an option: one error, with its line and a caret, exit code 2, and no file.
 
-use super::support::{Folder, SLAB};
+use super::support::{Folder, SLAB, cube};
 
 #[test]
 fn a_mistake_is_shown_with_its_line_and_a_caret() {
@@ -215,6 +215,20 @@ fn a_wrong_option_names_itself() {
 }
 
 #[test]
+fn an_option_that_is_no_number_says_what_it_should_be() {
+    let folder = Folder::new();
+    folder
+        .voltet(&["pixel", "slab.toml", "1.5", "3"])
+        .fails(2, &["<X>", "found '1.5'", "expected a whole number"]);
+    folder
+        .voltet(&["stability", "--scenes", "x"])
+        .fails(2, &["--scenes", "found 'x'", "expected a whole number"]);
+    folder
+        .voltet(&["study", "slab.toml", "--max-error", "x"])
+        .fails(2, &["--max-error", "expected a number such as"]);
+}
+
+#[test]
 fn a_file_that_is_no_pipeline_file_is_refused() {
     let folder = Folder::new();
     folder
@@ -224,6 +238,8 @@ fn a_file_that_is_no_pipeline_file_is_refused() {
     folder.voltet(&["run", "binary.toml"]).fails(2, &["no pipeline file", "byte 0 is no UTF-8"]);
     folder.voltet(&["run", "."]).fails(2, &["the pipeline file cannot be read"]);
     folder.voltet(&["run", "cube.vtu"]).fails(2, &["this is a data file", "voltet start cube.vtu"]);
+    folder.write("my cube.vtu", cube(1));
+    folder.voltet(&["run", "my cube.vtu"]).fails(2, &["voltet start 'my cube.vtu'"]);
     folder.write("empty.toml", "");
     folder.voltet(&["run", "empty.toml"]).fails(2, &["does not state its format", "[pipeline]"]);
 }

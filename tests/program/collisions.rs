@@ -49,6 +49,21 @@ fn a_report_onto_what_the_run_reads_or_writes_is_refused() {
     refused(&folder, &run("slab.exr"), &[ONE_FILE, writes]);
 }
 
+#[test]
+fn start_writes_over_no_data_and_no_picture() {
+    let folder = Folder::new();
+    let start = |path| ["start", "cube.vtu", "-o", path, "--force"];
+    for path in ["cube.vtu", "./cube.vtu"] {
+        refused(&folder, &start(path), &["would overwrite data", path, "cube.toml"]);
+    }
+    refused(&folder, &start("cube.png"), &["not its picture", "cube.toml"]);
+    let named = |file: &str| {
+        format!("<VTKFile type=\"Collection\"><Collection><DataSet file=\"{file}\"/></Collection></VTKFile>")
+    };
+    folder.write("series.pvd", named("cube.vtu"));
+    refused(&folder, &["start", "series.pvd", "-o", "cube.vtu", "--force"], &["would overwrite data"]);
+}
+
 #[cfg(unix)]
 #[test]
 fn links_are_the_files_that_they_lead_to() {

@@ -60,6 +60,20 @@ fn labels_and_constants_are_not_chosen() {
 }
 
 #[test]
+fn numbers_of_nodes_are_labels_and_a_command_that_is_shown_can_be_typed() {
+    let folder = Folder::new();
+    let labelled = tetrahedron("GlobalNodeId", 1.0, 1.0)
+        .replace("</PointData>", "<DataArray type=\"Int32\" Name=\"count\">1 2 3 4</DataArray></PointData>")
+        .replace("<DataArray type=\"Float64\" Name=\"Global", "<DataArray type=\"Int32\" Name=\"Global")
+        .replace("0 0 1.0 1.0", "0 1 2 3");
+    folder.write("my cube's.vtu", labelled);
+    let said = folder.voltet(&["start", "my cube's.vtu"]).ok();
+    assert!(said.stderr.contains(r"voltet run 'my cube'\''s.toml'"), "{}", said.stderr);
+    let text = read(&folder, "my cube's.toml");
+    assert!(text.contains("scalar = \"count\""), "{text}");
+}
+
+#[test]
 fn of_a_scalar_that_is_named_nothing_else_is_decoded() {
     let folder = Folder::new();
     // One of the numbers of `y` is none.
@@ -74,7 +88,34 @@ fn of_a_scalar_that_is_named_nothing_else_is_decoded() {
     length.fails(1, &["'gradient:magnitude' has no boundary"]);
 }
 
-/// A grid drawn by lot: any scale, place, flatness, type of numbers and association, with unused points and values that are none.
+/// A tetrahedron with two values, of a height.
+fn tetrahedron(name: &str, height: f64, value: f64) -> String {
+    format!(
+        "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece NumberOfPoints=\"4\" NumberOfCells=\"1\">\
+             <PointData><DataArray type=\"Float64\" Name=\"{name}\">0 0 {value:?} {value:?}</DataArray></PointData>\
+             <Points><DataArray type=\"Float64\" NumberOfComponents=\"3\">0 0 0 1 0 0 0 1 0 0 0 {height}</DataArray></Points>\
+             <Cells><DataArray type=\"Int64\" Name=\"connectivity\">0 1 2 3</DataArray>\
+             <DataArray type=\"Int64\" Name=\"offsets\">4</DataArray>\
+             <DataArray type=\"UInt8\" Name=\"types\">10</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>"
+    )
+}
+
+#[test]
+fn what_cannot_be_drawn_is_refused_and_a_name_of_two_lines_is_none() {
+    let folder = Folder::new();
+    folder.write("flat.vtu", tetrahedron("T", 0.0, 1.0));
+    folder.voltet(&["start", "flat.vtu"]).fails(1, &["no cell has a volume", "not flat"]);
+    folder.write("small.vtu", tetrahedron("T", 1.0, 1e-310));
+    folder.voltet(&["start", "small.vtu"]).fails(1, &["'T' differ by less", "1e-310", "1e-300"]);
+    folder.write("lines.vtu", tetrahedron("two&#10;lines", 1.0, 1.0));
+    folder.voltet(&["start", "lines.vtu"]).ok();
+    folder.voltet(&["check", "lines.toml"]).ok();
+    let large = tetrahedron("T", 1.0, 1.0).replace("1 0 0 0 1 0 0 0", "1e150 0 0 0 1e150 0 0 0");
+    folder.write("large.vtu", large);
+    folder.voltet(&["start", "large.vtu"]).fails(1, &["extent", "1e90"]);
+}
+
+/// A grid drawn by lot: any scale, place, flatness, direction, type of numbers and association, with unused points and values that are none.
 fn random_grid(random: &mut Random) -> String {
     let mut between = |low: f64, high: f64| low + (high - low) * random.next();
     let counts: [usize; 3] = std::array::from_fn(|_| between(2.0, 7.0) as usize);
@@ -85,6 +126,13 @@ fn random_grid(random: &mut Random) -> String {
     let far = if between(0.0, 1.0) < 0.5 { 0.0 } else { longest * 10f64.powf(between(0.0, 8.0)) };
     let offset: [f64; 3] = std::array::from_fn(|_| far * between(-1.0, 1.0));
     let direction: [f64; 3] = std::array::from_fn(|_| between(-1.0, 1.0));
+    let angles: [f64; 2] = std::array::from_fn(|_| between(0.0, 6.3));
+    let is_turned = between(0.0, 1.0) < 0.5;
+    let turned = |[x, y, z]: [f64; 3]| {
+        let [[s, c], [t, d]] = angles.map(|angle| [angle.sin(), angle.cos()]);
+        let [x, y] = [c * x - s * y, s * x + c * y];
+        [x, d * y - t * z, t * y + d * z]
+    };
     let kind = between(0.0, 5.0) as usize;
     let (number_type, at_cells) = (between(0.0, 5.0) as usize, between(0.0, 1.0) < 0.3);
     let number_type = ["Float64", "Float32", "Int32", "UInt8", "Int64"][number_type];
@@ -112,7 +160,9 @@ fn random_grid(random: &mut Random) -> String {
     for point in 0..n[0] * n[1] * n[2] {
         let at = [point % n[0], point / n[0] % n[1], point / n[0] / n[1]];
         let x: [f64; 3] = std::array::from_fn(|k| at[k] as f64 / counts[k] as f64);
-        points.push(std::array::from_fn(|k| offset[k] + sides[k] * x[k]));
+        let own: [f64; 3] = std::array::from_fn(|k| sides[k] * x[k]);
+        let own = if is_turned { turned(own) } else { own };
+        points.push(std::array::from_fn(|k| offset[k] + own[k]));
         values.push(value(x, between(-1.0, 1.0)));
     }
     // Points that no cell uses, as far away as the grid is long.

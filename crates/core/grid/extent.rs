@@ -3,6 +3,7 @@
 use crate::{Error, Result};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::ops::RangeInclusive;
 
 /// Points or values of one task: enough that handing it out costs nothing.
 const CHUNK: usize = 1 << 14;
@@ -34,14 +35,17 @@ pub fn diagonal([low, high]: [DVec3; 2]) -> f64 {
 
 /// The length that engines measure in, world units: the diagonal of the points' box; 1 where it has no extent.
 ///
-/// Errors: an extent beyond 64-bit floats.
+/// Errors: an extent whose volumes leave the range of 64-bit floats.
 pub fn scene_length(bounds: Option<[DVec3; 2]>) -> Result<f64> {
+    const EXTENTS: RangeInclusive<f64> = 1e-90..=1e90;
     match bounds.map_or(0.0, diagonal) {
-        diagonal if !diagonal.is_finite() => {
-            Err(Error::run("the grid's extent is beyond 64-bit floats").expected("coordinates under 1e300"))
-        }
         0.0 => Ok(1.0),
-        diagonal => Ok(diagonal),
+        diagonal if EXTENTS.contains(&diagonal) => Ok(diagonal),
+        diagonal => {
+            Err(Error::run("the volumes of cells in a grid of this extent leave the range of 64-bit floats")
+                .got(format_args!("a diagonal of {diagonal:e}"))
+                .expected("coordinates in another unit, for a diagonal of 1e-90 to 1e90"))
+        }
     }
 }
 
@@ -82,15 +86,18 @@ mod tests {
     }
 
     #[test]
-    fn a_box_has_a_length_at_any_scale() {
+    fn a_box_has_a_length_at_any_scale_whose_volumes_are_numbers() {
         let of = |scale: f64| [DVec3::ONE * scale, DVec3::new(4.0, 5.0, 13.0) * scale];
-        for scale in [1.0, 1e-200, 1e200] {
+        for scale in [1.0, 1e-90, 1e88] {
             let length = scene_length(Some(of(scale))).expect("within the range");
             // Two roundings of the scaling and one of the root.
             assert!((length / (13.0 * scale) - 1.0).abs() < 1e-14, "{length} at {scale}");
         }
         assert_eq!(scene_length(None).ok(), Some(1.0));
         assert_eq!(scene_length(Some([DVec3::ONE; 2])).ok(), Some(1.0));
+        for scale in [1e-92, 1e90, 1e200] {
+            assert!(scene_length(Some(of(scale))).is_err(), "{scale}");
+        }
         assert!(scene_length(Some([DVec3::splat(-1.7e308), DVec3::splat(1.7e308)])).is_err());
     }
 }

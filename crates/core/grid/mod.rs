@@ -32,7 +32,7 @@ pub use parts::{
     Array, Association, CellSet, CellValues, Cells, FileCells, ImportStats, Options, Polyhedron, RawGrid,
     Scalar, is_drawn, structured_corners,
 };
-pub use pieces::{into_set, join};
+pub use pieces::{check_cells, into_set, join};
 pub use polygon::triangles_of_polygon;
 pub use tetrahedra::{GhostCells, Grid, tetrahedron_volume};
 

@@ -7,7 +7,7 @@ use super::parts::{
     Array, Association, CellSet, Cells, DUPLICATE, OWNED, RawGrid, Scalar, is_drawn, is_ghost, number,
     structured_corners,
 };
-use super::{code, extent};
+use super::{CellType, code, extent};
 use crate::{Error, Result, SharedSlice, counted};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -36,7 +36,7 @@ pub fn join(mut pieces: Vec<RawGrid>) -> Result<RawGrid> {
     for (index, piece) in pieces.iter_mut().enumerate() {
         piece
             .check_lengths()
-            .and_then(|()| check_numbers(piece))
+            .and_then(|()| check_cells(piece))
             .map_err(|error| error.at_item(format!("piece {index}")))?;
         if let Cells::Structured(_) = piece.cells {
             piece.cells = Cells::Mixed(into_set(take_cells(piece), code::VOXEL));
@@ -298,8 +298,15 @@ fn corners(cells: &Cells, number: usize) -> &[u32] {
     }
 }
 
-/// Refuses cells that name points beyond their piece, before the numbers become those of another piece's points.
-fn check_numbers(piece: &RawGrid) -> Result<()> {
+/// Refuses cells of unknown types, and cells that name points beyond their piece, before the numbers become those of another piece's
+/// points.
+pub fn check_cells(piece: &RawGrid) -> Result<()> {
+    if let Cells::Mixed(set) = &piece.cells
+        && let Some(&code) = set.types.iter().find(|&&code| CellType::from_code(code).is_none())
+    {
+        let error = Error::run("a cell has an unknown type").got(code);
+        return Err(error.expected("a cell type code of VTK"));
+    }
     let wrong = |&&corner: &&u32| corner as usize >= piece.points.len();
     let found = match &piece.cells {
         Cells::Tetrahedra(tetrahedra) => tetrahedra.as_flattened().iter().find(wrong),

@@ -22,7 +22,7 @@ use std::fs::File;
 use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 use voltet_core::{Error, Result};
-use voltet_files::names_beside;
+use voltet_files::{argument, names_beside};
 use voltet_graph::suggest;
 
 /// All formats; the first is written to streams.
@@ -80,7 +80,7 @@ impl Source {
             return Ok(Source { text: carried.pipeline.clone(), embedded: Some(carried) });
         }
         if is_data(path) {
-            let start = format!("`voltet start {}`, which writes a pipeline that draws it", path.display());
+            let start = format!("`voltet start {}`, which writes a pipeline that draws it", argument(path));
             return Err(Error::usage("this is a data file, not a pipeline").expected(start).in_file(path));
         }
         file.read_to_end(&mut bytes).map_err(unreadable)?;

@@ -9,7 +9,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use voltet_core::grid::{Association, Cells};
-use voltet_core::progress::{Progress, refuse_beyond_memory};
+use voltet_core::progress::{NoProgress, Progress, refuse_beyond_memory};
 use voltet_core::reading::{FileArray, OpenGrid};
 use voltet_core::{Error, Result, counted};
 
@@ -17,6 +17,8 @@ use voltet_core::{Error, Result, counted};
 pub(super) const GHOST_TYPE: &str = "vtkGhostType";
 /// The flag's older form: the number of layers from the piece's own cells.
 pub(super) const GHOST_LEVELS: &str = "vtkGhostLevels";
+/// Fields that hold the time of a file: VTK's, and that of VisIt.
+pub(super) const TIME: [&str; 2] = ["TimeValue", "TIME"];
 /// The degrees of Lagrange and Bézier cells along their axes: the name of the cell array, and of the attribute that marks one.
 pub(super) const DEGREES: &str = "HigherOrderDegrees";
 /// Names that VTK and its readers give to the array that numbers the points of all pieces, where none is marked as such.
@@ -200,6 +202,11 @@ pub(super) struct Stored {
 }
 
 impl Stored {
+    /// The first number; `None` where there is none, or where it is damaged.
+    pub fn first(&self) -> Option<f64> {
+        self.load(&Meter::new(&NoProgress, 1)).ok().and_then(|numbers: Vec<f64>| numbers.first().copied())
+    }
+
     /// An array of 64-bit numbers.
     pub fn of_f64(
         source: &Arc<Source>,

@@ -2,7 +2,7 @@
 //! not of ghosts, hidden cells, surfaces beside a volume, or points that no cell uses.
 
 use super::assemble::PieceRequest;
-use super::contents::{Dataset, Geometry, Meter, PieceArray};
+use super::contents::{Dataset, Geometry, Meter, Piece, PieceArray};
 use super::request::Request;
 use super::{assemble, cells, request};
 use crate::memory::GridSize;
@@ -48,6 +48,8 @@ pub struct Summary {
     pub size: GridSize,
     /// Sentences for the user.
     pub warnings: Vec<String>,
+    /// Damage for which no grid is built of the cells.
+    pub damage: Option<String>,
 }
 
 impl Summary {
@@ -115,10 +117,12 @@ pub(super) fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Su
             _ => cells::load(piece, &meter)?,
         };
         if piece.cell_count > 0 {
-            count_cells(&cells, &piece.geometry, &mut summary.cells_by_type);
+            count_cells(&cells, piece, &mut summary.cells_by_type);
             summary.size.add(&cells);
         }
         let mut raw = assemble::load(piece, cells, &wanted, &meter)?;
+        let damage = grid::check_cells(&raw).err().map(|error| error.to_string());
+        summary.damage = summary.damage.take().or(damage);
         let drawn = DrawnParts::of_piece(&raw, piece.point_count as usize);
         for array in &piece.arrays {
             add_array(&mut arrays, array, &drawn, &meter)?;
@@ -177,13 +181,13 @@ impl DrawnParts {
 }
 
 /// Counts a piece's cells.
-fn count_cells(cells: &Cells, geometry: &Geometry, by_type: &mut BTreeMap<u8, u64>) {
-    let mut add = |code: u8, count: usize| *by_type.entry(code).or_default() += count as u64;
+fn count_cells(cells: &Cells, piece: &Piece, by_type: &mut BTreeMap<u8, u64>) {
+    let mut add = |code: u8, count: u64| *by_type.entry(code).or_default() += count;
     match cells {
-        Cells::Tetrahedra(own) => add(code::TETRA, own.len()),
+        Cells::Tetrahedra(own) => add(code::TETRA, own.len() as u64),
         Cells::Mixed(set) => set.types.iter().for_each(|&code| add(code, 1)),
         Cells::Structured(dimensions) => {
-            let is_curvilinear = matches!(geometry, Geometry::Curvilinear { .. });
+            let is_curvilinear = matches!(piece.geometry, Geometry::Curvilinear { .. });
             // Of fewer dimensions: quads and pixels, lines, vertices.
             let code = match (dimensions.iter().filter(|&&n| n > 1).count(), is_curvilinear) {
                 (3, true) => code::HEXAHEDRON,
@@ -193,7 +197,7 @@ fn count_cells(cells: &Cells, geometry: &Geometry, by_type: &mut BTreeMap<u8, u6
                 (1, _) => 3,
                 _ => 1,
             };
-            add(code, cells.count());
+            add(code, piece.cell_count);
         }
     }
 }

@@ -5,8 +5,8 @@
 //! the bytes of an array.
 
 use super::contents::{
-    Dataset, Encoding, Geometry, Piece, PieceArray, Stored, StoredCells, StoredFaces, extent_dimensions,
-    structured_counts, tuples,
+    Dataset, Encoding, Geometry, Piece, PieceArray, Stored, StoredCells, StoredFaces, TIME,
+    extent_dimensions, structured_counts, tuples,
 };
 use super::numbers::{ByteOrder, NumberType};
 use super::request::{Format, Request};
@@ -52,9 +52,10 @@ fn open(source: Arc<Source>, _: &Request) -> Result<Dataset> {
         }
     };
     let mut word = scanner.required("DATASET")?;
+    let mut fields = Vec::new();
     // Fields of the whole file may stand first.
     while word.eq_ignore_ascii_case("FIELD") {
-        field(&mut scanner)?;
+        fields.extend(field(&mut scanner)?);
         word = scanner.required("DATASET")?;
     }
     if !word.eq_ignore_ascii_case("DATASET") {
@@ -107,10 +108,15 @@ fn open(source: Arc<Source>, _: &Request) -> Result<Dataset> {
                 found.into_iter().collect()
             }
         };
-        if let Some((association, _)) = section {
-            arrays.extend(found.into_iter().map(|stored| PieceArray::new(association, stored)));
+        match section {
+            Some((association, _)) => {
+                arrays.extend(found.into_iter().map(|stored| PieceArray::new(association, stored)));
+            }
+            None => fields.extend(found),
         }
     }
+    let of_time = |name: &&str| fields.iter().find(|field| field.name == **name)?.first();
+    dataset.time = TIME.iter().find_map(of_time);
     let (point_count, cell_count) = contents.counts(&kind, &scanner)?;
     if let Some(blanking) = contents.blanking.take() {
         let stored = blanking.hidden_where_zero();
@@ -398,12 +404,22 @@ struct Scanner {
     window_at: u64,
     at: u64,
     line: usize,
+    /// Components of the last array.
+    component_count: usize,
 }
 
 impl Scanner {
     /// At the beginning of the file.
     fn new(source: Arc<Source>) -> Self {
-        Scanner { source, binary: false, window: Vec::new(), window_at: 0, at: 0, line: 1 }
+        Scanner {
+            source,
+            binary: false,
+            window: Vec::new(),
+            window_at: 0,
+            at: 0,
+            line: 1,
+            component_count: 0,
+        }
     }
 
     /// An error at this place.
@@ -509,10 +525,16 @@ impl Scanner {
         Ok(false)
     }
 
-    /// Skips a METADATA block, which ends with an empty line.
+    /// Skips a METADATA block of the last array, which ends with an empty line; the line of a component without a name is empty, too.
     fn skip_metadata(&mut self) -> Result<()> {
         self.rest_of_line()?;
-        while self.rest_of_line()?.is_some_and(|line| !line.is_empty()) {}
+        while let Some(line) = self.rest_of_line()?.filter(|line| !line.is_empty()) {
+            if line == "COMPONENT_NAMES" {
+                for _ in 0..self.component_count {
+                    self.rest_of_line()?;
+                }
+            }
+        }
         Ok(())
     }
 
@@ -545,6 +567,7 @@ impl Scanner {
         component_count: usize,
         tuple_count: u64,
     ) -> Result<Option<Stored>> {
+        self.component_count = component_count;
         if self.binary {
             self.rest_of_line()?;
         }

@@ -127,7 +127,7 @@ const FORMATS: &[Format] = &[xml::FORMAT, legacy::FORMAT, SERIES, plot3d::FORMAT
 /// The declaration of series of files, each of any format.
 const SERIES: Format = Format {
     files: "a series of files (.vtu.series, .vtk.series)",
-    matches: |head, _, _| series::is_series(head),
+    matches: |head, path, _| series::is_series(head, path),
     open: |source, request| {
         let series::Step { path, times } = series::step(&source, request)?;
         let dataset = open(&path, &Request { time_step: None, ..request.clone() })?;
@@ -168,7 +168,12 @@ fn open(path: &Path, request: &Request) -> Result<Dataset> {
         ));
     };
     let dataset = (format.open)(source, request).map_err(in_file)?;
-    let dataset = refuse_no_series(dataset, request, "a .pvd file, or no time step").map_err(in_file)?;
+    let dataset = refuse_no_series(
+        dataset,
+        request,
+        "a series (.pvd, .vtu.series, .vtk.series, or a file with TimeValues), or no time step",
+    )
+    .map_err(in_file)?;
     if request.solution.is_some() && !format.has_solution {
         let with = files(FORMATS.iter().filter(|format| format.has_solution));
         return Err(in_file(

@@ -2,21 +2,22 @@
 
 use super::request::Request;
 use super::source::Source;
-use super::xml::beside;
+use super::xml::{beside, open_named};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use voltet_core::{Error, Result};
 
-/// The key that every writer puts first.
+/// The key that writers put first.
 const KEY: &[u8] = b"file-series-version";
 
 /// A byte order mark in UTF-8.
 const MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// True if the head of a file is that of a series.
-pub(super) fn is_series(head: &[u8]) -> bool {
-    head.strip_prefix(MARK).unwrap_or(head).starts_with(b"{")
-        && head.windows(KEY.len()).any(|window| window == KEY)
+/// True if a file is a series by its name, or by how it begins.
+pub(super) fn is_series(head: &[u8], path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("series"))
+        || head.strip_prefix(MARK).unwrap_or(head).starts_with(b"{")
+            && head.windows(KEY.len()).any(|window| window == KEY)
 }
 
 #[derive(Deserialize)]
@@ -61,7 +62,7 @@ pub(super) fn step(source: &Source, request: &Request) -> Result<Step> {
     let entries = entries(source)?;
     let times: Vec<f64> = entries.iter().map(|entry| entry.time).collect();
     let path = beside(source.path(), &entries[request.step_index(&times)?].name);
-    if is_series(&Source::open(&path)?.head(256)?) {
+    if is_series(&open_named(source.path(), &path)?.head(256)?, &path) {
         return Err(Error::run("a series names another").got(path.display()).expected("files of data"));
     }
     Ok(Step { path, times })
@@ -70,7 +71,7 @@ pub(super) fn step(source: &Source, request: &Request) -> Result<Step> {
 /// The files that a series names, of every step or of that asked for; none for other files.
 pub(super) fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf> {
     let Ok(source) = Source::open(path) else { return Vec::new() };
-    if !source.head(256).is_ok_and(|head| is_series(&head)) {
+    if !source.head(256).is_ok_and(|head| is_series(&head, path)) {
         return Vec::new();
     }
     let Ok(entries) = entries(&source) else { return Vec::new() };

@@ -109,6 +109,10 @@ pub fn unstructured(version: &str, binary: bool) -> Vec<u8> {
     out.values("Float64", (0..36).map(f64::from));
     out.line("NORMALS normal float");
     out.values("Float32", (0..36).map(f64::from));
+    // A component without a name has an empty line.
+    out.line(
+        "METADATA\nCOMPONENT_NAMES\n\nb\n\nINFORMATION 1\nNAME UNITS_LABEL LOCATION vtkDataArray\nDATA m\n",
+    );
     out.line("TENSORS tensor float");
     out.values("Float32", (0..108).map(f64::from));
     out.line("TEXTURE_COORDINATES texture 2 float");

@@ -16,6 +16,7 @@ use crate::io::encode;
 use crate::io::formats::{ArraySummary, Association, FileArray, Request, Summary, inspect, unread};
 use crate::io::memory::GridSize;
 use crate::io::provenance::{CameraRecord, DataFile, PluginRecord, Provenance, SidecarFiles};
+use crate::nodes::files::argument;
 use crate::{Document, Source};
 use serde_json::{Value, json as object};
 use std::fs::File;
@@ -72,6 +73,7 @@ fn json(summary: &Summary) -> Value {
         "bounds": bounds, "arrays": summary.arrays.iter().map(array).collect::<Vec<_>>(),
         "active_scalars": summary.active_scalars, "time": summary.time, "time_steps": summary.time_steps,
         "memory_bytes": memory, "warnings": summary.warnings,
+        "damage": summary.damage,
     })
 }
 
@@ -184,6 +186,9 @@ fn array_line(array: &ArraySummary, width: usize) -> String {
 fn suggestion(arguments: &Info, wanted: &Request, summary: &Summary, registry: &Registry) -> String {
     if !summary.has_volume() {
         return "\nNo cell has a volume: nothing to draw.\n".into();
+    }
+    if let Some(damage) = &summary.damage {
+        return format!("\nNo pipeline to start with: {}\n", name(damage));
     }
     let (Some(bounds), true) = (summary.bounds, summary.arrays.iter().any(differs)) else {
         return "\nNo array whose values differ: nothing to draw.\n".into();
@@ -380,7 +385,7 @@ fn describe_picture(path: &Path, carried: &Provenance) -> String {
     let set: String = writers(carried).iter().map(|node| format!(" --set {node}.path=FILE")).collect();
     text += &format!(
         "\nDraw it again: voltet run {}{set}\nIts pipeline, for a file beside it:\n\n",
-        path.display()
+        name(&argument(path))
     );
     text + carried.pipeline.trim_end() + "\n"
 }

@@ -68,6 +68,12 @@ pub fn answer(answer: &clap::Error, registry: &Result<Registry>) -> u8 {
     if let Some(ContextValue::String(name)) = answer.get(ContextKind::InvalidSubcommand) {
         return show(&unknown_command(name, registry).into());
     }
+    if let (Some(expected), Some(ContextValue::String(option)), Some(ContextValue::String(found))) =
+        (number(answer), answer.get(ContextKind::InvalidArg), answer.get(ContextKind::InvalidValue))
+    {
+        let error = Error::usage(format!("the value of {option} is no such number"));
+        return show(&error.got(format_args!("'{found}'")).expected(expected).into());
+    }
     let wanted = u8::try_from(answer.exit_code()).unwrap_or(WRONG);
     match answer.print() {
         Err(error) if !answer.use_stderr() && error.kind() != ErrorKind::BrokenPipe => {
@@ -75,6 +81,15 @@ pub fn answer(answer: &clap::Error, registry: &Result<Registry>) -> u8 {
         }
         _ => wanted,
     }
+}
+
+/// The numbers among which a value should have been, where that is the error.
+fn number(answer: &clap::Error) -> Option<&'static str> {
+    let source = answer.source()?;
+    let is_whole = source.is::<std::num::ParseIntError>() || source.is::<std::num::TryFromIntError>();
+    is_whole
+        .then_some("a whole number")
+        .or_else(|| source.is::<std::num::ParseFloatError>().then_some("a number such as 0.5 or 1e-3"))
 }
 
 /// The error for a command that there is not, or a name that `help` does not know.

@@ -13,11 +13,15 @@ use crate::core::probing::{Axis, Histogram, ProposedWidget, histogram, proposal,
 use crate::core::progress::Progress;
 use crate::core::{Error, Result, agreeing};
 use crate::graph::{ParameterValue, Registry};
-use crate::io::formats::{ArraySummary, Association, FileArray, Request, Summary, arrays, inspect, read};
-use crate::nodes::files::{
-    folder, is_standard_output, refuse_unwritable, relative_to, standard_output, write_whole,
+use crate::io::encode::format_by_ending;
+use crate::io::formats::{
+    ArraySummary, Association, FileArray, Request, Summary, arrays, files_beside, inspect, read,
 };
-use glam::DVec3;
+use crate::nodes::files::{
+    Use, argument, collision, folder, is_standard_output, refuse_unwritable, relative_to, standard_output,
+    write_whole,
+};
+use glam::{DMat3, DVec3};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -33,6 +37,9 @@ const HAZE: f64 = 0.1;
 /// Vertical angle of view, degrees.
 const FOV_Y: f64 = 30.0;
 
+/// Smallest range of values: a thousandth of it has an inverse in 64 bits.
+const MIN_RANGE: f64 = 1e-300;
+
 /// Width and height of the picture, pixels.
 const PICTURE: [u32; 2] = [1024, 768];
 
@@ -41,6 +48,12 @@ const OBLIQUE: DVec3 = DVec3::new(-0.8, -1.4, 0.9);
 
 /// Share of the picture under which other directions are tried.
 const FILLED: f64 = 0.3;
+
+/// Share of the upright box's volume under which a box that leans holds the points better.
+const MUCH_SMALLER: f64 = 0.5;
+
+/// Steps to a principal component; a box needs no exact one.
+const STEPS: usize = 8;
 
 /// Shares of the components of the oblique direction in those that are tried.
 const TILTS: [f64; 5] = [0.01, 0.05, 0.2, 0.5, 1.0];
@@ -51,6 +64,7 @@ pub fn start(arguments: &Start, registry: &Registry) -> Outcome {
     });
     let to_output = is_standard_output(&output);
     if !to_output {
+        refuse_losses(arguments, &output)?;
         refuse_unwritable(&output)?;
         if output.exists() && !arguments.force {
             return Err(Error::usage("the pipeline file is there already")
@@ -66,8 +80,26 @@ pub fn start(arguments: &Start, registry: &Registry) -> Outcome {
     }
     write_whole(&output, text.as_bytes())?;
     let file = name(&output.to_string_lossy());
-    say(&format!("{said}\n{file} is written; draw it: voltet run {file}"));
+    say(&format!("{said}\n{file} is written; draw it: voltet run {}", name(&argument(&output))));
     Ok(DONE)
+}
+
+/// Refuses a pipeline file in the place of its data or of its picture.
+fn refuse_losses(arguments: &Start, output: &Path) -> Result<()> {
+    let (data, solution) = (&arguments.data, arguments.options.solution.clone());
+    let is_written = Use { path: output.to_path_buf(), written: true };
+    let read = std::iter::once(data.clone()).chain(solution).chain(files_beside(data));
+    let uses: Vec<Use> =
+        std::iter::once(is_written).chain(read.map(|path| Use { path, written: false })).collect();
+    let what = match collision(&uses) {
+        Some(_) => "the pipeline file would overwrite data that it draws",
+        None if format_by_ending(output).is_ok() => "a pipeline file is written, not its picture",
+        None => return Ok(()),
+    };
+    let other = name(&output.with_extension("toml").to_string_lossy());
+    Err(Error::usage(what)
+        .got(name(&output.to_string_lossy()))
+        .expected(format!("another path after -o, such as {other}")))
 }
 
 /// The text of the pipeline file, and what was chosen in a sentence.
@@ -90,6 +122,18 @@ pub fn pipeline(
     let Some([low, high]) = range(&scalar).filter(|&[low, high]| differ(low, high, f64::EPSILON)) else {
         return Err(without_boundary(arguments, &asked, &named, progress));
     };
+    if high - low < MIN_RANGE {
+        return Err(Error::run(format!(
+            "the values of '{named}' differ by less than widgets can tell apart"
+        ))
+        .got(format_args!("{low:?} to {high:?}"))
+        .expected(format_args!("a range of at least {MIN_RANGE:?}"))
+        .in_file(&arguments.data));
+    }
+    if !has_volume(&grid) {
+        return Err(without_volume(arguments));
+    }
+    let length = scene_length(grid.bounds()).map_err(|error| error.in_file(&arguments.data))?;
     let gradient = Method::with_defaults(Arc::new(LeastSquares))?.gradient(&grid, &scalar, progress)?;
     let g = magnitude(&gradient.vectors);
     let found = histogram_of(&grid, &scalar, &g, progress)?;
@@ -102,7 +146,7 @@ pub fn pipeline(
     let none =
         || Error::run("no cell has an extent, so there is nothing to look at").in_file(&arguments.data);
     let view = view(&points).ok_or_else(none)?;
-    let chord = if view.chord > 0.0 { view.chord } else { scene_length(grid.bounds())? };
+    let chord = if view.chord > 0.0 { view.chord } else { length };
     let unit = one_digit(chord / 5.0);
     let text = |text: &str| ParameterValue::Text(text.into()).to_string();
     let own = if is_standard_output(output) { Path::new(".") } else { folder(output) };
@@ -154,7 +198,7 @@ pub fn pipeline(
     let stem = if is_standard_output(output) { arguments.data.file_stem() } else { output.file_stem() };
     let picture = PathBuf::from(stem.unwrap_or_default()).with_extension("png");
     let text = format!(
-        "# Boundaries of {named}, told apart by its value s and its gradient magnitude g: the widgets are Gaussians at equal
+        "# Boundaries of {}, told apart by its value s and its gradient magnitude g: the widgets are Gaussians at equal
 # shares of the level surfaces' area, found from the data. What is
 # quieter than g = {} is left out. Ranges: s {} to {}, g to {} in 99.9 % of the volume.
 {linearly}
@@ -189,6 +233,7 @@ path = {}
 background = [0.0, 0.0, 0.0]
 inputs = {{ image = \"picture\" }}
 ",
+        name(&named),
         at_g(g_axis.low),
         at_s(s_axis.low),
         at_s(s_axis.high),
@@ -208,6 +253,24 @@ inputs = {{ image = \"picture\" }}
         said += &format!("; {}", note.trim_end().trim_end_matches('.'));
     }
     Ok((text, said))
+}
+
+/// False if all cells are flat, to roundings of their longest edge.
+fn has_volume(grid: &Grid) -> bool {
+    grid.tetrahedra.iter().any(|corners| {
+        let [a, b, c, d] = corners.map(|corner| grid.points[corner as usize]);
+        let edges = [b - a, c - a, d - a];
+        let longest = edges.iter().map(|edge| edge.abs().max_element()).fold(f64::MIN_POSITIVE, f64::max);
+        let [u, v, w] = edges.map(|edge| edge / longest);
+        u.cross(v).dot(w) != 0.0
+    })
+}
+
+/// The error for a file without a cell that can be drawn.
+fn without_volume(arguments: &Start) -> Error {
+    Error::run("no cell has a volume, so there is nothing to draw")
+        .expected("cells of three dimensions, such as tetrahedra or hexahedra, that are not flat")
+        .in_file(&arguments.data)
 }
 
 /// The error for an array that is the same everywhere; names those that are not.
@@ -243,7 +306,7 @@ fn named_array(arguments: &Start, named: &str, all: &[FileArray]) -> Result<Arra
 /// The file's own scalar, or the first that is a quantity; a flag or a number of something where nothing else differs.
 fn first_quantity(arguments: &Start, summary: &Summary) -> Result<ArrayChoice> {
     if !summary.has_volume() {
-        return Err(Error::run("no cell has a volume, so there is nothing to draw").in_file(&arguments.data));
+        return Err(without_volume(arguments));
     }
     let heads: Vec<FileArray> = summary.arrays.iter().map(|array| array.head.clone()).collect();
     let mut arrays: Vec<&ArraySummary> = summary.arrays.iter().filter(|array| differs(array)).collect();
@@ -268,6 +331,12 @@ fn first_quantity(arguments: &Start, summary: &Summary) -> Result<ArrayChoice> {
 fn is_label(name: &str) -> bool {
     const LABELS: &str =
         "id ids flag flags mask ghost ghosttype rank part partition material index block region";
+    // As in GlobalNodeId; fluids end in "id", too.
+    let stem =
+        |word: &str| Some(word.strip_suffix("Id").or(word.strip_suffix("ID"))?.ends_with(char::is_lowercase));
+    if name.split(|c: char| !c.is_alphanumeric()).any(|word| stem(word) == Some(true)) {
+        return true;
+    }
     let lower = name.to_lowercase();
     let words = lower.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
     let mut words = words.map(|word| word.trim_start_matches("vtk"));
@@ -314,10 +383,58 @@ struct FirstView {
     chord: f64,
     /// Share of the picture that the box fills.
     filled: f64,
+    /// Distance of the nearest point along the view.
+    nearest: f64,
+}
+
+/// A view of all points: along the axes, or along those of a box that leans where what it holds would fill too little of the picture.
+fn view(points: &[DVec3]) -> Option<FirstView> {
+    let [low, high] = bounds(points)?;
+    let upright = upright_view(points)?;
+    let middle = 0.5 * low + 0.5 * high;
+    let Some(axes) = leaning_axes(points, middle, high - low) else {
+        return Some(upright);
+    };
+    let turned: Vec<DVec3> = points.iter().map(|point| axes.transpose() * (*point - middle)).collect();
+    let Camera { eye, target, up, .. } = upright.camera;
+    let [eye, target] = [eye, target].map(|place| axes.transpose() * (place - middle));
+    let camera = Camera { eye, target, up: axes.transpose() * up, ..upright.camera };
+    let (chord, filled) = rays(&camera, bounds(&turned)?)?;
+    if filled >= FILLED {
+        return Some(FirstView { chord, filled, ..upright });
+    }
+    let leaning = upright_view(&turned)?;
+    let Camera { eye, target, up, .. } = leaning.camera;
+    let [eye, target] = [eye, target].map(|place| middle + axes * place);
+    Some(FirstView { camera: Camera { eye, target, up: axes * up, ..leaning.camera }, ..leaning })
+}
+
+/// Axes of a box that is much smaller than the upright one, as of a rod along a diagonal: the principal components of the points in the
+/// L1 norm, by the fixed point of Kwak (IEEE Trans. Pattern Analysis and Machine Intelligence 30(9), 2008).
+fn leaning_axes(points: &[DVec3], middle: DVec3, size: DVec3) -> Option<DMat3> {
+    let largest = size.max_element().max(f64::MIN_POSITIVE);
+    let places = || points.iter().filter(|point| point.is_finite()).map(|point| (*point - middle) / largest);
+    let (sum, count) = places().fold((DVec3::ZERO, 0.0), |(sum, count), place| (sum + place, count + 1.0));
+    let principal = |part: &dyn Fn(DVec3) -> DVec3| {
+        let parts = || places().map(|place| part(place - sum / count));
+        let farthest = parts().max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
+        let step = |axis: DVec3| parts().map(|part| part * axis.dot(part).signum()).sum::<DVec3>();
+        (0..STEPS).try_fold(farthest?.try_normalize()?, |axis, _| step(axis).try_normalize())
+    };
+    let along = principal(&|place| place)?;
+    let across = principal(&|place| place - along * along.dot(place))?;
+    let across = (across - along * along.dot(across)).try_normalize()?;
+    let above = along.cross(across);
+    let side = if above.z < 0.0 { -1.0 } else { 1.0 };
+    let axes = DMat3::from_cols(along, side * across, side * above);
+    let turned: Vec<DVec3> = places().map(|place| axes.transpose() * place).collect();
+    let [low, high] = bounds(&turned)?;
+    let content = |sides: DVec3| sides.max(DVec3::splat(1e-9)).element_product();
+    (content(high - low) < MUCH_SMALLER * content(size / largest)).then_some(axes)
 }
 
 /// A view of all points, mostly along the shortest side of their box; along another where that leaves the picture empty, as of a rod.
-fn view(points: &[DVec3]) -> Option<FirstView> {
+fn upright_view(points: &[DVec3]) -> Option<FirstView> {
     let [low, high] = bounds(points)?;
     let largest = (high - low).max_element().max(f64::MIN_POSITIVE);
     let size = (high - low).max(DVec3::splat(1e-9 * largest));
@@ -346,14 +463,17 @@ impl FirstView {
         let camera = Camera { eye: towards, target, up, projection, near: 0.0, size: PICTURE, samples: 1 };
         let camera = camera.fitted(points).ok()?;
         let (chord, filled) = rays(&camera, ends)?;
-        Some(FirstView { camera, chord, filled })
+        let forward = camera.frame().ok()?.forward;
+        let depths = points.iter().map(|point| (*point - camera.eye).dot(forward));
+        let nearest = depths.filter(|depth| depth.is_finite()).fold(f64::INFINITY, f64::min);
+        Some(FirstView { camera, chord, filled, nearest })
     }
 
     /// Its keys in a pipeline file.
     fn keys(&self) -> String {
         let Camera { eye, target, up, .. } = self.camera;
-        // A thousandth of a pixel.
-        let step = 1e-6 * eye.distance(target);
+        // A thousandth of a pixel at what is nearest.
+        let step = 1e-6 * self.nearest;
         let vector = |v: DVec3| {
             let [x, y, z] = v.to_array().map(|x| decimal(x, step));
             format!("[{x:?}, {y:?}, {z:?}]")

@@ -6,7 +6,7 @@ pub(super) mod poly_data;
 
 use super::codec::Codec;
 use super::contents::{
-    DEGREES, Dataset, Encoding, Geometry, Meter, Piece, PieceArray, Stored, StoredCells, StoredFaces,
+    DEGREES, Dataset, Encoding, Geometry, Piece, PieceArray, Stored, StoredCells, StoredFaces, TIME,
     extent_dimensions, structured_counts,
 };
 use super::numbers::{ByteOrder, NumberType};
@@ -18,7 +18,6 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::grid::Association;
-use voltet_core::progress::NoProgress;
 use voltet_core::{Error, Result, counted};
 
 /// The declaration.
@@ -118,10 +117,19 @@ pub(super) fn beside(by: &Path, name: &str) -> PathBuf {
     if !path.exists() && name.contains('\\') { folder.join(name.replace('\\', "/")) } else { path }
 }
 
+/// Opens a file that another names. Errors say which does.
+pub(super) fn open_named(by: &Path, path: &Path) -> Result<Arc<Source>> {
+    let names = |error: Error| {
+        let what = format!("'{}' names a file that cannot be read: {}", by.display(), error.what);
+        Error { what, ..error }
+    };
+    Source::open(path).map_err(names)
+}
+
 /// Reads the file `name`, a path relative to the file that names it, and adds its pieces.
 fn add(by: &Source, name: &str, request: &Request, may_have_pieces: bool, to: &mut Dataset) -> Result<()> {
     let path = beside(by.path(), name);
-    let source = Source::open(&path)?;
+    let source = open_named(by.path(), &path)?;
     let read = header::read(&source);
     let part = read.and_then(|(root, appended)| open_step(source, &root, appended, request, may_have_pieces));
     let part = part.map_err(|error| error.in_file(&path))?;
@@ -226,14 +234,19 @@ fn open_serial(
             context.step = Some(request.step_index(&dataset.time_steps)?);
         }
     }
-    if let Some(section) = grid.child("FieldData")
-        && let Some(time) = context.named(section, "TimeValue", None)?
-    {
-        // What is damaged here is of no consequence for the grid.
-        dataset.time =
-            time.load::<f64>(&Meter::new(&NoProgress, 1)).ok().and_then(|time| time.first().copied());
+    for name in TIME {
+        if let Some(section) = grid.child("FieldData")
+            && let Some(field) = context.named(section, name, None)?
+        {
+            dataset.time = dataset.time.or(field.first());
+        }
     }
     for (index, element) in grid.children_of("Piece").enumerate() {
+        // A process without cells may leave out their sections and arrays.
+        let is_none = |count: &str| element.attribute(count).is_some_and(|count| count.trim() == "0");
+        if is_none("NumberOfPoints") && is_none("NumberOfCells") {
+            continue;
+        }
         let piece = || {
             let ((point_count, cell_count), geometry) = geometry_of(&context, grid, element)?;
             let mut arrays = context.section(element, "PointData", Association::Point, point_count)?;
@@ -245,7 +258,7 @@ fn open_serial(
         dataset.active_scalars = dataset.active_scalars.or(active);
         dataset.global_ids = dataset.global_ids.or(marked(element, &["PointData"], "GlobalIds"));
     }
-    if dataset.pieces.is_empty() {
+    if grid.child("Piece").is_none() {
         return Err(Error::run(format!("<{kind}> holds no pieces")).expected("at least one <Piece>"));
     }
     Ok(dataset)

@@ -39,7 +39,7 @@ fn unstructured_grids_of_all_versions_read_the_same() {
                 let cells = Request { association: Some(Association::Cell), ..Request::default() };
                 assert_eq!(read(&path, &cells, &NoProgress).unwrap().scalar_name, "per cell");
                 let summary = inspect(&path, &Request::default(), &NoProgress).unwrap();
-                assert_eq!(summary.active_scalars.as_deref(), Some("per cell"));
+                assert_eq!((summary.active_scalars.as_deref(), summary.time), (Some("per cell"), Some(1.5)));
                 assert_eq!(summary.arrays.len(), LEGACY_TYPES.len() + 8, "{what}");
             }
         }
@@ -63,6 +63,30 @@ fn structured_kinds_read_the_same() {
             assert_eq!(grid.tetrahedra.len(), 12);
         }
     }
+}
+
+#[test]
+fn a_summary_says_what_is_damaged_and_counts_flat_cells() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |text: &str| {
+        inspect(&file(&folder, "a.vtk", text.as_bytes()), &Request::default(), &NoProgress).unwrap()
+    };
+    let text = String::from_utf8(unstructured("3.0", false)).unwrap();
+    let list = &text[text.find("CELLS").unwrap()..text.find("CELL_DATA").unwrap()];
+    assert_eq!(of(&text).damage, None);
+    for (sound, damaged, words) in [
+        ("4 9", "4 12", "a point that its piece does not hold: found 12"),
+        ("12 10", "12 99", "type: found 99"),
+    ] {
+        let wrong = list.split_ascii_whitespace().collect::<Vec<_>>().join(" ");
+        let (at, _) = wrong.match_indices(sound).last().unwrap();
+        let wrong = format!("{}{damaged}{}\n", &wrong[..at], &wrong[at + sound.len()..]);
+        let damage = of(&text.replace(list, &wrong)).damage.unwrap();
+        assert!(damage.contains(words), "{damage}");
+    }
+    let flat = String::from_utf8(structured("STRUCTURED_POINTS", false)).unwrap();
+    let flat = of(&flat.replace("DIMENSIONS 3 2 2", "DIMENSIONS 12 1 1"));
+    assert_eq!((flat.cell_count, flat.cells_by_type[&3]), (11, 11));
 }
 
 #[test]

@@ -70,11 +70,15 @@ fn series_of_files_are_read_by_step_and_time() {
     assert_eq!(files_beside(&path).len(), 2);
     let back = "<VTKFile type=\"Collection\"><Collection><DataSet timestep=\"0\" file=\"steps\\2.vtu\"/></Collection></VTKFile>";
     assert_eq!(of(&file(&folder, "a.pvd", back.as_bytes()), named("Int8")).tetrahedra.len(), 12);
+    // Written by hand, without a version and times.
+    let bare = file(&folder, "bare.vtu.series", br#"{"files": [{"name": "steps/1.vtu"}]}"#);
+    assert_eq!(of(&bare, named("Int8")).tetrahedra.len(), 6);
     for (wrong, words) in [
         (r#"{"file-series-version":"1.0","files":[]}"#, "at least one file"),
         (r#"{"file-series-version":"1.0"}"#, "damaged"),
         (r#"{"file-series-version":"1.0","files":[{"name":"a.vtu.series","time":0}]}"#, "names another"),
-        (r#"{"file-series-version":"1.0","files":[{"name":"none.vtu","time":0}]}"#, "no such file"),
+        (r#"{"file-series-version":"1.0","files":[{"name":"none.vtu","time":0}]}"#, "a.vtu.series' names"),
+        ("[", "damaged"),
     ] {
         let path = file(&folder, "a.vtu.series", wrong.as_bytes());
         let error = read(&path, &named("Int8"), &NoProgress).unwrap_err().to_string();
