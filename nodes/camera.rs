@@ -1,11 +1,15 @@
 //! `camera`: where the picture is seen from.
 
+use crate::probe::placed;
+use glam::DVec3;
 use std::sync::Arc;
-use voltet_core::Result;
 use voltet_core::camera::{Camera, Projection};
+use voltet_core::grid::extent::corners;
+use voltet_core::transfer::with_placeholders;
+use voltet_core::{Error, Result};
 use voltet_graph::{
-    DefaultValue, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range, RunContext,
-    Value,
+    AxisRef, DefaultValue, Demand, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType,
+    Range, RelativeNumberType, RunContext, StatisticKind, Value,
 };
 
 /// Largest side of a picture, pixels: what the engine counts.
@@ -14,24 +18,70 @@ const LARGEST_SIDE: f64 = 32768.0;
 /// Most pixels of a picture: 4 GiB of floats.
 const MAX_PIXELS: f64 = (1u64 << 28) as f64;
 
+/// Views by name; the first letters are the sign and the axis on whose side the eye is.
+const VIEWS: &[(&str, &str)] = &[
+    ("+x", "from the positive side of x; z points up"),
+    ("-x", "from the negative side of x; z points up"),
+    ("+y", "from the positive side of y; z points up"),
+    ("-y", "from the negative side of y; z points up"),
+    ("+z", "from the positive side of z; y points up"),
+    ("-z", "from the negative side of z; y points up"),
+    ("isometric", "from the positive sides of x, y and z alike; z points up"),
+];
+
+/// Parameters that state a view in words or turn it. A program that sets `eye`, `target`, `up` and the projection unsets them.
+pub const VIEW_PARAMETERS: [&str; 6] = ["view", "fit", "azimuth", "elevation", "roll", "zoom"];
+
+/// An angle, degrees, that turns the camera.
+const ANGLE: Parameter = Parameter {
+    name: "",
+    parameter_type: ParameterType::Number(Range::ANY),
+    unit: "degrees",
+    default: DefaultValue::Number(0.0),
+    help: "",
+};
+
 /// The declaration.
 pub const NODE: Node = Node {
     name: "camera",
     summary: "Says where the picture is seen from, how wide the view is and how many pixels it has.",
+    optional_inputs: &[Port {
+        name: "volume",
+        port_type: PortType::Volume,
+        summary: "the data that a view is fitted to, or whose bounds percentages in fit are shares of",
+    }],
     outputs: &[Port { name: "camera", port_type: PortType::Camera, summary: "the camera" }],
     parameters: &[
+        Parameter {
+            name: "view",
+            parameter_type: ParameterType::Choice(VIEWS),
+            unit: "",
+            default: DefaultValue::Unset("eye and target"),
+            help: "side of the eye; the camera is moved, after the three angles, to where the data just fit the picture",
+        },
+        Parameter {
+            name: "fit",
+            parameter_type: ParameterType::Measured(&RelativeNumberType {
+                plain: ParameterType::Numbers(Some(6), Range::ANY),
+                statistic: StatisticKind::Place,
+                axis: AxisRef::Places(&["x", "x", "y", "y", "z", "z"]),
+            }),
+            unit: "world units",
+            default: DefaultValue::Unset("the bounds of the data"),
+            help: "what a view is fitted to: lowest and highest x, y, z; a percentage: of the bounds",
+        },
         Parameter {
             name: "eye",
             parameter_type: ParameterType::Numbers(Some(3), Range::ANY),
             unit: "world units",
-            default: DefaultValue::Required,
+            default: DefaultValue::Unset("a view"),
             help: "position of the eye; it may lie inside the grid",
         },
         Parameter {
             name: "target",
             parameter_type: ParameterType::Numbers(Some(3), Range::ANY),
             unit: "world units",
-            default: DefaultValue::Required,
+            default: DefaultValue::Unset("a view"),
             help: "the point that appears in the middle of the picture",
         },
         Parameter {
@@ -39,7 +89,29 @@ pub const NODE: Node = Node {
             parameter_type: ParameterType::Numbers(Some(3), Range::ANY),
             unit: "",
             default: DefaultValue::Numbers(&[0.0, 0.0, 1.0]),
-            help: "the direction that points up in the picture; any length, not parallel to the view",
+            help: "the direction that points up in the picture, not parallel to the view; a view has its own where this is not set",
+        },
+        Parameter {
+            name: "azimuth",
+            help: "turns the eye to the right about the target, round the axis up, as Azimuth of vtkCamera",
+            ..ANGLE
+        },
+        Parameter {
+            name: "elevation",
+            help: "then turns the eye upwards about the target, and leaves up as it is, as Elevation of vtkCamera",
+            ..ANGLE
+        },
+        Parameter {
+            name: "roll",
+            help: "then turns up to the right about the view direction, so that the picture turns left, as Roll of vtkCamera",
+            ..ANGLE
+        },
+        Parameter {
+            name: "zoom",
+            parameter_type: ParameterType::Number(Range::above(0.0)),
+            unit: "",
+            default: DefaultValue::Number(1.0),
+            help: "divides fov_y, or the height, at last, as Zoom of vtkCamera: above 1 all looks larger",
         },
         Parameter {
             name: "fov_y",
@@ -50,10 +122,10 @@ pub const NODE: Node = Node {
         },
         Parameter {
             name: "height",
-            parameter_type: ParameterType::Number(Range::above(0.0)),
+            parameter_type: ParameterType::NumberOr(Range::above(0.0), "auto"),
             unit: "world units",
             default: DefaultValue::Unset("a perspective camera"),
-            help: "height of the picture of an orthographic camera, in place of fov_y",
+            help: "height of the picture of an orthographic camera, in place of fov_y; \"auto\": what a view is fitted by",
         },
         Parameter {
             name: "near",
@@ -79,23 +151,42 @@ pub const NODE: Node = Node {
     ],
     example: include_str!("examples/stages.toml"),
     early: true,
-    check: &|parameters| camera(parameters).map(drop),
+    check: &|parameters| camera(&with_placeholders(parameters)?, Some([DVec3::ZERO, DVec3::ONE])).map(drop),
+    // Bounds need points alone.
+    demand: &|asking| asking.ask("volume", &Demand::default()),
     run: &run,
     ..Node::BLANK
 };
 
 fn run(call: &mut RunContext) -> Result<Outputs> {
-    Ok(vec![Value::Camera(Arc::new(camera(call.parameters)?))])
+    let p = call.parameters;
+    let is_relative = !p.relative_numbers().is_empty();
+    let camera = match p.optional("view") {
+        Some(_) if is_relative || p.optional("fit").is_none() => {
+            if !call.is_wired("volume")? {
+                let what = "the view is relative to data, and no data are wired in";
+                let error = p.error(if is_relative { "fit" } else { "view" }, what);
+                return Err(error.expected("inputs = { volume = \"NODE\" } at the camera, or numbers in fit"));
+            }
+            let grid = &call.volume("volume")?.grid;
+            camera(&placed(p, grid)?, grid.bounds())?
+        }
+        _ => camera(p, None)?,
+    };
+    Ok(vec![Value::Camera(Arc::new(camera))])
 }
 
-/// The camera that the parameters state; its axes are known to be sound.
-fn camera(p: &Parameters) -> Result<Camera> {
+/// The camera that the parameters state; its axes are known to be sound. `bounds`: those of the data, where a view is fitted to them.
+fn camera(p: &Parameters, bounds: Option<[DVec3; 2]>) -> Result<Camera> {
+    let view = p.optional("view").map(|_| p.text("view")).transpose()?;
+    let is_auto = p.optional("height").is_some_and(|height| height.text().is_some());
     let projection = match (p.optional_number("fov_y"), p.optional_number("height")) {
-        (Some(_), Some(_)) => {
+        (Some(_), height) if height.is_some() || is_auto => {
             return Err(p
                 .error("height", "'fov_y' and 'height' exclude each other")
                 .expected("fov_y for a perspective camera, height for an orthographic one"));
         }
+        (None, None) if is_auto => Projection::Orthographic { height: 1.0 },
         (_, Some(height)) => Projection::Orthographic { height },
         (fov_y, None) => Projection::Perspective { fov_y: fov_y.unwrap_or(30.0) },
     };
@@ -104,17 +195,77 @@ fn camera(p: &Parameters) -> Result<Camera> {
         let error = p.error("size", "the picture has too many pixels").got(width * height);
         return Err(error.expected(format!("width × height of at most {MAX_PIXELS}")));
     }
+    refuse_contradictions(p, view, is_auto)?;
+    let (eye, target, own_up) = match view {
+        Some(view) => (direction(view), DVec3::ZERO, if view.ends_with('z') { DVec3::Y } else { DVec3::Z }),
+        None => (p.vector("eye")?.into(), p.vector("target")?.into(), p.vector("up")?.into()),
+    };
     let camera = Camera {
-        eye: p.vector("eye")?.into(),
-        target: p.vector("target")?.into(),
-        up: p.vector("up")?.into(),
+        eye,
+        target,
+        up: if p.is_set("up") { p.vector("up")?.into() } else { own_up },
         projection,
         near: p.number("near")?,
         // Within the declared range, so nothing is lost.
         size: [width as u32, height as u32],
         samples: p.integer("samples")? as u32,
     };
-    let place = if camera.eye == camera.target { "target" } else { "up" };
+    let place = if eye == target { "target" } else { "up" };
     camera.frame().map_err(|error| p.locate(place, error))?;
+    let angles = [p.number("azimuth")?, p.number("elevation")?, p.number("roll")?];
+    let mut camera = camera.turned(angles).map_err(|error| p.locate("elevation", error))?;
+    if view.is_some() {
+        camera = camera.fitted(&corners(ends(p, bounds)?)).map_err(|error| p.locate("fit", error))?;
+        // A height that is given stays; the picture is fitted by its middle then.
+        camera.projection = if is_auto { camera.projection } else { projection };
+    }
+    let camera = camera.zoomed(p.number("zoom")?);
+    camera.frame().map_err(|error| p.locate("zoom", error))?;
     Ok(camera)
+}
+
+/// Refuses parameters that exclude each other, or that only a view has a use for.
+fn refuse_contradictions(p: &Parameters, view: Option<&str>, is_auto: bool) -> Result<()> {
+    let places = ["eye", "target"];
+    if let (Some(view), Some(place)) = (view, places.into_iter().find(|place| p.optional(place).is_some())) {
+        let error = p.error(place, format!("'view' and '{place}' exclude each other"));
+        return Err(error.got(format!("view = \"{view}\"")).expected("a view, or eye and target"));
+    }
+    if view.is_some() {
+        return Ok(());
+    }
+    if let Some(place) = places.into_iter().find(|place| p.optional(place).is_none()) {
+        let error = p.error(place, format!("the camera has no '{place}'"));
+        return Err(error.expected("eye = [x, y, z] and target = [x, y, z], or view = \"isometric\""));
+    }
+    let needs_view = |name: &str, what: &str| {
+        Err(p.error(name, format!("{what} belongs to a view")).expected("a view in place of eye and target"))
+    };
+    match (p.optional("fit").is_some(), is_auto) {
+        (true, _) => needs_view("fit", "'fit'"),
+        (_, true) => needs_view("height", "height = \"auto\""),
+        _ => Ok(()),
+    }
+}
+
+/// Direction to the eye of a view.
+fn direction(view: &str) -> DVec3 {
+    let sign = if view.starts_with('-') { -1.0 } else { 1.0 };
+    let axis = ["x", "y", "z"].iter().position(|axis| view[1..] == **axis);
+    axis.map_or(DVec3::ONE, |axis| sign * DVec3::AXES[axis])
+}
+
+/// The box that a view is fitted to.
+fn ends(p: &Parameters, bounds: Option<[DVec3; 2]>) -> Result<[DVec3; 2]> {
+    if p.optional("fit").is_none() {
+        let none = || Error::run("the data have no points, so no view of them can be fitted");
+        return bounds.ok_or_else(none);
+    }
+    let [x0, x1, y0, y1, z0, z1]: [f64; 6] = p.vector("fit")?;
+    let ends = [DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1)];
+    if ends[0].cmpgt(ends[1]).any() {
+        let error = p.error("fit", "the box is empty").got(format!("from {} to {}", ends[0], ends[1]));
+        return Err(error.expected("lowest x, highest x, lowest y, highest y, lowest z, highest z"));
+    }
+    Ok(ends)
 }

@@ -6,7 +6,7 @@ use voltet_core::Result;
 use voltet_graph::{
     DefaultValue, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range, RunContext,
 };
-use voltet_io::encode::{FORMATS, PictureFormat};
+use voltet_io::encode::{FORMATS, PictureFormat, SampleForm, all_endings};
 use voltet_io::provenance::{self, Provenance};
 
 /// Names and contents of the formats, behind the word for the path's ending.
@@ -35,10 +35,24 @@ pub const NODE: Node = Node {
         },
         Parameter {
             name: "background",
-            parameter_type: ParameterType::Numbers(Some(3), Range::within(0.0, 1.0)),
+            parameter_type: ParameterType::Color(Range::within(0.0, 1.0)),
             unit: "linear RGB",
             default: DefaultValue::Numbers(&[0.0, 0.0, 0.0]),
-            help: "the colour behind the picture, in formats without opacity",
+            help: "the colour behind the picture, in files without alpha",
+        },
+        Parameter {
+            name: "alpha",
+            parameter_type: ParameterType::Boolean,
+            unit: "",
+            default: DefaultValue::Boolean(false),
+            help: "whether the file has straight alpha in place of the background; .exr has premultiplied alpha always",
+        },
+        Parameter {
+            name: "bits",
+            parameter_type: ParameterType::Integer(Range::within(8.0, 16.0)),
+            unit: "bits a channel",
+            default: DefaultValue::Integer(8),
+            help: "8 or 16; .exr has floats of 32 bits always",
         },
         Parameter {
             name: "provenance",
@@ -49,7 +63,7 @@ pub const NODE: Node = Node {
         },
     ],
     example: include_str!("examples/stages.toml"),
-    check: &|parameters| format(parameters).map(drop),
+    check: &|parameters| form(parameters).and_then(|_| format(parameters)).map(drop),
     prepare: &files::prepare,
     run: &run,
     ..Node::BLANK
@@ -59,9 +73,10 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     let picture = call.image("image")?;
     let path = call.path("path")?;
     let carried = carried(call, &path)?;
-    let background = call.parameters.vector("background")?;
-    let encoded = (format(call.parameters)?.encode)(&picture, background, carried.as_ref())?;
-    files::write(call, &encoded)?;
+    let format = format(call.parameters)?;
+    let (file, unheld) = format.file(&picture, form(call.parameters)?, carried.as_ref())?;
+    call.notes.warnings.extend(unheld);
+    files::write(call, &file)?;
     Ok(Vec::new())
 }
 
@@ -80,7 +95,18 @@ fn carried(call: &mut RunContext, path: &Path) -> Result<Option<Provenance>> {
     Ok(Some(provenance))
 }
 
+fn form(p: &Parameters) -> Result<SampleForm> {
+    let bits = match p.integer("bits")? {
+        8 => 8,
+        16 => 16,
+        other => return Err(p.error("bits", "no format has so many bits").got(other).expected("8 or 16")),
+    };
+    Ok(SampleForm { alpha: p.flag("alpha")?, background: p.color("background")?, bits })
+}
+
 fn format(parameters: &Parameters) -> Result<&'static PictureFormat> {
-    let names: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
-    Ok(&FORMATS[files::format(parameters, "the picture's format", &names)?])
+    let endings: Vec<&str> = all_endings().collect();
+    let ending = endings[files::format(parameters, "the picture's format", &endings)?];
+    let found = FORMATS.iter().find(|format| format.endings.contains(&ending));
+    Ok(found.expect("the ending is of one of them"))
 }

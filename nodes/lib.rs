@@ -32,6 +32,7 @@ mod sort;
 mod transfer_function;
 mod wavelet;
 
+pub use camera::VIEW_PARAMETERS;
 pub use transfer_function::load_image as table_image;
 
 use std::path::Path;

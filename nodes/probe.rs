@@ -124,7 +124,7 @@ fn look(
         },
     };
     let widget =
-        Widget { profile, color: p.vector("color")?, extinction: p.number("extinction")?, region: None };
+        Widget { profile, color: p.color("color")?, extinction: p.number("extinction")?, region: None };
     let model = OpticalModel::DensityEmitter;
     let transfer_function = TransferFunction { model, unit_distance: 1.0, widgets: vec![widget] };
     Ok(vec![Value::TransferFunction(Arc::new(TransferFunctionSpec {
@@ -206,7 +206,7 @@ pub const PARAMETERS: &[Parameter] = &[
     },
     Parameter {
         name: "color",
-        parameter_type: ParameterType::Numbers(Some(3), Range::at_least(0.0)),
+        parameter_type: ParameterType::Color(Range::at_least(0.0)),
         unit: "linear RGB",
         default: DefaultValue::Numbers(&[1.0, 1.0, 1.0]),
         help: "colour of the widget; components may exceed 1",

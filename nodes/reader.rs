@@ -7,7 +7,9 @@ use voltet_graph::{
     DefaultValue, Demand, Diagnostics, Node, Outputs, Parameter, ParameterType, ParameterValue, Parameters,
     PlanContext, Port, PortType, Preparation, Range, RunContext, SavedWork, Steps, Value,
 };
-use voltet_io::formats::{self, Association, CellValues, Request, SelectedArrays, TimeStep, existing_file};
+use voltet_io::formats::{
+    self, Association, CellValues, Options, Request, SelectedArrays, TimeStep, existing_file,
+};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -183,7 +185,7 @@ fn asked(
     let mut request = request(p, chosen)?;
     request.point_arrays = demand.arrays.named.iter().cloned().collect();
     request.cell_arrays = demand.cell_arrays.named.iter().cloned().collect();
-    request.keep_cells = demand.file_cells;
+    request.options.keep_cells = demand.file_cells;
     request.every_array = demand.arrays.and_all_others || demand.cell_arrays.and_all_others;
     if p.is_set("solution") {
         request.solution = Some(resolve(p.text("solution")?));
@@ -209,7 +211,8 @@ pub(crate) fn request(p: &Parameters, chosen: Option<SelectedArrays>) -> Result<
     };
     let scalar = p.optional("scalar").and_then(|s| s.text()).map(str::to_string);
     let subdivision = p.integer("subdivision")? as u32;
-    Ok(Request { scalar, association, cell_values, time_step, subdivision, chosen, ..Request::default() })
+    let options = Options { cell_values, subdivision, ..Options::default() };
+    Ok(Request { scalar, association, options, time_step, chosen, ..Request::default() })
 }
 
 /// Finds out before any work whether the file is there, and which name was meant if not.

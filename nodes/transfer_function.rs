@@ -1,9 +1,10 @@
 //! `transfer-function`: widgets over the scalar and its gradient magnitude, and the optical model.
 
 use crate::relative;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use voltet_core::transfer::{LoadImage, OpticalModel, TransferFunction, WIDGET_KINDS, read};
+use voltet_core::colormap::ColorCurve;
+use voltet_core::transfer::{LoadFiles, OpticalModel, TransferFunction, UnreadFiles, WIDGET_KINDS, read};
 use voltet_core::{Error, Result};
 use voltet_graph::{
     DefaultValue, NamedStub, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range,
@@ -76,7 +77,7 @@ pub const NODE: Node = Node {
     ],
     example: include_str!("examples/stages.toml"),
     early: true,
-    check: &|parameters| look(parameters, &relative::stood_in(parameters)?, &one_texel).map(drop),
+    check: &|parameters| look(parameters, &relative::stood_in(parameters)?, &UnreadFiles).map(drop),
     outline: &outline,
     demand: &|asking| {
         let asked = asking.asked.clone();
@@ -87,14 +88,22 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-/// Images of tables are files, which only the run touches: one texel stands for them.
-fn one_texel(_path: &str) -> Result<(usize, usize, Vec<[f32; 4]>)> {
-    Ok((1, 1, vec![[0.0; 4]]))
+/// Files of widgets, found by a function; only the run touches them.
+struct FilesFrom<'a>(&'a dyn Fn(&str) -> PathBuf);
+
+impl LoadFiles for FilesFrom<'_> {
+    fn image(&self, path: &str) -> Result<(usize, usize, Vec<[f32; 4]>)> {
+        load_image(&self.0(path))
+    }
+
+    fn colors(&self, path: &str) -> Result<ColorCurve> {
+        voltet_io::colormaps::read(&self.0(path))
+    }
 }
 
 /// Stub of the output while planning, from the stubs of its inputs.
 fn outline(parameters: &Parameters, inputs: &[NamedStub]) -> Result<Outputs> {
-    let mut look = look(parameters, &relative::stood_in(parameters)?, &one_texel)?;
+    let mut look = look(parameters, &relative::stood_in(parameters)?, &UnreadFiles)?;
     for (_, input) in inputs.iter().filter(|(port, _)| *port == "widgets") {
         let Some(Value::TransferFunction(other)) = input else { return Ok(Vec::new()) };
         add(parameters, &mut look, other)?;
@@ -121,7 +130,7 @@ fn add(p: &Parameters, look: &mut TransferFunctionSpec, other: &TransferFunction
 
 fn run(call: &mut RunContext) -> Result<Outputs> {
     let widgets = relative::known(call)?;
-    let mut look = look(call.parameters, &widgets, &|path| load_image(&call.resolve(path)))?;
+    let mut look = look(call.parameters, &widgets, &FilesFrom(&|path| call.resolve(path)))?;
     for other in call.looks("widgets")? {
         add(call.parameters, &mut look, &other)?;
     }
@@ -139,13 +148,13 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
 }
 
 /// The transfer function that the parameters state.
-fn look(p: &Parameters, widgets: &relative::Widgets, load_image: LoadImage) -> Result<TransferFunctionSpec> {
+fn look(p: &Parameters, widgets: &relative::Widgets, files: &dyn LoadFiles) -> Result<TransferFunctionSpec> {
     let model = match p.text("model")? {
         "constant-emitter" => OpticalModel::ConstantEmitter { cutoff: p.number("cutoff")? },
         _ => OpticalModel::DensityEmitter,
     };
     let unit = p.optional_number("unit_distance");
-    let widgets = widgets.iter().map(|(kind, keys)| read(kind, keys, load_image)).collect::<Result<_>>()?;
+    let widgets = widgets.iter().map(|(kind, keys)| read(kind, keys, files)).collect::<Result<_>>()?;
     let transfer_function = TransferFunction { model, unit_distance: unit.unwrap_or(1.0), widgets };
     Ok(TransferFunctionSpec { transfer_function, auto_unit_distance: unit.is_none() })
 }
@@ -161,12 +170,7 @@ pub fn load_image(path: &Path) -> Result<(usize, usize, Vec<[f32; 4]>)> {
             .expected("a PNG file")
             .in_file(path)
     };
-    let reader = image::ImageReader::open(path).map_err(|e| failed(&e))?;
-    let mut reader = reader.with_guessed_format().map_err(|e| failed(&e))?;
-    let mut limits = image::Limits::default();
-    (limits.max_image_width, limits.max_image_height) = (Some(LARGEST_SIDE), Some(LARGEST_SIDE));
-    reader.limits(limits);
-    let image = reader.decode().map_err(|e| failed(&e))?;
+    let image = voltet_io::encode::read_image(path, LARGEST_SIDE).map_err(|e| failed(&e))?;
     let rgba = image.into_rgba16();
     let linear = |v: u16| voltet_io::encode::linear_from_srgb(f32::from(v) / 65535.0);
     let texel = |p: &image::Rgba<u16>| [linear(p[0]), linear(p[1]), linear(p[2]), f32::from(p[3]) / 65535.0];

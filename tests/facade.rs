@@ -160,7 +160,7 @@ fn an_image_is_saved_by_its_ending() -> Result<()> {
     let transfer_function = TransferFunction::ramp(Colormap::Viridis, volume.range(), 3.0);
     let image = Renderer::on(Engine::Cpu)?.render(&scene(volume, transfer_function, view))?;
     let folder = tempfile::tempdir().unwrap();
-    let [png, exr, other] = ["a.png", "a.EXR", "a.jpg"].map(|name| folder.path().join(name));
+    let [png, exr, other] = ["a.png", "a.EXR", "a.gif"].map(|name| folder.path().join(name));
     image.save(&png)?;
     image.save(&exr)?;
     let read = image::open(&png).unwrap().into_rgb8();
@@ -203,9 +203,15 @@ fn a_pipeline_is_changed_and_run() -> Result<()> {
     let widgets = "[[nodes.look.widgets]]\nkind = \"gaussian\"\ncentre = [2.0, 0.0]\nsigma = [0.7, inf]\ncolor = [1.0, 0.5, 0.0]\n\
                    extinction = 9.0\n";
     let mut pipeline = Pipeline::parse(&pipeline(None, widgets, "", view), "")?.with_grid("grid", grid())?;
-    pipeline.set_camera(None, &Camera::framing([[0.0; 3].into(), [1.2, 1.1, 2.0].into()]).size(20, 10))?;
+    let camera = Camera::framing([[0.0; 3].into(), [1.2, 1.1, 2.0].into()]).size(20, 10);
+    pipeline.set_camera(None, &camera)?;
     assert_eq!(pipeline.render_plan(Some("picture"))?.size, [20, 10]);
     let image = pipeline.render("picture")?;
+    // Angles and zoom are the former camera's.
+    pipeline.set("view.azimuth=30")?;
+    assert_ne!(pipeline.render("picture")?, image);
+    pipeline.set_camera(None, &camera)?;
+    assert_eq!(pipeline.render("picture")?, image);
     assert_eq!([image.width(), image.height()], [20, 10]);
     assert_eq!(pipeline.run(&NoObserver)?, [("picture".to_string(), image)]);
     assert!(pipeline.report().unwrap().contains("given-grid"));

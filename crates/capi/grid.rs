@@ -5,9 +5,8 @@ use crate::structs::{Array as GivenArray, GridInfo, GridSource, read, stated_siz
 use std::ffi::{c_int, c_void};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use voltet::{BorrowedGrid, BorrowedPiece, CellArrays, NamedArray, PointNumbers, build_grid, unnamed_scalar};
-use voltet_core::grid::{CellValues, Grid, Options, extent};
-use voltet_core::progress::NoProgress;
+use voltet::{CellArrays, PointNumbers, add_array, borrowed_piece, build_grid, unnamed_scalar};
+use voltet_core::grid::{Array, CellValues, Grid, Options, RawGrid, extent};
 use voltet_core::{Error, Result, SharedSlice, counted};
 
 /// `voltet_grid`.
@@ -50,27 +49,23 @@ pub(crate) unsafe fn make(source: *const GridSource) -> Result<GridHandle> {
         Arc::new(Lender { release: source.release, user: source.user, armed: AtomicBool::new(false) });
     let keep: Arc<dyn Send + Sync> = lender.clone();
     // SAFETY: the caller's promise for all of these.
-    let source = unsafe {
+    let (pieces, scalar) = unsafe {
         let mut pieces = vec![piece(&source, &keep)?];
         for number in 0..source.further_piece_count {
             let further = source.further_pieces.byte_add(number * source.size);
             pieces.push(piece(&read(further)?, &keep)?);
         }
-        BorrowedGrid {
-            pieces,
-            scalar: optional_text(source.scalar, "the name of the scalar")?.map(str::to_string),
-            options: Options {
-                subdivision: subdivision(source.subdivision)?,
-                cell_values: match source.constant_cells {
-                    0 => CellValues::Average,
-                    _ => CellValues::Constant,
-                },
-                keep_cells: false,
-            },
-            keep,
-        }
+        (pieces, optional_text(source.scalar, "the name of the scalar")?)
     };
-    let grid = build_grid(source, &NoProgress)?;
+    let options = Options {
+        subdivision: subdivision(source.subdivision)?,
+        cell_values: match source.constant_cells {
+            0 => CellValues::Average,
+            _ => CellValues::Constant,
+        },
+        keep_cells: false,
+    };
+    let grid = build_grid(pieces, scalar, &options)?;
     if grid.scalar.is_none() {
         return Err(unnamed_scalar(&grid));
     }
@@ -149,31 +144,30 @@ unsafe fn lent<T>(values: *const T, count: usize, what: &str) -> Result<&'static
 
 /// # Safety
 /// As of [`make`].
-unsafe fn piece(source: &GridSource, keep: &Arc<dyn Send + Sync>) -> Result<BorrowedPiece> {
+unsafe fn piece(source: &GridSource, keep: &Arc<dyn Send + Sync>) -> Result<RawGrid> {
     // SAFETY: the caller's promise for all of these.
     unsafe {
-        Ok(BorrowedPiece {
-            points: lent(source.points, product(source.point_count, 3, "points")?, "points")?,
-            cells: cells(source)?,
-            arrays: arrays(source, keep)?,
-            ghost: optional(source.ghost, source.cell_count, "ghost")?,
-            block: 0,
-            global_ids: optional(source.global_ids, source.point_count, "global_ids")?,
-            degrees: optional(source.degrees, product(source.cell_count, 3, "degrees")?, "degrees")?,
-        })
+        let points = lent(source.points, product(source.point_count, 3, "points")?, "points")?;
+        let mut piece = borrowed_piece(points, cells(source)?, keep)?;
+        add_arrays(&mut piece, source, keep)?;
+        piece.ghost = optional(source.ghost, source.cell_count, "ghost")?.map(<[u8]>::to_vec);
+        piece.global_ids =
+            optional(source.global_ids, source.point_count, "global_ids")?.map(<[i64]>::to_vec);
+        let degrees = optional(source.degrees, product(source.cell_count, 3, "degrees")?, "degrees")?;
+        piece.degrees = degrees.map(|degrees| degrees.as_chunks::<3>().0.to_vec());
+        Ok(piece)
     }
 }
 
 /// # Safety
 /// As of [`make`].
-unsafe fn arrays(source: &GridSource, keep: &Arc<dyn Send + Sync>) -> Result<Vec<NamedArray>> {
+unsafe fn add_arrays(piece: &mut RawGrid, source: &GridSource, keep: &Arc<dyn Send + Sync>) -> Result<()> {
     if source.array_count == 0 {
         return Err(Error::usage("the grid has no arrays").expected("at least the scalar that is drawn"));
     }
     // SAFETY: the caller's promise.
     let stride = unsafe { stated_size(source.arrays) }?;
     product(source.array_count, stride, "arrays")?;
-    let mut arrays = Vec::new();
     for number in 0..source.array_count {
         // SAFETY: so many structs of the first one's size stand there.
         let array: GivenArray = unsafe { read(source.arrays.byte_add(number * stride)) }?;
@@ -198,14 +192,9 @@ unsafe fn arrays(source: &GridSource, keep: &Arc<dyn Send + Sync>) -> Result<Vec
         // SAFETY: the caller's promise.
         let values = unsafe { lent(array.values, count, &format!("array '{name}'")) }?;
         let values = SharedSlice::from_borrowed(values, keep.clone());
-        arrays.push(NamedArray {
-            name: name.into(),
-            values,
-            component_count: components,
-            on_cells: per_cell,
-        });
+        add_array(piece, name, Array { component_count: components, values }, per_cell)?;
     }
-    Ok(arrays)
+    Ok(())
 }
 
 /// # Safety

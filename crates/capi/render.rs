@@ -24,6 +24,7 @@ pub(crate) fn set_camera(pipeline: &mut Pipeline, node: Option<&str>, camera: &C
         ("fov_y", projection(camera.fov_y)),
         ("height", projection(camera.height)),
     ];
+    values.extend(voltet_nodes::VIEW_PARAMETERS.map(|name| (name, None)));
     if camera.pixels != [0, 0] {
         let sides = camera.pixels.into_iter().map(|side| ParameterValue::Integer(side.into()));
         values.push(("size", Some(sides.collect())));

@@ -4,6 +4,8 @@
 
 pub mod arithmetic;
 pub mod camera;
+pub mod color;
+pub mod colormap;
 mod counted;
 pub mod diagnostics;
 pub mod error;

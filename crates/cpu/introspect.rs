@@ -196,8 +196,7 @@ pub fn transmittance(lanes: LaneSet, depth: f64) -> f64 {
 
 struct Transmittance(f64);
 
-impl Kernel for Transmittance {
-    type Output = f64;
+impl Kernel<f64> for Transmittance {
     #[inline(always)]
     fn run<L: Lanes>(self) -> f64 {
         let mut lanes = [0.0; MAX_LANES];

@@ -1,15 +1,13 @@
 //! Wires as pipeline files state them: `"node"` or `"node.port"`, one or a list.
 
 use std::collections::BTreeSet;
-use voltet_core::{Error, Result};
-use voltet_graph::{Field, LinkEntry, LocatedValue, NodeEntry, ParameterValue, suggest};
+use voltet_core::Result;
+use voltet_graph::{Field, LinkEntry, LocatedValue, NodeEntry, ParameterValue, unknown_node};
 
 /// The node of a name. Errors: there is none.
-pub(crate) fn node<'a>(nodes: &'a [NodeEntry], name: &str) -> Result<&'a NodeEntry> {
-    nodes.iter().find(|node| node.name == name).ok_or_else(|| {
-        let known = suggest(name, nodes.iter().map(|node| node.name.as_str()));
-        Error::usage(format!("there is no node '{name}'")).expected(known)
-    })
+pub fn node<'a>(nodes: &'a [NodeEntry], name: &str) -> Result<&'a NodeEntry> {
+    let unknown = || unknown_node(name, nodes.iter().map(|node| node.name.as_str()));
+    nodes.iter().find(|node| node.name == name).ok_or_else(unknown)
 }
 
 /// The node that a source names, and its output where it names one: a whole text that is a node's name means that node.

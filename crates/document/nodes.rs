@@ -125,7 +125,7 @@ impl Document {
     /// The type of a node, where the registry knows it.
     pub fn node_type(&self, registry: &Registry, node: &str) -> Option<&'static Node> {
         let entry = self.pipeline().nodes.iter().find(|entry| entry.name == node)?;
-        registry.find(entry.node_type.text()?).ok()
+        registry.node_type(entry)
     }
 
     /// The edit that adds a node of a type at a place of the graph view, named after its type.

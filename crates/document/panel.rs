@@ -220,14 +220,14 @@ impl Control {
             ParameterType::Text if names_array(name) => Control::Array,
             ParameterType::Text => Control::Text,
             ParameterType::Choice(words) => Control::Choice(words.to_vec()),
-            ParameterType::InputPath => Control::InputFile,
+            ParameterType::InputPath | ParameterType::ChoiceOrPath(..) => Control::InputFile,
             ParameterType::OutputPath => Control::OutputFile,
-            ParameterType::Numbers(Some(3), range) if is_colour(name) => Control::Colour { most: range.max },
+            ParameterType::Color(range) => Control::Colour { most: range.max },
             ParameterType::Numbers(count, range) => Control::Vector { count, range, whole: false, relative },
             ParameterType::Integers(count, range) => {
                 Control::Vector { count: Some(count), range, whole: true, relative }
             }
-            ParameterType::Rows(_) => Control::Rows { relative },
+            ParameterType::Rows(_) | ParameterType::RowsOr(..) => Control::Rows { relative },
             ParameterType::Texts if names_array(name) => Control::Arrays,
             ParameterType::Texts => Control::Texts,
             ParameterType::Table(_) => Control::Table,
@@ -256,10 +256,6 @@ impl Scale {
 fn names_array(name: &str) -> bool {
     ["scalar", "array", "arrays", "field", "fields", "magnitude", "cell_arrays", "point_arrays"]
         .contains(&name)
-}
-
-fn is_colour(name: &str) -> bool {
-    ["color", "background"].contains(&name)
 }
 
 /// A new entry of a list of tables, such as a widget: what is required has a value to begin with, in the middle of the data
@@ -311,6 +307,7 @@ pub fn typed(row: &Row, text: &str) -> Result<ParameterValue> {
         }
         Control::Toggle | Control::Integer(_) | Control::Number { .. } => read(text),
         Control::Texts | Control::Arrays => list(text, &|part| ParameterValue::Text(part.to_string())),
+        Control::Colour { .. } if text.starts_with('#') => ParameterValue::Text(text.to_string()),
         Control::Colour { .. } | Control::Vector { .. } => list(text, &read),
         Control::Rows { .. } | Control::Table | Control::Entries(_) => {
             value(&text.replace(['\r', '\n'], " "))

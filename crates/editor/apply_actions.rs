@@ -18,6 +18,7 @@ use voltet_document::arrange::{PlacedNode, align, tidy};
 use voltet_document::{Annotation, AnnotationId, Document, Edit, Recovery};
 use voltet_graph::NodeEntry;
 use voltet_graph::pipeline::Pipeline;
+use voltet_nodes::VIEW_PARAMETERS;
 use voltet_nodes::files::{folder, refuse_unwritable, relative_to};
 
 /// From a node to what is pasted after it, points.
@@ -91,7 +92,7 @@ impl Editor {
     }
 
     pub(crate) fn move_camera(&mut self, to: impl FnOnce(View) -> View) {
-        if let Some(view) = self.camera().and_then(View::from_camera) {
+        if let Some(view) = self.view() {
             self.look(to(view));
         }
     }
@@ -103,7 +104,10 @@ impl Editor {
         // What stays as it is, stated or not, needs not be written.
         let before = View::from_camera(camera).map(|before| before.settings()).unwrap_or_default();
         let other = view.settings().into_iter().filter(|setting| !before.contains(setting));
-        let edits: Vec<Edit> = other.map(|(key, datum)| Edit::set(&name, [key], datum)).collect();
+        let mut edits: Vec<Edit> = other.map(|(key, datum)| Edit::set(&name, [key], datum)).collect();
+        // A view in words, and its angles, are numbers from then on.
+        let in_words = VIEW_PARAMETERS.into_iter().filter(|name| camera.setting(name).is_some());
+        edits.extend(in_words.map(|key| Edit::Unset { node: name.clone(), path: [key].into() }));
         if !edits.is_empty() {
             self.edit(format!("move the camera '{name}'"), &edits);
         }
@@ -143,7 +147,7 @@ impl Editor {
                 let bounds = self.worker.shown(|shown| shown.bounds);
                 let size = self.camera().and_then(size_of).unwrap_or([4, 3]);
                 if let Some(bounds) = bounds {
-                    self.move_camera(|view| view.home(bounds, f64::from(size[0]) / f64::from(size[1])));
+                    self.move_camera(|view| view.home(bounds, size));
                 }
             }
             Command::Along(axis, from_positive) => {

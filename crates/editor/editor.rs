@@ -12,7 +12,6 @@ use crate::section::SectionPanel;
 use crate::study::{StudyPanel, show_costs};
 use crate::theme;
 use crate::transfer::TransferPanel;
-use crate::view::View;
 use crate::worker::{
     Estimate, NodeState, PixelProbe, RenderRequest, VolumeSource, Worker, WorkerOutput, size_of,
 };
@@ -25,7 +24,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 use voltet_document::{Document, Gesture};
-use voltet_graph::{NodeEntry, Registry, RunReport};
+use voltet_graph::{Registry, RunReport};
 
 /// Makes the text of a pipeline for a file that is none, such as data; the second path is where it would be saved.
 pub type Start = Arc<dyn Fn(&Path, &Path) -> Result<String> + Send + Sync>;
@@ -156,8 +155,7 @@ impl Editor {
         let look = nodes.iter().find(|node| node.node_type.text() == Some("transfer-function"));
         self.selection = look.iter().map(|node| node.name.clone()).collect();
         let registry = &self.registry;
-        let node = |entry: &NodeEntry| entry.node_type.text().and_then(|name| registry.find(name).ok());
-        self.document.lay_out(&|entry| crate::graph::usual_size(node(entry)));
+        self.document.lay_out(&|entry| crate::graph::usual_size(registry.node_type(entry)));
     }
 
     /// Drops from the selection what is gone, and finds a picture to show where there is none.
@@ -177,7 +175,7 @@ impl Editor {
     }
 
     pub(crate) fn scene(&self) -> Scene<'_> {
-        let camera = self.camera();
+        let (camera, view) = (self.camera(), self.view());
         self.worker.shown(|shown| {
             let distribution = shown.distribution.answer();
             let is_newest =
@@ -208,7 +206,7 @@ impl Editor {
                 arrays: &self.arrays,
                 selection: &self.selection,
                 shown_node: self.shown_node.as_deref(),
-                view: camera.and_then(View::from_camera),
+                view,
                 picture_size: camera.and_then(size_of),
                 seconds: pixels.as_ref().and_then(|pixels| shown.seconds[usize::from(!pixels.is_full())]),
                 pixels,

@@ -79,7 +79,7 @@ impl Disk {
 
 /// True if the ending is that of a pipeline, or of a picture, which may carry one.
 pub(crate) fn is_pipeline_ending(ending: &str) -> bool {
-    ending == "toml" || voltet_io::encode::FORMATS.iter().any(|format| format.name == ending)
+    ending == "toml" || voltet_io::encode::all_endings().any(|known| known == ending)
 }
 
 /// Ends of the names of data files.

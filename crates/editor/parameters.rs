@@ -526,7 +526,7 @@ pub(crate) fn edited_color(ui: &mut Ui, linear: [f64; 3]) -> Option<[f64; 3]> {
 }
 
 fn channels(datum: &ParameterValue) -> Option<[f64; 3]> {
-    LocatedValue::from(datum.clone()).array()
+    LocatedValue::from(datum.clone()).color()
 }
 
 fn choice(

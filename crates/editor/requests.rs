@@ -165,8 +165,8 @@ impl Editor {
         if !self.panels.section.open {
             return;
         }
-        let view = self.camera().and_then(View::from_camera);
-        let plane = view
+        let plane = self
+            .view()
             .zip(self.worker.shown(|shown| shown.bounds))
             .and_then(|(view, bounds)| self.panels.section.wanted(view, bounds));
         let Some(((_, output), (centre, axes, half))) = self.edited().zip(plane) else {
@@ -228,6 +228,18 @@ impl Editor {
         self.answers.probed = Some((source, found));
     }
 
+    /// The view of the picture, as its camera states it; of one that is stated otherwise than by eye and target, that of the last full
+    /// picture.
+    pub(crate) fn view(&self) -> Option<View> {
+        let camera = self.camera()?;
+        let drawn = || {
+            let report = self.worker.shown(|shown| shown.report.clone())?;
+            let found = report.origins.cameras.iter().find(|(node, _)| *node == camera.name);
+            found.map(|(_, camera)| View::from(**camera))
+        };
+        View::from_camera(camera).or_else(drawn)
+    }
+
     pub(crate) fn camera(&self) -> Option<&NodeEntry> {
         let nodes = &self.document.pipeline().nodes;
         let feeding = upstream(nodes, self.shown_node.as_deref()?);
@@ -260,5 +272,5 @@ fn background(nodes: &[NodeEntry], node: &str) -> [f64; 3] {
             })
     };
     let stated = nodes.iter().find(writes).and_then(|writer| writer.setting("background"));
-    stated.and_then(|stated| stated.array()).unwrap_or([0.0; 3])
+    stated.and_then(|stated| stated.color()).unwrap_or([0.0; 3])
 }

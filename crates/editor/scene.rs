@@ -99,7 +99,7 @@ impl<'a> Scene<'a> {
     }
 
     pub fn node_type(&self, entry: &NodeEntry) -> Option<&'static Node> {
-        self.registry.find(entry.node_type.text()?).ok()
+        self.registry.node_type(entry)
     }
 
     pub fn pictures(&self) -> Vec<&'a str> {
@@ -110,8 +110,9 @@ impl<'a> Scene<'a> {
 /// The names of the nodes that give pictures, in the order of the document.
 pub(crate) fn pictures<'a>(document: &'a Document, registry: &Registry) -> Vec<&'a str> {
     let gives = |node: &&NodeEntry| {
-        let node_type = node.node_type.text().and_then(|name| registry.find(name).ok());
-        node_type.is_some_and(|node| node.outputs.iter().any(|port| port.port_type == PortType::Image))
+        registry
+            .node_type(node)
+            .is_some_and(|node| node.outputs.iter().any(|port| port.port_type == PortType::Image))
     };
     document.pipeline().nodes.iter().filter(gives).map(|node| node.name.as_str()).collect()
 }

@@ -5,7 +5,9 @@
 use glam::{DQuat, DVec3};
 use voltet_core::arithmetic::decimal;
 use voltet_core::camera::{Camera, Frame, Projection};
+use voltet_core::grid::extent::corners;
 use voltet_graph::{LocatedValue, NodeEntry, ParameterValue};
+use voltet_nodes::VIEW_PARAMETERS;
 
 /// Share of the distance to the target that a moved camera is written to: a picture of 30,000 pixels does not show the rest.
 const STEP: f64 = 1e-6;
@@ -24,8 +26,11 @@ pub struct View {
 }
 
 impl View {
-    /// The view that a camera node states; `None` where it is not sound.
+    /// The view that a camera node states by eye and target; `None` where it states none, or one that is not sound.
     pub fn from_camera(node: &NodeEntry) -> Option<View> {
+        if VIEW_PARAMETERS.iter().any(|name| node.setting(name).is_some()) {
+            return None;
+        }
         let vector = |name: &str| node.setting(name)?.array().map(DVec3::from);
         let projection = match (node.setting("height").and_then(LocatedValue::number), node.setting("fov_y"))
         {
@@ -132,24 +137,9 @@ impl View {
         View { up: DQuat::from_axis_angle(axes.forward, angle) * axes.up, ..self }.or(self)
     }
 
-    /// All of a box in the picture, seen from the same side. `aspect`: the picture's width by its height.
-    pub fn home(self, [low, high]: [DVec3; 2], aspect: f64) -> View {
-        let Some(axes) = self.axes() else { return self };
-        let (target, radius) = (0.5 * low + 0.5 * high, 0.5 * (high - low).length());
-        if !(radius > 0.0 && radius.is_finite()) {
-            return self;
-        }
-        let narrow = aspect.min(1.0);
-        match self.projection {
-            Projection::Perspective { fov_y } => {
-                let half = ((0.5 * fov_y).to_radians().tan() * narrow).atan();
-                View { eye: target - axes.forward * radius / half.sin(), target, ..self }.or(self)
-            }
-            Projection::Orthographic { .. } => {
-                let projection = Projection::Orthographic { height: 2.0 * radius / narrow };
-                View { eye: target - axes.forward * 2.0 * radius, target, projection, ..self }.or(self)
-            }
-        }
+    /// All of a box in a picture of that size, seen from the same side.
+    pub fn home(self, bounds: [DVec3; 2], size: [u32; 2]) -> View {
+        self.camera(size).fitted(&corners(bounds)).map_or(self, View::from)
     }
 
     /// Along an axis: the eye lies on its side of the target. `up`: what then points up.
@@ -161,6 +151,12 @@ impl View {
     pub fn centred(self, point: DVec3) -> View {
         let step = point - self.target;
         View { eye: self.eye + step, target: point, ..self }.or(self)
+    }
+}
+
+impl From<Camera> for View {
+    fn from(Camera { eye, target, up, projection, .. }: Camera) -> View {
+        View { eye, target, up, projection }
     }
 }
 

@@ -31,7 +31,7 @@ pub use api::origins::{FileRead, FileStamp, Origins, ResolvedPipeline, Stamp, re
 pub use api::value::{
     CellValues, Edge, Port, PortType, Revision, StagePayload, TransferFunctionSpec, Value, diagonal,
 };
-pub use build::entry::{Diagnostic, DiagnosticTarget, LinkEntry, NodeEntry};
+pub use build::entry::{Diagnostic, DiagnosticTarget, LinkEntry, NodeEntry, unknown_node};
 pub use build::graph::{Graph, GraphNode, NodeOverride};
 pub use build::registry::{Registry, VariantAlias};
 pub use run::plan::{NodeReport, Plan, RunReport};

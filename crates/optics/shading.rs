@@ -119,8 +119,8 @@ pub fn unit_vector(v: glam::DVec3) -> glam::DVec3 {
     if largest > 0.0 && largest.is_finite() { (v / largest).normalize() } else { glam::DVec3::ZERO }
 }
 
-/// Integrator, blending of widgets, silhouettes and light.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Integrator, blending of widgets, silhouettes and light: closed forms without silhouettes and light unless stated.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Shading {
     /// The integrator.
     pub integrator: Integrator,
@@ -130,14 +130,6 @@ pub struct Shading {
     pub silhouette: Option<f64>,
     /// Diffuse lighting.
     pub light: Option<Light>,
-}
-
-impl Default for Shading {
-    /// Closed forms, without silhouettes and light.
-    fn default() -> Self {
-        let (integrator, overlap) = (Integrator::ANALYTIC, WidgetBlend::Exact);
-        Shading { integrator, overlap, silhouette: None, light: None }
-    }
 }
 
 impl Shading {

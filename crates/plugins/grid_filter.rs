@@ -158,7 +158,7 @@ fn output_grid(
             ..input.clone()
         });
     }
-    let cells = contents.cells.unwrap_or_else(|| Cells::Tetrahedra(input.tetrahedra.to_vec()));
+    let cells = contents.cells.unwrap_or_else(|| Cells::Tetrahedra(input.tetrahedra.clone()));
     let mut parts = RawGrid::new(points, cells);
     (parts.scalar, parts.point_arrays, parts.cell_arrays) = (scalar, at_points, on_cells);
     grid::build(parts, &Options::default(), progress).map_err(|error| Error {

@@ -329,7 +329,7 @@ impl Buffers {
             (Some(tetrahedra), ..) => {
                 refuse_unset::<u32>(tetrahedra.as_flattened(), 4, "the tetrahedra", label)?;
                 refuse_out_of_range(tetrahedra.as_flattened(), point_count, "tetrahedra", label)?;
-                Some(Cells::Tetrahedra(tetrahedra))
+                Some(Cells::Tetrahedra(tetrahedra.into()))
             }
             (None, Some(types), Some(offsets), Some(connectivity)) => {
                 Some(Cells::Mixed(mixed_cells(types, offsets, connectivity, point_count, label)?))

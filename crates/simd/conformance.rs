@@ -17,11 +17,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 /// Runs every operation on one vector of rows; what each lane gave, operation by operation.
 struct All<'a>(&'a [Row]);
 
-impl Kernel for All<'_> {
-    type Output = Vec<Vec<Found>>;
-
+impl Kernel<Vec<Vec<Found>>> for All<'_> {
     #[inline(always)]
-    fn run<L: Lanes>(self) -> Self::Output {
+    fn run<L: Lanes>(self) -> Vec<Vec<Found>> {
         let rows = self.0;
         let float = |of: fn(&Row) -> f32| L::F::load(&rows.iter().map(of).collect::<Vec<_>>());
         let unsigned = |of: fn(&Row) -> u32| L::U::load(&rows.iter().map(of).collect::<Vec<_>>());
@@ -247,7 +245,6 @@ fn the_inputs_tell_each_operation_from_a_faulty_one() {
 struct TooShort(usize);
 
 impl Kernel for TooShort {
-    type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let (short, half) = (L::WIDTH - 1, L::D::COUNT - 1);

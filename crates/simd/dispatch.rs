@@ -12,12 +12,10 @@ use voltet_core::{Error, Result};
 /// The environment variable that names a lane set.
 const VARIABLE: &str = "VOLTET_LANES";
 
-/// Work that can run on any lane set.
-pub trait Kernel {
-    /// Result type.
-    type Output;
+/// Work that can run on any lane set, with a result.
+pub trait Kernel<R = ()> {
     /// Runs on the lanes `L`. Mark the implementation `#[inline(always)]`.
-    fn run<L: Lanes>(self) -> Self::Output;
+    fn run<L: Lanes>(self) -> R;
 }
 
 /// A lane set by name.
@@ -124,18 +122,18 @@ impl LaneSet {
 struct CacheLine(#[expect(dead_code, reason = "it stands for its address")] u8);
 
 /// Runs a kernel on a lane set; one that the processor lacks is replaced by the portable set.
-pub fn dispatch<K: Kernel>(lanes: LaneSet, kernel: K) -> K::Output {
+pub fn dispatch<R, K: Kernel<R>>(lanes: LaneSet, kernel: K) -> R {
     match lanes.or_portable() {
         #[cfg(target_arch = "x86_64")]
-        LaneSet::Avx512 => run::<Avx512, K>(kernel),
+        LaneSet::Avx512 => run::<Avx512, R, K>(kernel),
         #[cfg(target_arch = "x86_64")]
-        LaneSet::Avx2 => run::<Avx2, K>(kernel),
-        _ => run::<Portable, K>(kernel),
+        LaneSet::Avx2 => run::<Avx2, R, K>(kernel),
+        _ => run::<Portable, R, K>(kernel),
     }
 }
 
 /// Runs a kernel on lanes that the processor has.
-fn run<L: Lanes, K: Kernel>(kernel: K) -> K::Output {
+fn run<L: Lanes, R, K: Kernel<R>>(kernel: K) -> R {
     let run = inlined!(|kernel: K| {
         #[cfg(target_arch = "x86_64")]
         std::hint::black_box(&mut CacheLine(0));

@@ -145,7 +145,6 @@ mod tests {
     }
 
     impl Kernel for Sort<'_> {
-        type Output = ();
         #[inline(always)]
         fn run<L: Lanes>(self) {
             sort_columns::<L, COLUMNS>(self.keys, self.rows);

@@ -80,7 +80,11 @@ fn form(parameter_type: &ParameterType) -> String {
         ParameterType::NumberOr(..) => "float | str".into(),
         ParameterType::Text | ParameterType::GradientFilter | ParameterType::Registered(_) => "str".into(),
         ParameterType::Choice(words) => literal(words.iter().map(|(word, _)| *word)),
-        ParameterType::InputPath | ParameterType::OutputPath => "str | PathLike[str]".into(),
+        ParameterType::Color(_) => "Sequence[float] | str".into(),
+        ParameterType::RowsOr(..) => "str | Sequence[Sequence[float]]".into(),
+        ParameterType::InputPath | ParameterType::OutputPath | ParameterType::ChoiceOrPath(..) => {
+            "str | PathLike[str]".into()
+        }
         ParameterType::Numbers(..) => "Sequence[float]".into(),
         ParameterType::Integers(..) => "Sequence[int]".into(),
         ParameterType::Rows(_) => "Sequence[Sequence[float]]".into(),

@@ -6,9 +6,8 @@ use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::{Arc, OnceLock};
-use voltet::{BorrowedGrid, BorrowedPiece, CellArrays, NamedArray, PointNumbers, build_grid};
-use voltet_core::grid::{CellValues, Options, extent};
-use voltet_core::progress::NoProgress;
+use voltet::{CellArrays, PointNumbers, add_array, borrowed_piece, build_grid};
+use voltet_core::grid::{Array, CellValues, Options, RawGrid, extent};
 use voltet_core::{Error, SharedSlice, grid};
 
 /// A grid, and the arrays that it was built from.
@@ -50,12 +49,10 @@ impl Grid {
         let watched: Vec<Lent<u8>> =
             watch.iter().map(|array| Lent::borrow("an array", array)).collect::<PyResult<_>>()?;
         let watched = py.detach(|| watched.into_iter().map(Watched::new).collect());
-        let mut keep = Keep(Vec::new());
-        let pieces = pieces.iter().map(|piece| piece_of(piece, &mut keep)).collect::<PyResult<_>>()?;
+        let pieces = pieces.iter().map(piece_of).collect::<PyResult<_>>()?;
         let cell_values = if constant_cells { CellValues::Constant } else { CellValues::Average };
         let options = Options { subdivision, cell_values, keep_cells };
-        let source = BorrowedGrid { pieces, scalar, options, keep: Arc::new(keep) };
-        let mut grid = guarded(py, || py.detach(|| build_grid(source, &NoProgress)))?;
+        let mut grid = guarded(py, || py.detach(|| build_grid(pieces, scalar.as_deref(), &options)))?;
         Arc::make_mut(&mut grid.origin).warnings.extend(warnings);
         Ok(Grid { grid: Arc::new(grid), watched, about: OnceLock::new() })
     }
@@ -115,39 +112,38 @@ impl Keep {
         self.0.push(lent.keep());
         lent.values()
     }
-
-    fn hold_optional<T: pyo3::buffer::Element + Sync + Send>(
-        &mut self,
-        name: &str,
-        object: Bound<'_, PyAny>,
-    ) -> PyResult<Option<&'static [T]>> {
-        if object.is_none() {
-            return Ok(None);
-        }
-        Ok(Some(self.hold(Lent::borrow(name, &object)?)))
-    }
 }
 
 /// A piece: `points`, `cells`, `arrays` as (name, values, components of a tuple, on cells), `block`; `ghost`, `degrees`, `global_ids`.
-fn piece_of(piece: &Bound<'_, PyDict>, keep: &mut Keep) -> PyResult<BorrowedPiece> {
+fn piece_of(piece: &Bound<'_, PyDict>) -> PyResult<RawGrid> {
+    let py = piece.py();
     let get = |name: &str| -> PyResult<Bound<'_, PyAny>> {
         piece.get_item(name)?.ok_or_else(|| PyKeyError::new_err(name.to_string()))
     };
+    let mut keep = Keep(Vec::new());
+    let points = keep.hold(Lent::borrow("points", &get("points")?)?);
+    let cells = cells_of(get("cells")?.cast::<PyDict>()?, &mut keep)?;
+    let keep: Arc<dyn Send + Sync> = Arc::new(keep);
+    let mut raw = guarded(py, || py.detach(|| borrowed_piece(points, cells, &keep)))?;
     let arrays: Vec<(String, Bound<'_, PyAny>, usize, bool)> = get("arrays")?.extract()?;
-    let arrays = arrays.into_iter().map(|(name, values, component_count, on_cells)| {
+    for (name, values, component_count, on_cells) in arrays {
         let lent: Lent<f64> = Lent::borrow(&format!("array '{name}'"), &values)?;
         let values = SharedSlice::from_borrowed(lent.values(), lent.keep());
-        Ok(NamedArray { name, values, component_count, on_cells })
-    });
-    Ok(BorrowedPiece {
-        arrays: arrays.collect::<PyResult<_>>()?,
-        points: keep.hold(Lent::borrow("points", &get("points")?)?),
-        cells: cells_of(get("cells")?.cast::<PyDict>()?, keep)?,
-        block: get("block")?.extract()?,
-        ghost: keep.hold_optional("ghost", get("ghost")?)?,
-        degrees: keep.hold_optional("degrees", get("degrees")?)?,
-        global_ids: keep.hold_optional("global_ids", get("global_ids")?)?,
-    })
+        guarded(py, || add_array(&mut raw, &name, Array { component_count, values }, on_cells))?;
+    }
+    raw.block = get("block")?.extract()?;
+    raw.ghost = copied("ghost", &get("ghost")?)?;
+    raw.global_ids = copied("global_ids", &get("global_ids")?)?;
+    raw.degrees = copied::<u8>("degrees", &get("degrees")?)?.map(|all| all.as_chunks::<3>().0.to_vec());
+    Ok(raw)
+}
+
+fn copied<T: pyo3::buffer::Element + Sync + 'static>(
+    name: &str,
+    object: &Bound<'_, PyAny>,
+) -> PyResult<Option<Vec<T>>> {
+    let lent = || Lent::borrow(name, object).map(|lent| lent.values().to_vec());
+    (!object.is_none()).then(lent).transpose()
 }
 
 /// The cells: `tetrahedra`, or `types`, `offsets`, `connectivity`, and for polyhedra `faces` and `face_locations`.

@@ -120,7 +120,8 @@ pub fn encode<'py>(
         crate::error::refuse_forked()?;
         let picture = Picture { width, height, rgba };
         let format = voltet_io::encode::format_by_ending(path.as_ref())?;
-        (format.encode)(&picture, background, None)
+        let form = voltet_io::encode::SampleForm::over(background);
+        format.file(&picture, form, None).map(|(file, _)| file)
     })?;
     Ok(pyo3::types::PyBytes::new(py, &bytes))
 }

@@ -5,7 +5,7 @@ use crate::filter;
 use std::path::{Path, PathBuf};
 use voltet::{Pipeline, PipelineText};
 use voltet_core::{Error, Result};
-use voltet_document::{Diagnostic, Document, Edit, FaultTarget, Path as Place};
+use voltet_document::{Diagnostic, Document, Edit, FaultTarget, Path as Place, links};
 use voltet_graph::pipeline::Pipeline as Nodes;
 use voltet_graph::{Field, NodeEntry, ParameterValue};
 use voltet_io::encode::Source;
@@ -105,11 +105,7 @@ impl State {
     }
 
     pub fn node(&self, name: &str) -> Result<&NodeEntry> {
-        let nodes = &self.document.pipeline().nodes;
-        nodes.iter().find(|node| node.name == name).ok_or_else(|| {
-            let error = Error::usage(format!("there is no node '{name}'"));
-            error.expected(voltet_graph::suggest(name, nodes.iter().map(|node| node.name.as_str())))
-        })
+        links::node(&self.document.pipeline().nodes, name)
     }
 
     /// Saves the text; what it reads is found from the new file, too. `readers`: nodes that a program gives grids to, each with the
@@ -152,7 +148,7 @@ impl State {
     /// Edits that add a node `file` that writes the only picture beside the file `to`, where no node writes anything.
     fn writer(&self, to: &Path) -> Vec<Edit> {
         let nodes = &self.document.pipeline().nodes;
-        let node_type = |entry: &NodeEntry| self.pipeline.registry().find(entry.node_type.text()?).ok();
+        let node_type = |entry: &NodeEntry| self.pipeline.registry().node_type(entry);
         let writes = nodes.iter().filter_map(node_type).any(|node| node.outputs.is_empty());
         let (Ok(source), Some(stem)) = (self.pipeline.picture_node(None), to.file_stem()) else {
             return Vec::new();

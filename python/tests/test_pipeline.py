@@ -50,7 +50,20 @@ def test_functions_of_nodes_state_what_files_do(cube):
     import inspect
 
     assert list(inspect.signature(nodes.camera).parameters)[:2] == ["pipeline", "node"]
-    assert inspect.signature(nodes.camera).parameters["eye"].default is inspect.Parameter.empty
+    assert inspect.signature(nodes.reader).parameters["path"].default is inspect.Parameter.empty
+
+
+def test_a_camera_is_stated_by_a_side_of_the_data(cube):
+    widget = voltet.widgets.uniform(color=[1.0, 0.5, 0.25], extinction=2.0, region={"s": [-1e9, 1e9], "g": [-1e9, 1e9]})
+    camera = {"view": "+x", "height": "auto", "zoom": 0.5}
+    p = voltet.scene(voltet.Grid(**cube), widgets=[widget], camera=camera, size=(16, 16), engine="cpu")
+    assert p["view"].inputs == {"volume": "gradient"}
+    # Half of 94 % of 16 pixels, from 4.24 to 11.76.
+    seen = p.render()[..., 3] > 0
+    assert seen[4:12, 4:12].all() and seen.sum() == 64
+    with pytest.raises(voltet.UsageError, match="exclude each other") as raised:
+        p["view"]["eye"] = [0, 0, 9]
+    assert raised.value.node == "view"
 
 
 def test_mistakes_are_refused_where_they_are_made(slab):
@@ -173,7 +186,7 @@ def test_pictures_show_themselves(slab, tmp_path):
     rgba.save(tmp_path / "a.exr")
     assert (tmp_path / "a.exr").read_bytes()[:4] == b"\x76\x2f\x31\x01"
     with pytest.raises(voltet.UsageError, match="png or .exr"):
-        rgba.save(tmp_path / "a.jpg")
+        rgba.save(tmp_path / "a.gif")
     result = slab.run()
     assert "<img" in result._repr_html_() and "cpu" in result._repr_html_()
     assert "<table" in slab._repr_html_() and "renderer" in slab._repr_html_()

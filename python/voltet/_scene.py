@@ -12,17 +12,6 @@ from ._errors import picture_size, usage
 from ._grid import Grid
 from ._pipeline import Pipeline
 
-#: Colours of viridis (Smith and van der Walt 2015) at equal steps, sRGB.
-_VIRIDIS = np.array(
-    [
-        [0.267, 0.005, 0.329],
-        [0.229, 0.322, 0.546],
-        [0.128, 0.567, 0.551],
-        [0.369, 0.789, 0.383],
-        [0.993, 0.906, 0.144],
-    ]
-)
-
 
 def scene(
     grid: Grid,
@@ -46,7 +35,8 @@ def scene(
     widgets : list of dict
         The transfer function, by `voltet.widgets`. Default: viridis over the range of the scalar, the higher the denser.
     camera : mapping
-        Parameters of the node `camera`; those that are left out are chosen so that the whole grid is seen.
+        Parameters of the node `camera`; those that are left out are chosen so that the whole grid is seen, also from the side of a
+        `view` such as `"+x"`.
     size : pair of int
         Width and height in pixels.
     method : str or mapping
@@ -73,21 +63,14 @@ def scene(
     pipeline.add("gradient", "gradient-magnitude", grid="grid", **method)
     pipeline.give(grid, "grid")
     if widgets is None:
-        values = pipeline.volume("gradient", gradient_magnitude=False)["scalar"]
-        widgets = [_viridis(float(np.nanmin(values)), float(np.nanmax(values)))]
+        widgets = [{"kind": "colormap", "extinction": 0.08}]
     # By which numbers may be relative to the data.
     pipeline.add("look", "transfer-function", volume="gradient", widgets=list(widgets), unit_distance=unit_distance)
-    pipeline.add("view", "camera", **{**_fitted(about["bounds"], size), **dict(camera or {})})
+    camera = dict(camera or {})
+    placed = {"volume": "gradient", "size": list(size)} if "view" in camera else _fitted(about["bounds"], size)
+    pipeline.add("view", "camera", **{**placed, **camera})
     pipeline.add("picture", "renderer", volume="gradient", transfer_function="look", camera="view", **renderer)
     return pipeline
-
-
-def _viridis(low: float, high: float) -> dict[str, Any]:
-    high = high if high > low else low + max(abs(low), 1.0)
-    linear = np.where(_VIRIDIS <= 0.04045, _VIRIDIS / 12.92, ((_VIRIDIS + 0.055) / 1.055) ** 2.4)
-    steps = np.linspace(0.0, 1.0, len(linear))
-    points = [[low + t * (high - low), *map(float, color), 0.08 * float(t)] for t, color in zip(steps, linear)]
-    return {"kind": "piecewise-linear", "points": points}
 
 
 def _fitted(bounds: Sequence[Sequence[float]], size: tuple[int, int]) -> dict[str, Any]:

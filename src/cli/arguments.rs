@@ -63,6 +63,15 @@ pub enum Command {
     /// the pixel by the 64-bit referee, as the pipeline draws it, and by every integrator that can serve the scene. Serves any
     /// pipeline that draws a volume, and any picture that carries one.
     Pixel(Pixel),
+    /// Compare two pictures: the largest and mean difference, and the one that a person sees.
+    ///
+    /// Differences are of premultiplied linear RGBA, from files of sRGB as from EXR, 1 being full scale; a pixel's is the largest of its
+    /// channels. Where a picture has no alpha both are compared over the background. FLIP (Andersson et al. 2020) is the mean
+    /// over all pixels, 0 to 1, of what is seen over the background where the pictures alternate.
+    #[command(
+        after_help = "Exit codes: 0 within the limit, 1 beyond it, 2 the command or a picture is wrong."
+    )]
+    Diff(Diff),
     /// Judge every formula and engine against exact values, and draw cells that are hard to draw.
     ///
     /// For each set of forms (64-bit, 32-bit by lane set, the shaders of a graphics device): the worst error and its inputs in every category (stiff, narrow,
@@ -143,7 +152,7 @@ impl Command {
             Command::Nodes(nodes) => data(&nodes.plugins, &[]),
             Command::Edit(edit) => data(&edit.plugins, &[]),
             Command::GradientTest(test) => data(&test.plugins, &[]),
-            Command::Stability(_) | Command::PluginProcess { .. } => return None,
+            Command::Diff(_) | Command::Stability(_) | Command::PluginProcess { .. } => return None,
             #[cfg(feature = "papers")]
             Command::Papers(_) => return None,
         })
@@ -161,6 +170,14 @@ impl Info {
 pub struct Run {
     #[command(flatten)]
     pub files: Files,
+    /// Size of the picture in pixels: short for --set of the camera's size.
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size)]
+    pub size: Option<[u32; 2]>,
+    /// File of the picture, relative to the working folder: short for --set of the image-writer's path.
+    ///
+    /// As all paths on the command line but those of --set. Those in a pipeline file, and of --set, are relative to that file.
+    #[arg(long, short, value_name = "PATH")]
+    pub output: Option<PathBuf>,
     /// Do everything that could be done, needed or not, and say how much longer that takes.
     ///
     /// Runs each file once to warm up, then in turn twice as usual and twice reading every array, computing the gradient and
@@ -174,6 +191,23 @@ pub struct Run {
     /// Print nothing but errors.
     #[arg(long, short)]
     pub quiet: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct Diff {
+    /// A picture.
+    pub a: PathBuf,
+    /// The picture that it is compared with, of the same size.
+    pub b: PathBuf,
+    /// Write the difference of each pixel as a picture, on a logarithmic scale from 1e-6 (dark violet) to 1 (yellow).
+    #[arg(long, short, value_name = "PATH")]
+    pub output: Option<PathBuf>,
+    /// Largest difference for which the exit code is 0: a number, or a fraction such as 1/255.
+    #[arg(long, value_name = "LIMIT", value_parser = fraction)]
+    pub limit: Option<f64>,
+    /// Background of pictures with opacity, where it is seen: linear red, green and blue, 0 to 1.
+    #[arg(long, value_name = "R,G,B", value_parser = color, default_value = "0,0,0")]
+    pub background: [f64; 3],
 }
 
 #[derive(Debug, Default, Args)]
@@ -591,6 +625,23 @@ fn requirements() -> impl TypedValueParser<Value = Option<RequirementKind>> {
         (Some(Invariance), "invariance", invariance),
         (None, "nothing", "Nothing: the exit code is 0 whatever is found"),
     ])
+}
+
+/// A number from 0 on, as one or as a fraction of two.
+fn fraction(text: &str) -> Result<f64, String> {
+    let number = |text: &str| text.trim().parse::<f64>().ok();
+    let value = match text.split_once('/') {
+        Some((over, under)) => number(over).zip(number(under)).map(|(over, under)| over / under),
+        None => number(text),
+    };
+    let value = value.filter(|value| *value >= 0.0 && value.is_finite());
+    value.ok_or_else(|| "a number of 0 or more, or a fraction such as 1/255".into())
+}
+
+/// A linear colour, "0.1,0.2,0.3".
+fn color(text: &str) -> Result<[f64; 3], String> {
+    let channels: Vec<f64> = text.split(',').map(fraction).collect::<Result<_, _>>()?;
+    channels.try_into().map_err(|_| "a colour is three numbers with commas, such as 1,1,1".into())
 }
 
 /// A picture's size, "1024x768".

@@ -1,8 +1,9 @@
 //! Cameras, stated by an eye and a target or by the box that they frame.
 
 use glam::DVec3;
+use voltet_core::Result;
 use voltet_core::camera::{Camera as PlacedCamera, Projection};
-use voltet_core::{Error, Result};
+use voltet_core::grid::extent::corners;
 
 /// Field of view of a perspective camera without one of its own (degrees).
 const DEFAULT_FOV_Y: f64 = 30.0;
@@ -43,7 +44,7 @@ impl Camera {
         Camera { view, up: None, projection, near: 0.0, size: [1024, 768], samples: 1 }
     }
 
-    /// A camera that sees all of a box, such as [`super::Volume::bounds`]: its circumscribed ball fits the narrower side of the picture.
+    /// A camera that sees all of a box, such as [`super::Volume::bounds`], which fills the picture but for a margin of 6 %.
     pub fn framing(bounds: [DVec3; 2]) -> Self {
         Self::new(View::Framing { bounds, direction: DEFAULT_DIRECTION })
     }
@@ -99,27 +100,12 @@ impl Camera {
     ///
     /// # Errors
     /// - a number that is out of range or not finite;
-    /// - an eye at the target, or a direction up that is parallel to the view.
+    /// - an eye at the target, or a direction up that is parallel to the view;
+    /// - a framed box without an extent.
     pub fn place(&self) -> Result<PlacedCamera> {
         let (eye, target) = match self.view {
             View::LookAt { eye, target } => (eye, target),
-            View::Framing { bounds: [low, high], direction } => {
-                let direction = direction.normalize_or_zero();
-                if direction == DVec3::ZERO {
-                    let error = Error::usage("the camera's direction has no length");
-                    return Err(error.expected("a vector from the target to the eye"));
-                }
-                let target = 0.5 * low + 0.5 * high;
-                let radius = 0.5 * (high - low).length();
-                let narrow = (f64::from(self.size[0]) / f64::from(self.size[1].max(1))).min(1.0);
-                let distance = match self.projection {
-                    Projection::Perspective { fov_y } => {
-                        radius / (narrow * (0.5 * fov_y).to_radians().tan()).atan().sin()
-                    }
-                    Projection::Orthographic { .. } => 2.0 * radius,
-                };
-                (target + distance * direction, target)
-            }
+            View::Framing { direction, .. } => (direction, DVec3::ZERO),
         };
         let is_vertical = (target - eye).normalize_or_zero().z.abs() > MAX_VERTICAL;
         let up = self.up.unwrap_or(if is_vertical { DVec3::Y } else { DVec3::Z });
@@ -127,7 +113,12 @@ impl Camera {
         let camera = PlacedCamera { eye, target, up, projection, near, size, samples };
         camera.check_picture()?;
         camera.frame()?;
-        Ok(camera)
+        match self.view {
+            View::LookAt { .. } => Ok(camera),
+            View::Framing { bounds, .. } => {
+                Ok(PlacedCamera { projection, ..camera.fitted(&corners(bounds))? })
+            }
+        }
     }
 }
 

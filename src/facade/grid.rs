@@ -10,7 +10,7 @@ use std::sync::Arc;
 use voltet_core::grid::{
     Array, CellSet, CellValues, Cells, Grid as BuiltGrid, Options, Polyhedron, RawGrid, code,
 };
-use voltet_core::progress::Progress;
+use voltet_core::progress::{NoProgress, Progress};
 use voltet_core::{Error, Result, SharedSlice, grid};
 use voltet_io::formats::{self, Request, TimeStep, face_stream};
 use voltet_nodes::in_memory_grid;
@@ -62,7 +62,7 @@ impl Grid {
         let connectivity = PointNumbers::I64(&connectivity);
         let cells =
             CellArrays::Mixed { types, offsets: &offsets, connectivity, faces: &[], face_locations: &[] };
-        Self::from_cells(points, raw_cells(cells)?)
+        Self::from_cells(points, raw_cells(cells, |own| own.to_vec().into())?)
     }
 
     /// Builds a grid from linear tetrahedra, four point numbers each.
@@ -73,7 +73,7 @@ impl Grid {
         points: impl Into<SharedSlice<DVec3>>,
         tetrahedra: impl Into<Vec<[u32; 4]>>,
     ) -> Result<Grid> {
-        Self::from_cells(points, Cells::Tetrahedra(tetrahedra.into()))
+        Self::from_cells(points, Cells::Tetrahedra(tetrahedra.into().into()))
     }
 
     /// Builds a grid from cells of any form: mixed with polyhedra, or structured.
@@ -128,7 +128,7 @@ impl Grid {
     fn add(mut self, name: &str, array: Array, on_cells: bool) -> Result<Grid> {
         let raw = self.raw("arrays are added")?;
         let (tuples, kind) = if on_cells { (raw.cells.count(), "cell") } else { (raw.points.len(), "point") };
-        let Array { component_count, values } = array;
+        let Array { component_count, ref values } = array;
         if component_count == 0 || Some(values.len()) != tuples.checked_mul(component_count) {
             return Err(Error::usage("an array has the wrong number of values")
                 .got(format!(
@@ -139,7 +139,7 @@ impl Grid {
                 .expected(format!("{component_count} for each of {}", counted(tuples, kind)))
                 .at_item(name));
         }
-        add_array(raw, NamedArray { name: name.into(), values, component_count, on_cells })?;
+        add_array(raw, name, array, on_cells)?;
         Ok(self)
     }
 
@@ -203,24 +203,24 @@ impl Grid {
     ///
     /// # Errors
     /// - a number out of range.
-    pub fn subdivision(mut self, pieces: u32) -> Result<Grid> {
+    pub fn subdivision(self, pieces: u32) -> Result<Grid> {
         if !(1..=64).contains(&pieces) {
             let error = Error::usage("the subdivision of curved cells is out of range").got(pieces);
             return Err(error.expected("a whole number from 1 to 64"));
         }
-        match &mut self.source {
-            Source::Arrays(_, options) => options.subdivision = pieces,
-            Source::File(_, request) => request.subdivision = pieces,
-            Source::Built(_) => {}
-        }
-        Ok(self)
+        Ok(self.with_options(|options| options.subdivision = pieces))
     }
 
     /// Keeps cell data constant within each cell.
-    pub fn constant_cell_data(mut self) -> Grid {
+    pub fn constant_cell_data(self) -> Grid {
+        self.with_options(|options| options.cell_values = CellValues::Constant)
+    }
+
+    /// Changes how it is built; a grid that is built stays as it is.
+    fn with_options(mut self, change: impl FnOnce(&mut Options)) -> Grid {
         match &mut self.source {
-            Source::Arrays(_, options) => options.cell_values = CellValues::Constant,
-            Source::File(_, request) => request.cell_values = CellValues::Constant,
+            Source::Arrays(_, options) => change(options),
+            Source::File(_, request) => change(&mut request.options),
             Source::Built(_) => {}
         }
         self
@@ -303,37 +303,6 @@ impl From<&Grid> for Grid {
     }
 }
 
-/// A grid in borrowed memory. The slices must stay valid and unchanged as long as `keep` lives: that is the promise of the code that
-/// made them.
-pub struct BorrowedGrid {
-    /// The grid, or the pieces of it, which are put together.
-    pub pieces: Vec<BorrowedPiece>,
-    /// The array that is drawn; `None`: the only one of one component.
-    pub scalar: Option<String>,
-    /// Options of the import.
-    pub options: Options,
-    /// Owner of the memory, dropped after the last use.
-    pub keep: Arc<dyn Send + Sync>,
-}
-
-/// Points and cells in borrowed memory.
-pub struct BorrowedPiece {
-    /// Three numbers a point.
-    pub points: &'static [f64],
-    /// The cells.
-    pub cells: CellArrays<'static>,
-    /// The arrays, at least one.
-    pub arrays: Vec<NamedArray>,
-    /// `vtkGhostType` of every cell.
-    pub ghost: Option<&'static [u8]>,
-    /// Numbers of the points that the same points have in other pieces.
-    pub global_ids: Option<&'static [i64]>,
-    /// Number of the grid that it is a piece of: points of different ones stay apart.
-    pub block: usize,
-    /// Degrees along the three axes of every cell.
-    pub degrees: Option<&'static [u8]>,
-}
-
 /// Cells in memory of a host program.
 #[derive(Debug, Clone, Copy)]
 pub enum CellArrays<'a> {
@@ -363,52 +332,39 @@ pub enum PointNumbers<'a> {
     U32(&'a [u32]),
 }
 
-/// A point or cell array with its name.
-#[derive(Debug, Clone)]
-pub struct NamedArray {
-    /// Its name.
-    pub name: String,
-    /// Its numbers, the components of a tuple side by side.
-    pub values: SharedSlice<f64>,
-    /// Components of a tuple, at least 1.
-    pub component_count: usize,
-    /// True if it has a tuple a cell, else one a point.
-    pub on_cells: bool,
+/// A piece of a grid in borrowed memory, without arrays. The slices must stay valid and unchanged as long as `keep` lives: that is the
+/// promise of the code that made them. `points`: three numbers each.
+///
+/// # Errors
+/// - a number too many for the points;
+/// - those of the cells: counts that do not fit together, offsets that descend or leave the connectivity, damaged faces of polyhedra.
+pub fn borrowed_piece(
+    points: &'static [f64],
+    cells: CellArrays<'static>,
+    keep: &Arc<dyn Send + Sync>,
+) -> Result<RawGrid> {
+    if !points.len().is_multiple_of(3) {
+        let error = Error::usage("the points are not three numbers each").got(points.len());
+        return Err(error.expected("a multiple of 3"));
+    }
+    let points = SharedSlice::from_borrowed(bytemuck::cast_slice(points), keep.clone());
+    Ok(RawGrid::new(points, raw_cells(cells, |own| SharedSlice::from_borrowed(own, keep.clone()))?))
 }
 
-/// Builds the grid. Its scalar is left open where none is named and several are possible.
-pub fn build_grid(source: BorrowedGrid, progress: &dyn Progress) -> Result<BuiltGrid> {
-    let cells: Vec<CellArrays> = source.pieces.iter().map(|piece| piece.cells).collect();
-    let pieces = source.pieces.into_iter().map(|piece| raw_grid(piece, &source.keep));
-    let parts = grid::join(pieces.collect::<Result<_>>()?)?;
-    let scalar = scalar(source.scalar, &parts)?;
-    let mut grid = grid::build(parts, &source.options, progress)?;
-    // Tetrahedra whose points were in ascending order are used in place.
-    if let [cells] = cells[..]
-        && let Some(borrowed) = plain_tetrahedra(cells).filter(|cells| grid.tetrahedra.as_slice() == *cells)
-    {
-        grid.tetrahedra = SharedSlice::from_borrowed(borrowed, source.keep);
+/// Builds the grid of pieces, which are put together. `scalar`: the array that is drawn; where none is named the only one of one
+/// component, and none where several are.
+pub fn build_grid(pieces: Vec<RawGrid>, scalar: Option<&str>, options: &Options) -> Result<BuiltGrid> {
+    if pieces.iter().any(|piece| piece.point_arrays.is_empty() && piece.cell_arrays.is_empty()) {
+        return Err(Error::usage("the grid has no arrays").expected("at least the scalar that is drawn"));
     }
+    let parts = grid::join(pieces)?;
+    let scalar = scalar_of(scalar, &parts)?;
+    let mut grid = grid::build(parts, options, &NoProgress)?;
     if let Some(name) = scalar {
         grid.scalar = grid.point_arrays.get(&name).map(|array| array.values.clone());
         grid.scalar_name = name;
     }
     Ok(grid)
-}
-
-/// A piece as the import takes it.
-fn raw_grid(piece: BorrowedPiece, keep: &Arc<dyn Send + Sync>) -> Result<RawGrid> {
-    let points = SharedSlice::from_borrowed(points_of(piece.points)?, keep.clone());
-    let mut raw = RawGrid::new(points, raw_cells(piece.cells)?);
-    if piece.arrays.is_empty() {
-        return Err(Error::usage("the grid has no arrays").expected("at least the scalar that is drawn"));
-    }
-    piece.arrays.into_iter().try_for_each(|array| add_array(&mut raw, array))?;
-    raw.ghost = piece.ghost.map(<[u8]>::to_vec);
-    raw.global_ids = piece.global_ids.map(<[i64]>::to_vec);
-    raw.block = piece.block;
-    raw.degrees = piece.degrees.map(|degrees| degrees.as_chunks::<3>().0.to_vec());
-    Ok(raw)
 }
 
 /// Error for a grid whose scalar must be named.
@@ -428,31 +384,21 @@ fn one_of(wanted: &str, names: &[&str]) -> String {
     }
 }
 
-/// Three numbers a point.
-fn points_of(numbers: &'static [f64]) -> Result<&'static [DVec3]> {
-    if !numbers.len().is_multiple_of(3) {
-        let error = Error::usage("the points are not three numbers each").got(numbers.len());
-        return Err(error.expected("a multiple of 3"));
-    }
-    Ok(bytemuck::cast_slice(numbers))
-}
-
-/// Adds an array.
+/// Adds an array to a piece.
 ///
 /// # Errors
 /// - a name that another array has.
-pub(super) fn add_array(parts: &mut RawGrid, array: NamedArray) -> Result<()> {
-    let NamedArray { name, values, component_count, on_cells } = array;
-    if parts.point_arrays.contains_key(&name) || parts.cell_arrays.contains_key(&name) {
+pub fn add_array(piece: &mut RawGrid, name: &str, array: Array, on_cells: bool) -> Result<()> {
+    if piece.point_arrays.contains_key(name) || piece.cell_arrays.contains_key(name) {
         return Err(Error::usage("two arrays have the same name").got(format!("'{name}'")));
     }
-    let arrays = if on_cells { &mut parts.cell_arrays } else { &mut parts.point_arrays };
-    arrays.insert(name, Array { component_count, values });
+    let arrays = if on_cells { &mut piece.cell_arrays } else { &mut piece.point_arrays };
+    arrays.insert(name.into(), array);
     Ok(())
 }
 
 /// Name of the array that is drawn.
-fn scalar(name: Option<String>, parts: &RawGrid) -> Result<Option<String>> {
+fn scalar_of(name: Option<&str>, parts: &RawGrid) -> Result<Option<String>> {
     let all: BTreeMap<&str, usize> = [&parts.point_arrays, &parts.cell_arrays]
         .into_iter()
         .flatten()
@@ -460,27 +406,30 @@ fn scalar(name: Option<String>, parts: &RawGrid) -> Result<Option<String>> {
         .collect();
     let scalars: Vec<&str> = all.iter().filter(|known| *known.1 == 1).map(|known| *known.0).collect();
     match (name, &scalars[..]) {
-        (Some(name), _) if scalars.contains(&name.as_str()) => Ok(Some(name)),
+        (Some(name), _) if scalars.contains(&name) => Ok(Some(name.to_string())),
         (Some(name), _) => {
-            let found = match all.get(name.as_str()) {
+            let found = match all.get(name) {
                 Some(count) => format!("'{name}' of {}", counted(*count, "component")),
                 None => format!("'{name}'"),
             };
-            Err(Error::usage("the grid has no such scalar").got(found).expected(one_of(&name, &scalars)))
+            Err(Error::usage("the grid has no such scalar").got(found).expected(one_of(name, &scalars)))
         }
         (None, [only]) => Ok(Some(only.to_string())),
         (None, _) => Ok(None),
     }
 }
 
-/// Cells as the import takes them.
+/// Cells as the import takes them. `share`: how tetrahedra of 32-bit numbers are taken over.
 ///
 /// # Errors
 /// - counts that do not fit together;
 /// - offsets that descend or leave the connectivity;
 /// - numbers that cannot be those of points;
 /// - damaged faces of polyhedra.
-pub(super) fn raw_cells(cells: CellArrays) -> Result<Cells> {
+fn raw_cells<'a>(
+    cells: CellArrays<'a>,
+    share: impl Fn(&'a [[u32; 4]]) -> SharedSlice<[u32; 4]>,
+) -> Result<Cells> {
     let (types, offsets, connectivity) = match cells {
         CellArrays::Tetrahedra(numbers) => {
             let (tetrahedra, rest) = numbers.as_chunks::<4>();
@@ -488,7 +437,7 @@ pub(super) fn raw_cells(cells: CellArrays) -> Result<Cells> {
                 let error = Error::usage("the tetrahedra are not four point numbers each").got(numbers.len());
                 return Err(error.expected("a multiple of 4"));
             }
-            return Ok(Cells::Tetrahedra(tetrahedra.to_vec()));
+            return Ok(Cells::Tetrahedra(share(tetrahedra)));
         }
         CellArrays::Mixed { types, offsets, connectivity, .. } => (types, offsets, connectivity),
     };
@@ -501,12 +450,17 @@ pub(super) fn raw_cells(cells: CellArrays) -> Result<Cells> {
         PointNumbers::I64(numbers) => numbers.len(),
     };
     check_offsets(offsets, count)?;
+    let is_plain = is_plain(types, offsets);
     let connectivity = match connectivity {
+        PointNumbers::U32(numbers) if is_plain => {
+            return Ok(Cells::Tetrahedra(share(numbers[..4 * types.len()].as_chunks::<4>().0)));
+        }
         PointNumbers::U32(numbers) => numbers.to_vec(),
         PointNumbers::I64(numbers) => point_numbers(numbers, "connectivity")?,
     };
-    if is_plain(types, offsets) {
-        return Ok(Cells::Tetrahedra(connectivity[..4 * types.len()].as_chunks::<4>().0.to_vec()));
+    if is_plain {
+        let tetrahedra = connectivity[..4 * types.len()].as_chunks::<4>().0.to_vec();
+        return Ok(Cells::Tetrahedra(tetrahedra.into()));
     }
     let offsets = offsets.iter().map(|&offset| offset as u64).collect();
     let polyhedra = polyhedra(cells)?;
@@ -518,17 +472,6 @@ fn is_plain(types: &[u8], offsets: &[i64]) -> bool {
     !types.is_empty()
         && types.par_iter().all(|&t| t == code::TETRA)
         && offsets.par_iter().enumerate().all(|(i, &offset)| offset as usize == 4 * i)
-}
-
-/// Tetrahedra that can be used in place; the cells were checked by [`raw_cells`].
-fn plain_tetrahedra(cells: CellArrays<'static>) -> Option<&'static [[u32; 4]]> {
-    match cells {
-        CellArrays::Tetrahedra(numbers) => Some(numbers.as_chunks::<4>().0),
-        CellArrays::Mixed { types, offsets, connectivity: PointNumbers::U32(numbers), .. } => {
-            is_plain(types, offsets).then(|| numbers[..4 * types.len()].as_chunks::<4>().0)
-        }
-        CellArrays::Mixed { .. } => None,
-    }
 }
 
 /// Checks that offsets begin at 0 or above, never descend, and end within the connectivity.

@@ -10,9 +10,7 @@ mod transfer;
 
 pub use background::{RunStatus, panic_message, run_in_background};
 pub use camera::Camera;
-pub use grid::{
-    BorrowedGrid, BorrowedPiece, CellArrays, Grid, NamedArray, PointNumbers, build_grid, unnamed_scalar,
-};
+pub use grid::{CellArrays, Grid, PointNumbers, add_array, borrowed_piece, build_grid, unnamed_scalar};
 pub use pipeline::{Pipeline, PipelineText, RenderPlan, RunRecord};
 pub use renderer::{Engine, Image, RenderOptions, RenderOutput, Renderer, RendererOptions, render_to_depth};
 pub use scene::{Integrator, Light, Scene, Shading, Volume};

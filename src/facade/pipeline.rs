@@ -17,11 +17,11 @@ use voltet_document::links;
 use voltet_graph::pipeline::{Pipeline as Nodes, locate, parameters};
 use voltet_graph::{
     Demand, Graph, LocatedValue, NoObserver, Node, NodeEntry, NodeOverride, Observer, ParameterValue, Port,
-    PortType, Registry, ResolvedPipeline, RunReport, Session, SourceSpan, Value, suggest,
+    PortType, Registry, ResolvedPipeline, RunReport, Session, SourceSpan, Value, unknown_node,
 };
 use voltet_io::encode::Source;
 use voltet_io::provenance::{run_report, whole_report};
-use voltet_nodes::in_memory_grid;
+use voltet_nodes::{VIEW_PARAMETERS, in_memory_grid};
 
 /// A pipeline that a program changes and renders. Values of nodes that a change does not concern are kept between renders.
 pub struct Pipeline {
@@ -199,7 +199,7 @@ impl Pipeline {
             Projection::Orthographic { height } => (None, Some(ParameterValue::Number(height))),
         };
         let size = camera.size.into_iter().map(|side| ParameterValue::Integer(side.into())).collect();
-        let values = vec![
+        let mut values = vec![
             ("eye", Some(camera.eye.to_array().into_iter().collect())),
             ("target", Some(camera.target.to_array().into_iter().collect())),
             ("up", Some(camera.up.to_array().into_iter().collect())),
@@ -209,6 +209,7 @@ impl Pipeline {
             ("fov_y", fov_y),
             ("height", height),
         ];
+        values.extend(VIEW_PARAMETERS.map(|name| (name, None)));
         self.set_parameters(&name, values)
     }
 
@@ -481,7 +482,7 @@ impl Pipeline {
 
     fn node_type(&self, name: &str) -> Option<&'static Node> {
         let entry = self.source.nodes.nodes.iter().find(|entry| entry.name == name)?;
-        self.registry.find(entry.node_type.text()?).ok()
+        self.registry.node_type(entry)
     }
 
     fn graph(&self, mut entries: Vec<NodeEntry>) -> Result<Graph> {
@@ -508,10 +509,8 @@ impl PipelineText {
     fn node(&mut self, name: &str) -> Result<&mut NodeEntry> {
         let names: Vec<String> = self.nodes.nodes.iter().map(|node| node.name.clone()).collect();
         self.is_changed = true;
-        self.nodes.nodes.iter_mut().find(|node| node.name == name).ok_or_else(|| {
-            let error = Error::usage(format!("there is no node '{name}'"));
-            error.expected(suggest(name, names.iter().map(String::as_str)))
-        })
+        let unknown = || unknown_node(name, names.iter().map(String::as_str));
+        self.nodes.nodes.iter_mut().find(|node| node.name == name).ok_or_else(unknown)
     }
 
     /// A text that states the nodes, for reports.

@@ -98,7 +98,7 @@ impl Image {
         self.0.rgba.iter().map(|&pixel| encode::srgb8(pixel, background)).collect()
     }
 
-    /// Writes a file whose format its ending states, such as .png (8-bit sRGB over black) or .exr (linear 32-bit RGBA). An existing
+    /// Writes a file whose format its ending states, such as .png, .tif, .webp and .jpg (8-bit sRGB over black) or .exr (linear 32-bit RGBA). An existing
     /// file is replaced in one step.
     ///
     /// # Errors
@@ -115,7 +115,8 @@ impl Image {
     pub fn save_over(&self, path: impl AsRef<Path>, background: [f64; 3]) -> Result<()> {
         let path = path.as_ref();
         let format = encode::format_by_ending(path)?;
-        write_whole(path, &(format.encode)(&self.0, background, None)?)
+        let (file, _) = format.file(&self.0, encode::SampleForm::over(background), None)?;
+        write_whole(path, &file)
     }
 }
 

@@ -20,7 +20,7 @@ use voltet_optics::shading::{Shading as CompiledShading, VisibilityOrder};
 use voltet_optics::{WidgetBlend, shading};
 
 /// Integration and lighting of ray segments.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct Shading {
     /// The integrator. Default: closed forms.
@@ -31,13 +31,6 @@ pub struct Shading {
     pub silhouette: Option<f64>,
     /// Diffuse light.
     pub light: Option<Light>,
-}
-
-impl Default for Shading {
-    fn default() -> Self {
-        let (integrator, blend) = (Integrator::ANALYTIC, WidgetBlend::Exact);
-        Shading { integrator, blend, silhouette: None, light: None }
-    }
 }
 
 impl Shading {

@@ -3,12 +3,12 @@
 use std::path::Path;
 use std::sync::Arc;
 use voltet_core::Result;
+pub use voltet_core::colormap::Colormap;
 use voltet_core::transfer::{
     ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction as ScaledTransferFunction, Wave,
     Widget,
 };
 use voltet_graph::diagonal;
-use voltet_io::encode::viridis;
 use voltet_nodes::table_image;
 
 /// Length over which extinction is stated.
@@ -23,7 +23,7 @@ pub enum UnitDistance {
 }
 
 /// Colour and extinction over (s, g), as a sum of widgets.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
 pub struct TransferFunction {
     /// The widgets, whose extinctions add up.
@@ -32,13 +32,6 @@ pub struct TransferFunction {
     pub model: OpticalModel,
     /// Length over which extinction is stated.
     pub unit_distance: UnitDistance,
-}
-
-impl Default for TransferFunction {
-    fn default() -> Self {
-        let (widgets, model) = (Vec::new(), OpticalModel::DensityEmitter);
-        TransferFunction { widgets, model, unit_distance: UnitDistance::Auto }
-    }
 }
 
 impl TransferFunction {
@@ -56,10 +49,8 @@ impl TransferFunction {
     /// A colour map over a range of the scalar, whose extinction rises linearly from 0 to `extinction`.
     pub fn ramp(map: Colormap, [low, high]: [f64; 2], extinction: f64) -> Self {
         let high = if high > low { high } else { low + low.abs().max(1.0) };
-        let steps = map.steps();
-        let points = (0..=steps).fold(Piecewise::new(), |points, step| {
-            let level = step as f64 / steps as f64;
-            points.point(low + level * (high - low), map.color(level), level * extinction)
+        let points = map.curve().knots().iter().fold(Piecewise::new(), |points, &(level, color)| {
+            points.point(low + level * (high - low), color, level * extinction)
         });
         Self::new().with(points)
     }
@@ -87,33 +78,6 @@ impl TransferFunction {
         let scaled = ScaledTransferFunction { model: self.model, unit_distance, widgets };
         scaled.check()?;
         Ok(scaled)
-    }
-}
-
-/// Colour maps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Colormap {
-    /// Viridis (Smith and van der Walt 2015): dark violet to yellow, rising in lightness.
-    Viridis,
-}
-
-impl Colormap {
-    /// Linear RGB of a level from 0 to 1.
-    pub fn color(self, level: f64) -> [f64; 3] {
-        match self {
-            Colormap::Viridis => {
-                let [red, green, blue, _] = viridis(level.clamp(0.0, 1.0) as f32);
-                [red, green, blue].map(f64::from)
-            }
-        }
-    }
-
-    /// Number of pieces of a ramp, linear in linear RGB: four for each that is linear in sRGB.
-    fn steps(self) -> usize {
-        match self {
-            Colormap::Viridis => 16,
-        }
     }
 }
 

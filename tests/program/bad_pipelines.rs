@@ -125,8 +125,8 @@ fn every_kind_of_mistake_is_placed() {
         ),
         (
             "path = \"slab.exr\"",
-            "path = \"slab.jpg\"",
-            &["format is not known: found slab.jpg", ".png or .exr"],
+            "path = \"slab.gif\"",
+            &["format is not known: found slab.gif", ".png or .exr"],
         ),
         ("type = \"renderer\"", "type = \"renderer\"\nengine = \"gpus\"", &["found \"gpus\"", "gpu"]),
         (

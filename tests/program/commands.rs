@@ -188,7 +188,7 @@ fn a_name_that_is_wrong_is_answered_with_those_that_are_right_the_nearest_first(
         ),
         (set("picture.engine=gpuu"), "'gpu', the nearest name, or one of auto, cpu, gpu"),
         (set("picture.integrator=segment"), "'segments', the nearest name, or one of analytic, "),
-        (set("file.format=jpg"), "one of auto, png, exr"),
+        (set("file.format=gif"), "one of auto, png, exr"),
         (vec!["study", "slab.toml", "--only", "riemannn"], "'riemann', the nearest name, or one of "),
         (vec!["study", "slab.toml", "--node", "foto"], "'picture'"),
         (vec!["pixel", "slab.toml", "1", "1", "--node", "foto"], "'picture'"),

@@ -4,7 +4,9 @@
 mod bad_data;
 mod bad_pipelines;
 mod collisions;
+mod colormap;
 mod commands;
+mod diff;
 #[cfg(feature = "gpu")]
 mod engines;
 mod exhaustive;

@@ -32,6 +32,40 @@ fn an_even_slab_has_the_opacity_of_the_formula() {
 }
 
 #[test]
+fn size_and_output_are_short_for_parameters_and_the_output_is_relative_to_the_working_folder() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.join("scenes")).unwrap();
+    folder.write("scenes/slab.toml", SLAB.replace("cube.vtu", "../cube.vtu"));
+    folder.voltet(&["run", "scenes/slab.toml", "--size", "12x6", "--output", "out.exr"]).ok();
+    let (width, pixels) = folder.floats("out.exr");
+    assert_eq!((width, pixels.len()), (12, 72));
+    assert_eq!(folder.names(), ["cube.vtu", "out.exr", "scenes", "slab.toml"]);
+    // The picture carries what the options made of the file.
+    let again = folder.voltet(&["run", "out.exr", "-o", "scenes/again.exr"]).ok();
+    assert_eq!(folder.floats("scenes/again.exr"), (width, pixels));
+    assert!(again.stdout.starts_with("scenes/again.exr: 162 cells"), "{}", again.stdout);
+    // An option in full goes before.
+    folder
+        .voltet(&["run", "slab.toml", "--size", "12x6", "--set", "view.size=[3,2]", "-o", "small.exr"])
+        .ok();
+    assert_eq!(folder.floats("small.exr").1.len(), 6);
+    let camera = SLAB.split("\n\n").find(|part| part.starts_with("[nodes.view]")).unwrap();
+    folder.write("two.toml", format!("{SLAB}\n{}", camera.replace("nodes.view", "nodes.other")));
+    folder.voltet(&["run", "two.toml", "--size", "12x6"]).fails(
+        2,
+        &[
+            "--size is given, and the pipeline has several nodes of type camera: found view, other",
+            "--set view.size=…",
+        ],
+    );
+    folder.write("none.toml", SLAB.split("[nodes.file]").next().unwrap());
+    folder
+        .voltet(&["run", "none.toml", "-o", "out.exr"])
+        .fails(2, &["--output is given, and the pipeline has no image-writer", "none.toml"]);
+    folder.voltet(&["run", "slab.toml", "scenes/slab.toml", "-o", "one.exr"]).fails(2, &["one.exr"]);
+}
+
+#[test]
 fn the_stages_as_nodes_draw_what_the_renderer_draws() {
     let folder = Folder::new();
     let stages = SLAB.replace(

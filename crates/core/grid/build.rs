@@ -28,7 +28,7 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
     progress.report("tetrahedra", 0.0);
     let point_not_finite = not_finite(&parts, Association::Point);
     let cell_not_finite = not_finite(&parts, Association::Cell);
-    let cells = std::mem::replace(&mut parts.cells, Cells::Tetrahedra(Vec::new()));
+    let cells = std::mem::replace(&mut parts.cells, Cells::Tetrahedra(SharedSlice::default()));
     let (ghost, degrees) = (parts.ghost.take(), parts.degrees.take());
     let joined_points = parts.joined_points.take();
     let mut source = Source {
@@ -89,19 +89,22 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
     drop(source);
     let file_cells = options.keep_cells.then(|| cells.clone());
     let (mut tetrahedra, source_cells) = match (split, cells) {
-        (Some((tetrahedra, source_cells)), _) => (tetrahedra, Some(source_cells)),
+        (Some((tetrahedra, source_cells)), _) => (tetrahedra.into(), Some(source_cells)),
         // Nothing is left out and nothing is split: the file's cells are the tetrahedra.
         (None, Cells::Tetrahedra(own)) => (own, None),
         (None, _) => return Err(nothing_to_draw(&tally, &Polyhedra::default())),
     };
-    tetrahedra.par_iter_mut().with_min_len(1 << 13).for_each(|t| t.sort_unstable());
+    // Tetrahedra that somebody lends are used in place where they can be.
+    if !tetrahedra.par_iter().with_min_len(1 << 13).all(|t| t.is_sorted()) {
+        tetrahedra.make_mut().par_iter_mut().with_min_len(1 << 13).for_each(|t| t.sort_unstable());
+    }
     progress.report("tetrahedra", 0.8);
 
     let cell_values = cell_values::take(&mut parts);
     let mut numbers = drop_unused_points(&mut parts, &mut tetrahedra)?;
     let mut grid = Grid {
         points: parts.points,
-        tetrahedra: SharedSlice::from(tetrahedra),
+        tetrahedra,
         source_cells: source_cells.map(Arc::new),
         scalar: None,
         scalar_name: String::new(),
@@ -447,7 +450,10 @@ fn not_finite(parts: &RawGrid, association: Association) -> Option<Vec<bool>> {
 
 /// Drops the points that no tetrahedron uses, with their values; keeps the order of the others, so that ascending
 /// point numbers stay ascending. Gives each point's new number, [`UNUSED`] for those that are dropped; `None` where all stay.
-fn drop_unused_points(parts: &mut RawGrid, tetrahedra: &mut [[u32; 4]]) -> Result<Option<Vec<u32>>> {
+fn drop_unused_points(
+    parts: &mut RawGrid,
+    tetrahedra: &mut SharedSlice<[u32; 4]>,
+) -> Result<Option<Vec<u32>>> {
     let point_count = parts.points.len();
     let used: Vec<AtomicBool> = (0..point_count).map(|_| AtomicBool::new(false)).collect();
     tetrahedra.par_iter().with_min_len(VALUE_CHUNK).for_each(|t| {
@@ -469,10 +475,11 @@ fn drop_unused_points(parts: &mut RawGrid, tetrahedra: &mut [[u32; 4]]) -> Resul
         *slot = if used { next } else { UNUSED };
         next += u32::from(used);
     }
-    tetrahedra
-        .par_iter_mut()
-        .with_min_len(VALUE_CHUNK)
-        .for_each(|t| t.iter_mut().for_each(|p| *p = new_number[*p as usize]));
+    // Points that are dropped behind all others change no number.
+    if !used[..used_count].iter().all(|&used| used) {
+        let renumber = |t: &mut [u32; 4]| t.iter_mut().for_each(|p| *p = new_number[*p as usize]);
+        tetrahedra.make_mut().par_iter_mut().with_min_len(VALUE_CHUNK).for_each(renumber);
+    }
     keep(&mut parts.points, 1, &used);
     if let Some(scalar) = &mut parts.scalar {
         if scalar.association != Association::Point || scalar.values.len() != point_count {

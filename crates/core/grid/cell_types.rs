@@ -2,37 +2,6 @@
 
 use crate::noun_of;
 
-/// VTK type codes of the three-dimensional cells that can be drawn, and of a few that a file may hold besides.
-#[allow(missing_docs)]
-pub mod code {
-    pub const TETRA: u8 = 10;
-    pub const VOXEL: u8 = 11;
-    pub const HEXAHEDRON: u8 = 12;
-    pub const WEDGE: u8 = 13;
-    pub const PYRAMID: u8 = 14;
-    pub const PENTAGONAL_PRISM: u8 = 15;
-    pub const HEXAGONAL_PRISM: u8 = 16;
-    pub const QUADRATIC_TETRA: u8 = 24;
-    pub const QUADRATIC_HEXAHEDRON: u8 = 25;
-    pub const QUADRATIC_WEDGE: u8 = 26;
-    pub const QUADRATIC_PYRAMID: u8 = 27;
-    pub const TRIQUADRATIC_HEXAHEDRON: u8 = 29;
-    pub const QUADRATIC_LINEAR_WEDGE: u8 = 31;
-    pub const BIQUADRATIC_QUADRATIC_WEDGE: u8 = 32;
-    pub const BIQUADRATIC_QUADRATIC_HEXAHEDRON: u8 = 33;
-    pub const TRIQUADRATIC_PYRAMID: u8 = 37;
-    pub const CONVEX_POINT_SET: u8 = 41;
-    pub const POLYHEDRON: u8 = 42;
-    pub const LAGRANGE_TETRAHEDRON: u8 = 71;
-    pub const LAGRANGE_HEXAHEDRON: u8 = 72;
-    pub const LAGRANGE_WEDGE: u8 = 73;
-    pub const LAGRANGE_PYRAMID: u8 = 74;
-    pub const BEZIER_TETRAHEDRON: u8 = 78;
-    pub const BEZIER_HEXAHEDRON: u8 = 79;
-    pub const BEZIER_WEDGE: u8 = 80;
-    pub const BEZIER_PYRAMID: u8 = 81;
-}
-
 /// VTK cell type: code, name, dimension, corner count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CellType {
@@ -50,73 +19,86 @@ const fn cell_type(code: u8, name: &'static str, dimension: u8, point_count: u8)
     CellType { code, name, dimension, point_count: if point_count == 0 { None } else { Some(point_count) } }
 }
 
-/// Every cell type of VTK, by ascending code; a point count of 0 stands for "any".
-const CELL_TYPES: &[CellType] = &[
-    cell_type(0, "empty cell", 0, 0),
-    cell_type(1, "vertex", 0, 1),
-    cell_type(2, "poly-vertex", 0, 0),
-    cell_type(3, "line", 1, 2),
-    cell_type(4, "poly-line", 1, 0),
-    cell_type(5, "triangle", 2, 3),
-    cell_type(6, "triangle strip", 2, 0),
-    cell_type(7, "polygon", 2, 0),
-    cell_type(8, "pixel", 2, 4),
-    cell_type(9, "quad", 2, 4),
-    cell_type(code::TETRA, "tetrahedron", 3, 4),
-    cell_type(code::VOXEL, "voxel", 3, 8),
-    cell_type(code::HEXAHEDRON, "hexahedron", 3, 8),
-    cell_type(code::WEDGE, "wedge", 3, 6),
-    cell_type(code::PYRAMID, "pyramid", 3, 5),
-    cell_type(code::PENTAGONAL_PRISM, "pentagonal prism", 3, 10),
-    cell_type(code::HEXAGONAL_PRISM, "hexagonal prism", 3, 12),
-    cell_type(21, "quadratic edge", 1, 3),
-    cell_type(22, "quadratic triangle", 2, 6),
-    cell_type(23, "quadratic quad", 2, 8),
-    cell_type(code::QUADRATIC_TETRA, "quadratic tetrahedron", 3, 10),
-    cell_type(code::QUADRATIC_HEXAHEDRON, "quadratic hexahedron", 3, 20),
-    cell_type(code::QUADRATIC_WEDGE, "quadratic wedge", 3, 15),
-    cell_type(code::QUADRATIC_PYRAMID, "quadratic pyramid", 3, 13),
-    cell_type(28, "biquadratic quad", 2, 9),
-    cell_type(code::TRIQUADRATIC_HEXAHEDRON, "triquadratic hexahedron", 3, 27),
-    cell_type(30, "quadratic-linear quad", 2, 6),
-    cell_type(code::QUADRATIC_LINEAR_WEDGE, "quadratic-linear wedge", 3, 12),
-    cell_type(code::BIQUADRATIC_QUADRATIC_WEDGE, "biquadratic-quadratic wedge", 3, 18),
-    cell_type(code::BIQUADRATIC_QUADRATIC_HEXAHEDRON, "biquadratic-quadratic hexahedron", 3, 24),
-    cell_type(34, "biquadratic triangle", 2, 7),
-    cell_type(35, "cubic line", 1, 4),
-    cell_type(36, "quadratic polygon", 2, 0),
-    cell_type(code::TRIQUADRATIC_PYRAMID, "triquadratic pyramid", 3, 19),
-    cell_type(code::CONVEX_POINT_SET, "convex point set", 3, 0),
-    cell_type(code::POLYHEDRON, "polyhedron", 3, 0),
-    cell_type(51, "parametric curve", 1, 0),
-    cell_type(52, "parametric surface", 2, 0),
-    cell_type(53, "parametric triangle surface", 2, 0),
-    cell_type(54, "parametric quad surface", 2, 0),
-    cell_type(55, "parametric tetrahedral region", 3, 0),
-    cell_type(56, "parametric hexahedral region", 3, 0),
-    cell_type(60, "higher-order edge", 1, 0),
-    cell_type(61, "higher-order triangle", 2, 0),
-    cell_type(62, "higher-order quad", 2, 0),
-    cell_type(63, "higher-order polygon", 2, 0),
-    cell_type(64, "higher-order tetrahedron", 3, 0),
-    cell_type(65, "higher-order wedge", 3, 0),
-    cell_type(66, "higher-order pyramid", 3, 0),
-    cell_type(67, "higher-order hexahedron", 3, 0),
-    cell_type(68, "Lagrange curve", 1, 0),
-    cell_type(69, "Lagrange triangle", 2, 0),
-    cell_type(70, "Lagrange quadrilateral", 2, 0),
-    cell_type(code::LAGRANGE_TETRAHEDRON, "Lagrange tetrahedron", 3, 0),
-    cell_type(code::LAGRANGE_HEXAHEDRON, "Lagrange hexahedron", 3, 0),
-    cell_type(code::LAGRANGE_WEDGE, "Lagrange wedge", 3, 0),
-    cell_type(code::LAGRANGE_PYRAMID, "Lagrange pyramid", 3, 0),
-    cell_type(75, "Bezier curve", 1, 0),
-    cell_type(76, "Bezier triangle", 2, 0),
-    cell_type(77, "Bezier quadrilateral", 2, 0),
-    cell_type(code::BEZIER_TETRAHEDRON, "Bezier tetrahedron", 3, 0),
-    cell_type(code::BEZIER_HEXAHEDRON, "Bezier hexahedron", 3, 0),
-    cell_type(code::BEZIER_WEDGE, "Bezier wedge", 3, 0),
-    cell_type(code::BEZIER_PYRAMID, "Bezier pyramid", 3, 0),
-];
+/// Makes the table of the types, and of those that have a name in code its constant.
+macro_rules! cell_types {
+    ($($code:literal $($constant:ident)? $name:literal $dimension:literal $point_count:literal)*) => {
+        /// VTK type codes of the three-dimensional cells that can be drawn, and of a few that a file may hold besides.
+        #[allow(missing_docs)]
+        pub mod code {
+            $($(pub const $constant: u8 = $code;)?)*
+        }
+
+        const CELL_TYPES: &[CellType] = &[$(cell_type($code, $name, $dimension, $point_count)),*];
+    };
+}
+
+// Every cell type of VTK, by ascending code: name, dimension, number of points, of which 0 stands for "any".
+cell_types! {
+    0 "empty cell" 0 0
+    1 "vertex" 0 1
+    2 "poly-vertex" 0 0
+    3 "line" 1 2
+    4 "poly-line" 1 0
+    5 "triangle" 2 3
+    6 "triangle strip" 2 0
+    7 "polygon" 2 0
+    8 "pixel" 2 4
+    9 "quad" 2 4
+    10 TETRA "tetrahedron" 3 4
+    11 VOXEL "voxel" 3 8
+    12 HEXAHEDRON "hexahedron" 3 8
+    13 WEDGE "wedge" 3 6
+    14 PYRAMID "pyramid" 3 5
+    15 PENTAGONAL_PRISM "pentagonal prism" 3 10
+    16 HEXAGONAL_PRISM "hexagonal prism" 3 12
+    21 "quadratic edge" 1 3
+    22 "quadratic triangle" 2 6
+    23 "quadratic quad" 2 8
+    24 QUADRATIC_TETRA "quadratic tetrahedron" 3 10
+    25 QUADRATIC_HEXAHEDRON "quadratic hexahedron" 3 20
+    26 QUADRATIC_WEDGE "quadratic wedge" 3 15
+    27 QUADRATIC_PYRAMID "quadratic pyramid" 3 13
+    28 "biquadratic quad" 2 9
+    29 TRIQUADRATIC_HEXAHEDRON "triquadratic hexahedron" 3 27
+    30 "quadratic-linear quad" 2 6
+    31 QUADRATIC_LINEAR_WEDGE "quadratic-linear wedge" 3 12
+    32 BIQUADRATIC_QUADRATIC_WEDGE "biquadratic-quadratic wedge" 3 18
+    33 BIQUADRATIC_QUADRATIC_HEXAHEDRON "biquadratic-quadratic hexahedron" 3 24
+    34 "biquadratic triangle" 2 7
+    35 "cubic line" 1 4
+    36 "quadratic polygon" 2 0
+    37 TRIQUADRATIC_PYRAMID "triquadratic pyramid" 3 19
+    41 CONVEX_POINT_SET "convex point set" 3 0
+    42 POLYHEDRON "polyhedron" 3 0
+    51 "parametric curve" 1 0
+    52 "parametric surface" 2 0
+    53 "parametric triangle surface" 2 0
+    54 "parametric quad surface" 2 0
+    55 "parametric tetrahedral region" 3 0
+    56 "parametric hexahedral region" 3 0
+    60 "higher-order edge" 1 0
+    61 "higher-order triangle" 2 0
+    62 "higher-order quad" 2 0
+    63 "higher-order polygon" 2 0
+    64 "higher-order tetrahedron" 3 0
+    65 "higher-order wedge" 3 0
+    66 "higher-order pyramid" 3 0
+    67 "higher-order hexahedron" 3 0
+    68 "Lagrange curve" 1 0
+    69 "Lagrange triangle" 2 0
+    70 "Lagrange quadrilateral" 2 0
+    71 LAGRANGE_TETRAHEDRON "Lagrange tetrahedron" 3 0
+    72 LAGRANGE_HEXAHEDRON "Lagrange hexahedron" 3 0
+    73 LAGRANGE_WEDGE "Lagrange wedge" 3 0
+    74 LAGRANGE_PYRAMID "Lagrange pyramid" 3 0
+    75 "Bezier curve" 1 0
+    76 "Bezier triangle" 2 0
+    77 "Bezier quadrilateral" 2 0
+    78 BEZIER_TETRAHEDRON "Bezier tetrahedron" 3 0
+    79 BEZIER_HEXAHEDRON "Bezier hexahedron" 3 0
+    80 BEZIER_WEDGE "Bezier wedge" 3 0
+    81 BEZIER_PYRAMID "Bezier pyramid" 3 0
+}
 
 impl CellType {
     /// The type with this code; `None` where VTK knows none.

@@ -17,6 +17,13 @@ pub fn bounds(points: &[DVec3]) -> Option<[DVec3; 2]> {
     (found[0].x <= found[1].x).then_some(found)
 }
 
+/// The eight corners of a box.
+pub fn corners([low, high]: [DVec3; 2]) -> [DVec3; 8] {
+    std::array::from_fn(|corner| {
+        DVec3::from([0, 1, 2].map(|axis| if corner >> axis & 1 == 1 { high[axis] } else { low[axis] }))
+    })
+}
+
 /// Diagonal of a box; 0 without extent, not finite where that is beyond 64-bit floats.
 pub fn diagonal([low, high]: [DVec3; 2]) -> f64 {
     let sides = high - low;

@@ -27,7 +27,7 @@ pub enum CellValues {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cells {
     /// Linear tetrahedra only, four point numbers each.
-    Tetrahedra(Vec<[u32; 4]>),
+    Tetrahedra(SharedSlice<[u32; 4]>),
     /// Any cells.
     Mixed(CellSet),
     /// The hexahedra of a structured grid: number of points along each axis, the first running fastest.

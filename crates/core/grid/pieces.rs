@@ -327,7 +327,7 @@ fn of_all_cells<T: Copy>(
 }
 
 fn take_cells(piece: &mut RawGrid) -> Cells {
-    std::mem::replace(&mut piece.cells, Cells::Tetrahedra(Vec::new()))
+    std::mem::replace(&mut piece.cells, Cells::Tetrahedra(SharedSlice::default()))
 }
 
 /// The cells of all pieces one after the other, by the numbers of the joined points.
@@ -339,8 +339,7 @@ fn join_cells(pieces: &mut [RawGrid], starts: &[usize], numbers: &[u32]) -> Cell
         let number = |corner: u32| numbers[start + corner as usize];
         match take_cells(piece) {
             Cells::Tetrahedra(own) if all_tetrahedra => {
-                tetrahedra
-                    .par_extend(own.into_par_iter().with_min_len(CHUNK).map(|corners| corners.map(number)));
+                tetrahedra.par_extend(own.par_iter().with_min_len(CHUNK).map(|corners| corners.map(number)));
             }
             cells => {
                 let set = into_set(cells, code::VOXEL);
@@ -356,7 +355,7 @@ fn join_cells(pieces: &mut [RawGrid], starts: &[usize], numbers: &[u32]) -> Cell
             }
         }
     }
-    if all_tetrahedra { Cells::Tetrahedra(tetrahedra) } else { Cells::Mixed(all) }
+    if all_tetrahedra { Cells::Tetrahedra(tetrahedra.into()) } else { Cells::Mixed(all) }
 }
 
 /// Any cells as a set; those of a structured grid of the type `structured`, [`code::VOXEL`] or [`code::HEXAHEDRON`].
@@ -368,7 +367,9 @@ pub fn into_set(cells: Cells, structured: u8) -> CellSet {
     };
     match cells {
         Cells::Mixed(set) => set,
-        Cells::Tetrahedra(tetrahedra) => regular(code::TETRA, 4, tetrahedra.into_flattened()),
+        Cells::Tetrahedra(mut own) => {
+            regular(code::TETRA, 4, std::mem::take(own.make_mut()).into_flattened())
+        }
         Cells::Structured(dimensions) => {
             let order =
                 if structured == code::VOXEL { [0, 1, 2, 3, 4, 5, 6, 7] } else { [0, 1, 3, 2, 4, 5, 7, 6] };

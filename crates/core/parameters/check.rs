@@ -168,6 +168,16 @@ impl Parameters {
         self.typed(name, LocatedValue::array)
     }
 
+    /// A colour in linear RGB.
+    pub fn color(&self, name: &str) -> Result<[f64; 3]> {
+        self.typed(name, LocatedValue::color)
+    }
+
+    /// A colour in linear RGB, where set.
+    pub fn optional_color(&self, name: &str) -> Result<Option<[f64; 3]>> {
+        self.optional(name).map(|_| self.color(name)).transpose()
+    }
+
     /// Rows of numbers.
     pub fn rows(&self, name: &str) -> Result<Vec<Vec<f64>>> {
         self.typed(name, |setting| setting.list()?.iter().map(LocatedValue::numbers).collect())
@@ -353,6 +363,30 @@ fn check_plain(parameter: &Parameter, setting: &LocatedValue) -> Result<()> {
             let is_known = words().any(|word| word == text);
             check(is_known, setting, "does not know this word", &|| suggest(text, words()))
         }
+        (ParameterType::RowsOr(_, words), ParameterValue::Text(text)) => {
+            let words = || words.iter().map(|word| word.0);
+            let accepted = || format!("{}, or a list of rows", suggest(text, words()));
+            check(words().any(|word| word == text), setting, "does not know this word", &accepted)
+        }
+        (ParameterType::ChoiceOrPath(words, endings), ParameterValue::Text(text)) => {
+            let words = || words.iter().map(|word| word.0);
+            let ending = Path::new(text).extension().and_then(|ending| ending.to_str());
+            let is_file =
+                ending.is_some_and(|own| endings.iter().any(|known| known.eq_ignore_ascii_case(own)));
+            let accepted = || format!("{}, or a file .{}", suggest(text, words()), endings.join(" or ."));
+            check(is_file || words().any(|word| word == text), setting, "does not know this name", &accepted)
+        }
+        (ParameterType::Color(_), ParameterValue::Text(_)) => {
+            check(setting.color().is_some(), setting, "is not a colour", &accepted)
+        }
+        (ParameterType::Color(range), ParameterValue::List(_)) => {
+            let plain = Parameter { parameter_type: ParameterType::Numbers(Some(3), *range), ..*parameter };
+            check_plain(&plain, setting).map_err(|error| error.expected(accepted()))
+        }
+        (ParameterType::RowsOr(width, _), ParameterValue::List(_)) => check_plain(
+            &Parameter { parameter_type: ParameterType::Rows(Some(*width)), ..*parameter },
+            setting,
+        ),
         (ParameterType::Numbers(count, range), ParameterValue::List(list)) => {
             for part in list {
                 let Some(x) = part.number() else { return wrong_type() };
@@ -437,11 +471,18 @@ impl Parameters {
         let mut paths = Vec::new();
         for (parameter, setting, _) in self.iter() {
             match (parameter.parameter_type, setting) {
-                (file @ (ParameterType::InputPath | ParameterType::OutputPath), Some(setting)) => {
-                    paths.extend(setting.text().map(|path| NamedPath {
+                (
+                    file @ (ParameterType::InputPath
+                    | ParameterType::OutputPath
+                    | ParameterType::ChoiceOrPath(..)),
+                    Some(setting),
+                ) => {
+                    let written = matches!(file, ParameterType::OutputPath);
+                    let path = setting.text().filter(|text| written || file.is_input_path(text));
+                    paths.extend(path.map(|path| NamedPath {
                         parameter: parameter.name.to_string(),
                         path: path.to_string(),
-                        written: matches!(file, ParameterType::OutputPath),
+                        written,
                         origin: setting.origin.clone(),
                     }));
                 }

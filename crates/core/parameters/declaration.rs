@@ -39,6 +39,8 @@ pub enum DefaultValue {
     Numbers(&'static [f64]),
     /// A vector of whole numbers.
     Integers(&'static [i64]),
+    /// Several texts, such as numbers relative to data.
+    Texts(&'static [&'static str]),
 }
 
 /// Type of a parameter's value.
@@ -62,10 +64,16 @@ pub enum ParameterType {
     OutputPath,
     /// Several numbers, each within the range; `Some(n)`: exactly n of them.
     Numbers(Option<usize>, Range),
+    /// A colour: red, green and blue, linear and each within the range, or "#rrggbb" in sRGB.
+    Color(Range),
     /// Exactly n whole numbers, each within the range.
     Integers(usize, Range),
     /// Rows of numbers; `Some(n)`: exactly n in each row.
     Rows(Option<usize>),
+    /// Rows of so many numbers, or one of the words; each with its meaning.
+    RowsOr(usize, &'static [(&'static str, &'static str)]),
+    /// One of the words, each with its meaning, or a file to read with one of these endings, relative to the pipeline file.
+    ChoiceOrPath(&'static [(&'static str, &'static str)], &'static [&'static str]),
     /// Several texts.
     Texts,
     /// A table with these keys.
@@ -157,14 +165,35 @@ impl DefaultValue {
             DefaultValue::Number(x) => Some(ParameterValue::Number(x)),
             DefaultValue::Text(text) => Some(ParameterValue::Text(text.to_string())),
             DefaultValue::Numbers(xs) => Some(xs.iter().copied().collect()),
+            DefaultValue::Texts(texts) => Some(texts.iter().copied().collect()),
             DefaultValue::Integers(ns) => Some(ns.iter().map(|&n| ParameterValue::Integer(n)).collect()),
         }
     }
 }
 
 impl ParameterType {
+    /// The words that it knows, each with its meaning.
+    pub fn words(&self) -> &'static [(&'static str, &'static str)] {
+        match self {
+            ParameterType::Choice(words)
+            | ParameterType::RowsOr(_, words)
+            | ParameterType::ChoiceOrPath(words, _) => words,
+            _ => &[],
+        }
+    }
+
+    /// True if a value of this type is the path of a file to read.
+    pub fn is_input_path(&self, text: &str) -> bool {
+        match self {
+            ParameterType::InputPath => true,
+            ParameterType::ChoiceOrPath(words, _) => words.iter().all(|(word, _)| *word != text),
+            _ => false,
+        }
+    }
+
     /// The type in words, with its range: "number above 0", "3 numbers", "exact | centroid | none | auto".
     pub fn describe(&self) -> String {
+        let joined = |words: &[(&str, &str)]| words.iter().map(|w| w.0).collect::<Vec<_>>().join(" | ");
         let ranged = |noun: &str, range: &Range| {
             let range = range.to_string();
             if range.is_empty() { noun.to_string() } else { format!("{noun} {range}") }
@@ -175,7 +204,14 @@ impl ParameterType {
             ParameterType::Number(range) => ranged("number", range),
             ParameterType::NumberOr(range, word) => format!("{} or \"{word}\"", ranged("number", range)),
             ParameterType::Text => "text".into(),
-            ParameterType::Choice(words) => words.iter().map(|w| w.0).collect::<Vec<_>>().join(" | "),
+            ParameterType::Choice(words) => joined(words),
+            ParameterType::RowsOr(n, words) => {
+                format!("{} | list of rows of {}", joined(words), counted(*n, "number"))
+            }
+            ParameterType::ChoiceOrPath(words, endings) => {
+                format!("{} | path of a file .{}", joined(words), endings.join(" or ."))
+            }
+            ParameterType::Color(range) => format!("{} or \"#rrggbb\"", ranged("3 numbers", range)),
             ParameterType::InputPath | ParameterType::OutputPath => "path".into(),
             ParameterType::Numbers(Some(n), range) => ranged(&counted(*n, "number"), range),
             ParameterType::Numbers(None, range) => ranged("list of numbers", range),

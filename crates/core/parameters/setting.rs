@@ -1,5 +1,6 @@
 //! Settings: the values that a pipeline file, a command-line option or a program gives to parameters, with their origin.
 
+use crate::color::from_hex;
 use crate::{Error, Result};
 use std::fmt;
 use std::sync::Arc;
@@ -152,6 +153,11 @@ impl LocatedValue {
     /// The value as a list of so many numbers.
     pub fn array<const N: usize>(&self) -> Option<[f64; N]> {
         self.numbers()?.try_into().ok()
+    }
+
+    /// The value as a colour: linear RGB, of a list as it is, of a text "#rrggbb" from sRGB.
+    pub fn color(&self) -> Option<[f64; 3]> {
+        self.text().map_or_else(|| self.array(), from_hex)
     }
 
     /// The value as a table.

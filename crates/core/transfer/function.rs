@@ -1,7 +1,7 @@
 //! Transfer functions and widgets: their checks, and a widget from the keys of a pipeline file (docs/src/explanation/optics.md, section 5).
 
 use super::kinds::properties::not_negative;
-use super::kinds::{AxisOrigin, ColorSource, DECLARED, LoadImage, Profile, WIDGET_KINDS};
+use super::kinds::{AxisOrigin, ColorSource, DECLARED, LoadFiles, Profile, WIDGET_KINDS};
 use super::region::{Convex, HalfPlane, Region};
 use crate::parameters::{Parameters, suggest};
 use crate::{Error, Result};
@@ -18,9 +18,10 @@ pub struct TransferFunction {
 }
 
 /// The optical model (docs/src/explanation/optics.md, section 6).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum OpticalModel {
     /// C = ∫ Σ c_i ρ_i e^(−T) dl (Williams & Max 1992; Max 1995).
+    #[default]
     DensityEmitter,
     /// C = ∫ Σ κ_i e^(−T) dl, κ_i = c_i/U where ρ_i > cutoff × its peak (Song et al. 2009, Eq. 4).
     ConstantEmitter {
@@ -226,17 +227,17 @@ impl Widget {
 }
 
 /// One widget of the given kind from its keys.
-pub fn read(kind: &str, p: &Parameters, load_image: LoadImage) -> Result<Widget> {
+pub fn read(kind: &str, p: &Parameters, files: &dyn LoadFiles) -> Result<Widget> {
     let Some((_, read)) = DECLARED.iter().find(|(declared, _)| declared.name == kind) else {
         let known = suggest(kind, WIDGET_KINDS.iter().map(|kind| kind.name));
         return Err(Error::usage("unknown kind of widget").got(kind).expected(known));
     };
-    let profile = read(p, load_image)?;
+    let profile = read(p, files)?;
     let extinction = match profile.properties().own_peak {
         Some(peak) => peak,
         None => p.number("extinction")?,
     };
-    let color = if p.optional("color").is_some() { p.vector("color")? } else { [1.0; 3] };
+    let color = p.optional_color("color")?.unwrap_or([1.0; 3]);
     let region = p.table("region")?.map(|region| polygon(&region)).transpose()?;
     Ok(Widget { profile, color, extinction, region })
 }

@@ -17,8 +17,8 @@ pub use function::{OpticalModel, TransferFunction, Widget, read};
 pub use hull::Corners;
 pub(crate) use hull::meets;
 pub use kinds::{
-    AxisOrigin, BandSpacing, ColorSource, ControlPoint, LoadImage, MAX_FIELDS, Profile, Properties, Table,
-    WIDGET_KINDS, Wave,
+    AxisOrigin, BandSpacing, ColorSource, ControlPoint, LoadFiles, MAX_FIELDS, Profile, Properties, Table,
+    UnreadFiles, WIDGET_KINDS, Wave,
 };
 pub use region::{Convex, HalfPlane, Region, Slab, SupportRadius};
 pub use relative::{DataStatistics, StatisticsRequest, resolved, statistics_request, with_placeholders};

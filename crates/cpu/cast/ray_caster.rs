@@ -361,8 +361,6 @@ struct FindHits<'a> {
 }
 
 impl Kernel for FindHits<'_> {
-    type Output = ();
-
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let FindHits { caster, rect, unsorted, exit_checksum } = self;

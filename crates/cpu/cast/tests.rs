@@ -80,9 +80,7 @@ fn cells_on_one_side_of_a_face_share_none() {
 /// On which side two places pass the ray, and the same places exchanged.
 struct Both([[f32; 2]; 2]);
 
-impl Kernel for Both {
-    type Output = [bool; 2];
-
+impl Kernel<[bool; 2]> for Both {
     fn run<L: Lanes>(self) -> [bool; 2] {
         let [a, b] = self.0.map(|place| place.map(L::F::splat));
         let (there, back) = (edge_function::<L>(a, b), edge_function::<L>(b, a));
@@ -95,9 +93,7 @@ impl Kernel for Both {
 /// Edge function of two places.
 struct EdgeFunction([[f32; 2]; 2]);
 
-impl Kernel for EdgeFunction {
-    type Output = f32;
-
+impl Kernel<f32> for EdgeFunction {
     fn run<L: Lanes>(self) -> f32 {
         let [a, b] = self.0.map(|place| place.map(L::F::splat));
         let mut found = [0.0; 64];

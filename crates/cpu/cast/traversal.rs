@@ -53,9 +53,7 @@ struct Advance<'a, 'b, const CUT: bool, const N: usize> {
     batches: [&'a mut Batch; PACKETS_IN_FLIGHT],
 }
 
-impl<const CUT: bool, const N: usize> Kernel for Advance<'_, '_, CUT, N> {
-    type Output = [usize; PACKETS_IN_FLIGHT];
-
+impl<const CUT: bool, const N: usize> Kernel<[usize; PACKETS_IN_FLIGHT]> for Advance<'_, '_, CUT, N> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> [usize; PACKETS_IN_FLIGHT] {
         let Advance { packets, depths, mut batches } = self;

@@ -120,7 +120,6 @@ struct Add<'a> {
 }
 
 impl Kernel for Add<'_> {
-    type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Add { sums, row, depths, opacities } = self;
@@ -145,7 +144,6 @@ struct Over<'a> {
 }
 
 impl Kernel for Over<'_> {
-    type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Over { pixels, row, lengths, columns } = self;

@@ -215,9 +215,8 @@ pub(crate) struct Arrange<'a> {
     pub sorted: bool,
 }
 
-impl Kernel for Arrange<'_> {
-    /// Pixels whose segments are not in order.
-    type Output = u64;
+impl Kernel<u64> for Arrange<'_> {
+    /// Returns the number of pixels whose segments are not in order.
     #[inline(always)]
     fn run<L: Lanes>(self) -> u64 {
         let Arrange { lists, row, sorted } = self;
@@ -250,7 +249,6 @@ pub(crate) struct Fill<'a> {
 }
 
 impl Kernel for Fill<'_> {
-    type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Fill { lists, row, slices, length_per_depth, depths, batch } = self;

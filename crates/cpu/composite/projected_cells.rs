@@ -140,7 +140,6 @@ struct Cover<'a> {
 }
 
 impl Kernel for Cover<'_> {
-    type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Cover { frame, bins, rect, rows, number, next, packet, edges, fragments } = self;
@@ -179,7 +178,6 @@ struct Evaluate<'a> {
 }
 
 impl Kernel for Evaluate<'_> {
-    type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Evaluate { frame, packet, codes, count, length_per_depth, batch } = self;
@@ -201,9 +199,8 @@ struct Append<'a> {
     lists: &'a mut FragmentLists,
 }
 
-impl Kernel for Append<'_> {
-    /// Fragments that cross their cells.
-    type Output = Result<u64, Overflow>;
+impl Kernel<Result<u64, Overflow>> for Append<'_> {
+    /// Returns the number of fragments that cross their cells.
     #[inline(always)]
     fn run<L: Lanes>(self) -> Result<u64, Overflow> {
         let Append { frame, packet, fragments, lists } = self;

@@ -231,7 +231,6 @@ pub(crate) struct Illuminate<'a> {
 }
 
 impl Kernel for Illuminate<'_> {
-    type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Illuminate { frame, batch, count, rays, shaded } = self;

@@ -14,9 +14,7 @@ struct Spans<'a> {
     tile: [usize; 2],
 }
 
-impl Kernel for Spans<'_> {
-    type Output = Vec<u16>;
-
+impl Kernel<Vec<u16>> for Spans<'_> {
     fn run<L: Lanes>(self) -> Vec<u16> {
         let (mut edges, mut fragments) = (Edges::new(), Fragments::new(L::WIDTH));
         edges.take(0, self.corners);
@@ -31,9 +29,7 @@ struct Listed<'a> {
     cells: &'a [[ScreenVertex; 4]],
 }
 
-impl Kernel for Listed<'_> {
-    type Output = Vec<(u16, u32)>;
-
+impl Kernel<Vec<(u16, u32)>> for Listed<'_> {
     fn run<L: Lanes>(self) -> Vec<(u16, u32)> {
         let (mut edges, mut fragments) = (Edges::new(), Fragments::new(L::WIDTH));
         let (mut next, mut all) = (NextSlots::default(), Vec::new());

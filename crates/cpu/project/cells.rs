@@ -67,8 +67,6 @@ impl ProjectedCells {
 }
 
 impl Kernel for ProjectCells<'_> {
-    type Output = ();
-
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let ProjectCells { input, cells, part } = self;

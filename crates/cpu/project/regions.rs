@@ -135,10 +135,8 @@ struct BinKernel<'a> {
     lists: &'a mut [Vec<u32>],
 }
 
-impl Kernel for BinKernel<'_> {
-    /// Cells that cover a pixel centre.
-    type Output = u64;
-
+impl Kernel<u64> for BinKernel<'_> {
+    /// Returns the number of cells that cover a pixel centre.
     #[inline(always)]
     fn run<L: Lanes>(self) -> u64 {
         let BinKernel { input, points, cells, area, side, columns, lists } = self;

@@ -43,7 +43,6 @@ pub(crate) struct SinglePiecewise<'a> {
 }
 
 impl Kernel for SinglePiecewise<'_> {
-    type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let SinglePiecewise { linear, range: SegmentBatch { batch, count, .. }, out } = self;
@@ -69,7 +68,6 @@ pub(crate) struct OneColor<'a> {
 }
 
 impl Kernel for OneColor<'_> {
-    type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let OneColor { range: SegmentBatch { widgets, batch, count, .. }, out } = self;
@@ -119,7 +117,6 @@ struct PendingGaussian<L: Lanes> {
 }
 
 impl Kernel for Several<'_> {
-    type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Several { overlap, ordered_from, range: SegmentBatch { widgets, batch, count, .. }, out } = self;

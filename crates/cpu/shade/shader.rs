@@ -276,7 +276,6 @@ struct FixedQuadrature<'a> {
 }
 
 impl Kernel for FixedQuadrature<'_> {
-    type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let FixedQuadrature { shader, number, batch, out } = self;
@@ -294,7 +293,6 @@ struct ThickPieces<'a> {
 }
 
 impl Kernel for ThickPieces<'_> {
-    type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let ThickPieces { shader, batch, out } = self;
@@ -322,7 +320,6 @@ struct PanelKernel<'a> {
 }
 
 impl Kernel for PanelKernel<'_> {
-    type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let PanelKernel { thick, shader, batch, out } = self;

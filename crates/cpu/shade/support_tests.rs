@@ -16,8 +16,7 @@ struct Ask<'a> {
     attributes: &'a [Attribute<'a>],
 }
 
-impl Kernel for Ask<'_> {
-    type Output = bool;
+impl Kernel<bool> for Ask<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> bool {
         let stored = |end: usize, a: usize| {

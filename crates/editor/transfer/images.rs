@@ -5,6 +5,8 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
+use voltet_core::colormap::ColorCurve;
+use voltet_core::transfer::LoadFiles;
 
 /// The most texels along a side that are drawn: as fine as the histogram below. Larger pictures are drawn by the means of blocks.
 const FINEST: usize = 256;
@@ -38,12 +40,6 @@ impl Images {
         Images { ctx: ctx.clone(), folder, known: self.known.clone() }
     }
 
-    /// Texels of a picture; one clear texel while it is unknown.
-    pub fn texels(&self, path: &str) -> Texels {
-        let found = self.get(path).and_then(Result::ok);
-        found.map_or_else(|| (1, 1, vec![[0.0; 4]]), |image| image.texels.clone())
-    }
-
     /// A picture; it is read where it was not, or where the file is another since.
     pub fn get(&self, path: &str) -> State {
         let path = self.folder.join(path);
@@ -64,6 +60,18 @@ impl Images {
             thread.err().map(|error| Err(format!("no thread can be started: {error}")))
         };
         known.entry(key.clone()).or_insert_with(begin).clone()
+    }
+}
+
+impl LoadFiles for Images {
+    /// One clear texel while the picture is unknown.
+    fn image(&self, path: &str) -> voltet_core::Result<Texels> {
+        let found = self.get(path).and_then(Result::ok);
+        Ok(found.map_or_else(|| (1, 1, vec![[0.0; 4]]), |image| image.texels.clone()))
+    }
+
+    fn colors(&self, path: &str) -> voltet_core::Result<ColorCurve> {
+        voltet_io::colormaps::read(&self.folder.join(path))
     }
 }
 

@@ -11,7 +11,7 @@ use eframe::egui::{self, Color32, Painter, Pos2, Rect, Stroke, Ui, vec2};
 use std::sync::Arc;
 use voltet_core::parameters::Parameters;
 use voltet_core::probing::Histogram;
-use voltet_core::transfer::{self, ColorSource, WIDGET_KINDS, Widget};
+use voltet_core::transfer::{self, ColorSource, UnreadFiles, WIDGET_KINDS, Widget};
 use voltet_core::{Error, Result};
 use voltet_graph::{ArrayRef, Field, LocatedValue, SourceSpan, find_setting};
 
@@ -37,7 +37,7 @@ impl ScreenWidget {
         let read = || -> Result<(Widget, Vec<Field>)> {
             let numbers = relative::resolved(fields, on.known)?;
             let (kind, parameters) = keys(&numbers)?;
-            Ok((transfer::read(kind, &parameters, &|path| Ok(on.images.texels(path)))?, numbers))
+            Ok((transfer::read(kind, &parameters, on.images)?, numbers))
         };
         let is_flat = on.is_of_s_and_g();
         let mut drawn = ScreenWidget {
@@ -45,7 +45,7 @@ impl ScreenWidget {
             widget: None,
             shape: None,
             region: Region::Whole,
-            color: array(fields, "color").unwrap_or([1.0; 3]),
+            color: find_setting(fields, "color").and_then(LocatedValue::color).unwrap_or([1.0; 3]),
             extinction: number(fields, "extinction").unwrap_or(0.0),
             stated: fields.to_vec(),
             fault: None,
@@ -169,7 +169,7 @@ fn keys(fields: &[Field]) -> Result<(&'static str, Parameters)> {
 fn with_placeholders(fields: &[Field]) -> Option<Widget> {
     let (kind, parameters) = keys(fields).ok()?;
     let parameters = transfer::with_placeholders(&parameters).ok()?;
-    transfer::read(kind, &parameters, &|_| Ok((1, 1, vec![[0.0; 4]]))).ok()
+    transfer::read(kind, &parameters, &UnreadFiles).ok()
 }
 
 /// The colour that it is known by: of several the strongest, of a picture the mean.

@@ -22,6 +22,25 @@ fn a_drag_orbits_the_camera_in_the_file_and_is_one_step() {
 }
 
 #[test]
+fn a_drag_makes_numbers_of_a_view_in_words() {
+    let eye = "eye = [-28.0, -38.0, 24.0]\ntarget = [0.0, 0.0, 0.0]\n";
+    let view = "view = \"-y\"\nazimuth = 20.0\ninputs = { volume = \"grid\" }\n";
+    let mut hand = Hand::new(&TEXT.replace(eye, view));
+    hand.settle();
+    let at = middle(&hand);
+    hand.drag(at, at + vec2(60.0, 0.0));
+    hand.settle();
+    let [x, y, z] = hand.numbers("view", "eye")[..] else { panic!("an eye") };
+    // From where azimuth 20 sees the box of ± 10: before it, and turned some more.
+    assert!(
+        y < -30.0 && y > -60.0 && (x / -y - 20f64.to_radians().tan()).abs() > 0.1 && z.abs() < 1e-3,
+        "{x} {y} {z}"
+    );
+    assert!(!hand.text().contains("view = \"-y\"") && !hand.text().contains("azimuth"), "{}", hand.text());
+    assert_eq!(hand.steps(), 1);
+}
+
+#[test]
 fn other_drags_and_the_wheel_do_what_the_sheet_says() {
     let mut hand = Hand::new(TEXT);
     let at = middle(&hand);

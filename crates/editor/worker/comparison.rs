@@ -39,7 +39,7 @@ fn graphs(wanted: &RenderRequest, registry: &Registry) -> Result<[Graph; 2]> {
     let divisor = wanted.divisor_for(PIXELS);
     let mut better = wanted.clone();
     let drawing = better.nodes.iter_mut().find(|node| node.name == wanted.node);
-    let known = drawing.as_ref().and_then(|node| registry.find(node.node_type.text()?).ok());
+    let known = drawing.as_ref().and_then(|node| registry.node_type(node));
     let (Some(drawing), Some(known)) = (drawing, known.filter(|node| node.parameter(INTEGRATOR).is_some()))
     else {
         return Err(Error::usage(format!("'{}' does not integrate anything", wanted.node))

@@ -78,8 +78,7 @@ impl RenderRequest {
             if is_camera(node) {
                 resize(node, self.size, divisor)?;
             }
-            let node_type = node.node_type.text().and_then(|name| registry.find(name).ok());
-            if let Some(node_type) = node_type.filter(|_| !node.name.contains('.')) {
+            if let Some(node_type) = registry.node_type(node).filter(|_| !node.name.contains('.')) {
                 // Each with the input of its type.
                 outputs.extend(
                     node_type

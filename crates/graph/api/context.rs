@@ -161,6 +161,16 @@ fn typed<T: Send + Sync + 'static>(kept: RetainedValue) -> Result<Arc<T>> {
     kept.downcast().map_err(|_| Error::run("a kept value is of another type"))
 }
 
+/// Value of a kind that an input carries; an error where it is of another kind.
+macro_rules! of_kind {
+    ($context:ident, $port:ident, $value:expr, $kind:ident) => {
+        match $value {
+            Value::$kind(value) => Ok(value.clone()),
+            _ => Err($context.miswired($port, PortType::$kind)),
+        }
+    };
+}
+
 /// Context of one run of a node.
 pub struct RunContext<'a> {
     /// The node's parameters.
@@ -309,8 +319,7 @@ impl RunContext<'_> {
 
     /// The grid at an input.
     pub fn grid(&self, port: &str) -> Result<Arc<Grid>> {
-        let Value::Grid(grid) = self.value(port)? else { return Err(self.miswired(port, PortType::Grid)) };
-        Ok(grid.clone())
+        of_kind!(self, port, self.value(port)?, Grid)
     }
 
     /// The volume at an input. A grid counts as one without gradient.
@@ -320,10 +329,7 @@ impl RunContext<'_> {
 
     /// The transfer function at an input, as the pipeline states it.
     pub fn look(&self, port: &str) -> Result<Arc<TransferFunctionSpec>> {
-        let Value::TransferFunction(look) = self.value(port)? else {
-            return Err(self.miswired(port, PortType::TransferFunction));
-        };
-        Ok(look.clone())
+        of_kind!(self, port, self.value(port)?, TransferFunction)
     }
 
     /// True if something feeds an input.
@@ -333,37 +339,27 @@ impl RunContext<'_> {
 
     /// The transfer functions at an optional input.
     pub fn looks(&self, port: &str) -> Result<Vec<Arc<TransferFunctionSpec>>> {
-        let look = |edge: usize| match &self.inputs[edge].0 {
-            Value::TransferFunction(look) => Ok(look.clone()),
-            _ => Err(self.miswired(port, PortType::TransferFunction)),
-        };
+        let look = |edge: usize| of_kind!(self, port, &self.inputs[edge].0, TransferFunction);
         self.wiring.edges(port)?.map(look).collect()
     }
 
     /// The camera at an input.
     pub fn camera(&self, port: &str) -> Result<Arc<Camera>> {
-        let Value::Camera(camera) = self.value(port)? else {
-            return Err(self.miswired(port, PortType::Camera));
-        };
-        Ok(camera.clone())
+        of_kind!(self, port, self.value(port)?, Camera)
     }
 
     /// The cells at an input, as the engine of type `T` prepared them.
     pub fn cells<T: Any + Send + Sync>(&self, port: &str) -> Result<Arc<T>> {
-        let Value::Cells(cells) = self.value(port)? else { return Err(self.miswired(port, PortType::Cells)) };
-        self.prepared(port, cells)
+        self.prepared(port, of_kind!(self, port, self.value(port)?, Cells)?)
     }
 
     /// The projection at an input, as the engine of type `T` prepared it.
     pub fn projection<T: Any + Send + Sync>(&self, port: &str) -> Result<Arc<T>> {
-        let Value::Projection(projection) = self.value(port)? else {
-            return Err(self.miswired(port, PortType::Projection));
-        };
-        self.prepared(port, projection)
+        self.prepared(port, of_kind!(self, port, self.value(port)?, Projection)?)
     }
 
-    fn prepared<T: Any + Send + Sync>(&self, port: &str, value: &StagePayload) -> Result<Arc<T>> {
-        value.clone().downcast().map_err(|_| {
+    fn prepared<T: Any + Send + Sync>(&self, port: &str, value: StagePayload) -> Result<Arc<T>> {
+        value.downcast().map_err(|_| {
             Error::usage("the stages of a picture belong to different engines")
                 .got(format!("port \"{port}\" of {}", self.wiring.node))
                 .expected("cull, sort, project and composite nodes of one engine")
@@ -372,10 +368,7 @@ impl RunContext<'_> {
 
     /// The picture at an input.
     pub fn image(&self, port: &str) -> Result<Arc<Picture>> {
-        let Value::Image(picture) = self.value(port)? else {
-            return Err(self.miswired(port, PortType::Image));
-        };
-        Ok(picture.clone())
+        of_kind!(self, port, self.value(port)?, Image)
     }
 
     /// The cells at an optional input, as the engine of type `T` prepared them; `None` where it is not wired.
@@ -385,19 +378,13 @@ impl RunContext<'_> {
 
     /// The numbers of tetrahedra at an optional input.
     pub fn cell_values(&self, port: &str) -> Result<Vec<Arc<CellValues>>> {
-        let values = |edge: usize| match &self.inputs[edge].0 {
-            Value::CellValues(values) => Ok(values.clone()),
-            _ => Err(self.miswired(port, PortType::CellValues)),
-        };
+        let values = |edge: usize| of_kind!(self, port, &self.inputs[edge].0, CellValues);
         self.wiring.edges(port)?.map(values).collect()
     }
 
     /// The figures at an input, JSON text.
     pub fn report(&self, port: &str) -> Result<Arc<str>> {
-        let Value::Report(report) = self.value(port)? else {
-            return Err(self.miswired(port, PortType::Report));
-        };
-        Ok(report.clone())
+        of_kind!(self, port, self.value(port)?, Report)
     }
 
     fn value(&self, port: &str) -> Result<&Value> {

@@ -1,6 +1,6 @@
 //! Builds graphs: finds node types, checks parameters, wires ports, refuses cycles, and finds the order of work.
 
-use super::entry::{Diagnostic, DiagnosticTarget, NodeEntry};
+use super::entry::{Diagnostic, DiagnosticTarget, NodeEntry, unknown_node};
 use super::method;
 use super::registry::Registry;
 use crate::api::context::{Outputs, RunContext};
@@ -167,8 +167,7 @@ impl Graph {
     /// such node.
     pub fn give(&mut self, node: &str, given: NodeOverride) -> Result<()> {
         let Some(place) = self.nodes.iter().position(|known| known.name == node) else {
-            let known = suggest(node, self.nodes.iter().map(|node| node.name.as_str()));
-            return Err(Error::usage(format!("there is no node '{node}'")).expected(known));
+            return Err(unknown_node(node, self.nodes.iter().map(|node| node.name.as_str())));
         };
         self.nodes[place].given = Some(given);
         Ok(())
@@ -397,8 +396,7 @@ fn source(text: &str, types: &Types) -> Result<Option<(usize, &'static Node, usi
         _ => (text, None),
     };
     let Some(i) = types.iter().position(|(known, _)| *known == name) else {
-        return Err(Error::usage(format!("there is no node '{name}'"))
-            .expected(suggest(name, types.iter().map(|(name, _)| *name))));
+        return Err(unknown_node(name, types.iter().map(|(name, _)| *name)));
     };
     let Some(node) = types[i].1 else { return Ok(None) };
     let outputs = node.outputs;

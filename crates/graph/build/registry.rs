@@ -1,6 +1,7 @@
 //! The registry of node types, gradient filters and variants of parameters: open, the same functions for those that ship, for plug-ins
 //! and for a program's own.
 
+use super::entry::NodeEntry;
 use crate::api::node::Node;
 use std::sync::Arc;
 use voltet_core::field::GradientFilter;
@@ -125,6 +126,12 @@ impl Registry {
     pub fn find(&self, name: &str) -> Result<&'static Node> {
         let found = self.nodes.iter().copied().find(|n| n.name == name);
         found.ok_or_else(|| self.unknown("node type", name, self.names()))
+    }
+
+    /// The type of a node; `None` where it states none that is known.
+    pub fn node_type(&self, entry: &NodeEntry) -> Option<&'static Node> {
+        let name = entry.node_type.text()?;
+        self.nodes.iter().copied().find(|node| node.name == name)
     }
 
     /// The gradient filter of that name; an error that suggests the nearest otherwise.

@@ -6,7 +6,7 @@
 
 use crate::{
     Field, Graph, LinkEntry, LocatedValue, NodeEntry, ParameterValue, Registry, ResolvedPipeline, SourceSpan,
-    suggest,
+    suggest, unknown_node,
 };
 use std::fmt;
 use std::path::PathBuf;
@@ -308,8 +308,7 @@ impl Pipeline {
         };
         let names: Vec<String> = self.nodes.iter().map(|n| n.name.clone()).collect();
         let Some(node) = self.nodes.iter_mut().find(|n| n.name == name) else {
-            let known = suggest(name, names.iter().map(String::as_str));
-            return Err(blame(Error::usage(format!("there is no node '{name}'")).expected(known)));
+            return Err(blame(unknown_node(name, names.iter().map(String::as_str))));
         };
         let setting = given(value, &shown);
         if matches!(first, "type" | "inputs") {

@@ -39,18 +39,14 @@ fn keys(text: &str) -> Result<(&'static str, Parameters)> {
     Ok((kind.name, Parameters::check(kind.parameters, &fields, &origin, &["kind"])?))
 }
 
-fn no_image(_: &str) -> Result<(usize, usize, Vec<[f32; 4]>)> {
-    Ok((1, 1, vec![[1.0; 4]]))
-}
-
 /// The widget with plain numbers.
 fn assert_becomes(relative: &str, typed: &str) {
     let (kind, p) = keys(relative).unwrap();
-    let found = read(kind, &resolved(&p, &Known).unwrap(), &no_image).unwrap();
+    let found = read(kind, &resolved(&p, &Known).unwrap(), &UnreadFiles).unwrap();
     let (kind, p) = keys(typed).unwrap();
     assert_eq!(resolved(&p, &Known).unwrap(), p, "numbers stay as they are");
     assert!(statistics_request(&p).is_empty());
-    assert_eq!(found, read(kind, &p, &no_image).unwrap(), "{relative}");
+    assert_eq!(found, read(kind, &p, &UnreadFiles).unwrap(), "{relative}");
 }
 
 const LOOK: &str = "color = [1, 0, 0]\nextinction = 2";
@@ -103,6 +99,10 @@ fn every_kind_takes_shares_and_percentiles() {
         &points("[[\"0 %\", 1, 1, 1, 0], [15, 1, 1, 1, 2], [\"p90\", 0, 0, 0, 0]]"),
         &points("[[10, 1, 1, 1, 0], [15, 1, 1, 1, 2], [28, 0, 0, 0, 0]]"),
     );
+    let map = |numbers: &str| format!("kind = \"colormap\"\n{numbers}");
+    assert_becomes(&map("steps = 2"), &map("range = [10, 30]\nsteps = 2"));
+    assert_becomes(&map("range = [\"p10\", \"50 %\"]"), &map("range = [12, 20]"));
+    assert_becomes(&map("centre = \"25 %\""), &map("range = [10, 30]\ncentre = 15"));
     let table = |numbers: &str| format!("kind = \"table\"\nextinction = 1\nimage = \"a.png\"\n{numbers}");
     assert_becomes(
         &table("s = [\"p10\", \"p90\"]\ng = [\"0 %\", \"50 %\"]"),
@@ -162,7 +162,7 @@ fn a_constant_quantity_has_places_but_no_widths() {
 fn before_the_data_are_known_only_what_is_sure_is_judged() {
     let judged = |text: &str| -> Result<Widget> {
         let (kind, p) = keys(text)?;
-        read(kind, &with_placeholders(&p)?, &no_image)
+        read(kind, &with_placeholders(&p)?, &UnreadFiles)
     };
     let region = |s: &str| format!("kind = \"uniform\"\n{LOOK}\nregion = {{ s = {s} }}");
     for sure in ["[\"90 %\", \"10 %\"]", "[\"p90\", \"p10\"]"] {

@@ -20,7 +20,7 @@ fn stated(keys: &str) -> Result<Widget, String> {
     let convert = || {
         let p = Parameters::check(LIST, &pipeline.nodes[0].settings, &SourceSpan::Nowhere, &[])?;
         let (kind, keys) = p.kinds("widgets")?.remove(0);
-        read(kind, &keys, &|_| Ok((1, 1, vec![[0.5, 0.5, 0.5, 1.0]])))
+        read(kind, &keys, &UnreadFiles)
     };
     convert().map_err(|error| error.to_string())
 }

@@ -1,11 +1,15 @@
 //! Colour spaces, and colours for numbers.
 
+use std::sync::LazyLock;
+use voltet_core::color;
+use voltet_core::colormap::{ColorCurve, Colormap};
+
 /// White, red, green and blue of Rec. 709 and sRGB: x and y of CIE 1931, in ten-thousandths.
 pub(super) const REC_709: [[u32; 2]; 4] = [[3127, 3290], [6400, 3300], [3000, 6000], [1500, 600]];
 
 /// sRGB to linear (IEC 61966-2-1), both 0 … 1.
 pub fn linear_from_srgb(v: f32) -> f32 {
-    if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+    color::linear_from_srgb(f64::from(v)) as f32
 }
 
 /// Linear to sRGB (IEC 61966-2-1), both 0 … 1.
@@ -15,41 +19,41 @@ pub fn srgb_from_linear(v: f32) -> f32 {
 
 /// 8-bit sRGB of a premultiplied pixel over a linear background, clamped to 0 … 1.
 pub fn srgb8(pixel: [f32; 4], background: [f64; 3]) -> [u8; 3] {
-    std::array::from_fn(|channel| {
-        let linear = pixel[channel] + (1.0 - pixel[3]) * background[channel] as f32;
-        (srgb_from_linear(linear.clamp(0.0, 1.0)) * 255.0).round() as u8
-    })
+    over(pixel, background, 255.0).map(|code| code as u8)
 }
 
-/// Five colours of the map viridis (Smith and van der Walt 2015), 8-bit sRGB, from its low end to its high end.
-const VIRIDIS: [[u8; 3]; 5] = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
+/// sRGB of a premultiplied pixel over a linear background, in whole numbers up to `largest`.
+pub(super) fn over(pixel: [f32; 4], background: [f64; 3], largest: f32) -> [u16; 3] {
+    let linear = |channel: usize| pixel[channel] + (1.0 - pixel[3]) * background[channel] as f32;
+    [0, 1, 2].map(|channel| code(linear(channel), largest))
+}
 
-/// The colour of a level from 0 (dark violet) to 1 (yellow), straight between the colours of the map; linear, opaque.
+/// Straight sRGB and alpha of a premultiplied pixel, in whole numbers up to `largest`; and true if the colour is brighter than such a
+/// pixel can be. The colour is divided by the alpha that is written, so that over black it is as exact as without alpha.
+pub(super) fn straight([r, g, b, opacity]: [f32; 4], largest: f32) -> ([u16; 4], bool) {
+    let alpha = (opacity.clamp(0.0, 1.0) * largest).round();
+    let opacity = alpha / largest;
+    let color = [r, g, b].map(|linear| if alpha > 0.0 { code(linear / opacity, largest) } else { 0 });
+    // Rounding of the alpha is no loss.
+    let is_cut = [r, g, b].iter().any(|linear| *linear > opacity + 1.0 / largest);
+    ([color[0], color[1], color[2], alpha as u16], is_cut)
+}
+
+/// sRGB of linear light, clamped to 0 … 1, in whole numbers up to `largest`.
+fn code(linear: f32, largest: f32) -> u16 {
+    (srgb_from_linear(linear.clamp(0.0, 1.0)) * largest).round() as u16
+}
+
+/// The colour of a level from 0 (dark violet) to 1 (yellow) of the map viridis; linear, opaque.
 pub fn viridis(level: f32) -> [f32; 4] {
-    let place = level * (VIRIDIS.len() - 1) as f32;
-    let first = (place as usize).min(VIRIDIS.len() - 2);
-    let t = place - first as f32;
-    let channel = |k: usize| {
-        let (a, b) = (f32::from(VIRIDIS[first][k]), f32::from(VIRIDIS[first + 1][k]));
-        linear_from_srgb((a + (b - a) * t) / 255.0)
-    };
-    [channel(0), channel(1), channel(2), 1.0]
+    static VIRIDIS: LazyLock<ColorCurve> = LazyLock::new(|| Colormap::Viridis.curve());
+    let [red, green, blue] = VIRIDIS.at(f64::from(level)).map(|v| v as f32);
+    [red, green, blue, 1.0]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_ends_and_the_middle_are_the_maps() {
-        for (level, srgb) in [(0.0, VIRIDIS[0]), (0.5, VIRIDIS[2]), (1.0, VIRIDIS[4])] {
-            let color = viridis(level);
-            assert_eq!(color[3], 1.0);
-            for k in 0..3 {
-                assert_eq!((srgb_from_linear(color[k]) * 255.0).round() as u8, srgb[k]);
-            }
-        }
-    }
 
     #[test]
     fn srgb_and_linear_are_inverse_and_anchored() {

@@ -15,8 +15,11 @@ use voltet_core::{Error, Result};
 /// The declaration.
 pub(super) const FORMAT: PictureFormat = PictureFormat {
     name: "exr",
+    endings: &["exr"],
     summary: "premultiplied linear 32-bit RGBA",
     signature: &[0x76, 0x2f, 0x31, 0x01],
+    bits: &[],
+    has_alpha: true,
     encode: |picture, _, carried| exr(picture, carried),
     embedded_texts: Some(embedded_texts),
 };

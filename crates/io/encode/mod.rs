@@ -4,11 +4,16 @@
 mod colors;
 mod exr;
 mod format;
+mod jpeg;
 mod png;
+mod read;
+mod tiff;
+mod webp;
 
 pub use colors::{linear_from_srgb, srgb_from_linear, srgb8, viridis};
-pub use format::{EncodePicture, PictureFormat};
+pub use format::{PictureFormat, SampleForm};
 pub use png::png;
+pub use read::{read_image, read_picture};
 
 use crate::formats::is_data;
 use crate::provenance::{PIPELINE, PROVENANCE, Provenance};
@@ -21,11 +26,16 @@ use voltet_files::names_beside;
 use voltet_graph::suggest;
 
 /// All formats; the first is written to streams.
-pub const FORMATS: &[PictureFormat] = &[png::FORMAT, exr::FORMAT];
+pub const FORMATS: &[PictureFormat] = &[png::FORMAT, exr::FORMAT, tiff::FORMAT, webp::FORMAT, jpeg::FORMAT];
 
-/// Endings of the formats' names in one phrase: ".png or .exr".
+/// Endings of all formats.
+pub fn all_endings() -> impl Iterator<Item = &'static str> {
+    FORMATS.iter().flat_map(|format| format.endings).copied()
+}
+
+/// Endings of all formats in one phrase: ".png or .exr or …".
 pub fn endings() -> String {
-    FORMATS.iter().map(|format| format!(".{}", format.name)).collect::<Vec<_>>().join(" or ")
+    all_endings().map(|ending| format!(".{ending}")).collect::<Vec<_>>().join(" or ")
 }
 
 /// The format that a path's ending states.
@@ -34,10 +44,12 @@ pub fn endings() -> String {
 /// An ending of no known format.
 pub fn format_by_ending(path: &Path) -> Result<&'static PictureFormat> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-    FORMATS.iter().find(|format| ending.as_deref() == Some(format.name)).ok_or_else(|| {
-        let error = Error::usage("the picture's format is not known").got(path.display());
-        error.expected(format!("a path that ends in {}", endings()))
-    })
+    FORMATS.iter().find(|format| format.endings.iter().any(|own| ending.as_deref() == Some(own))).ok_or_else(
+        || {
+            let error = Error::usage("the picture's format is not known").got(path.display());
+            error.expected(format!("a path that ends in {}", endings()))
+        },
+    )
 }
 
 /// The format of a picture that begins like this (8 bytes are enough).

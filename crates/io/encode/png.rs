@@ -1,41 +1,50 @@
-//! sRGB PNG over a background (docs/src/explanation/optics.md, section 8).
+//! sRGB PNG (docs/src/explanation/optics.md, section 8).
 
-use super::colors::{REC_709, srgb8};
-use super::format::{PictureFile, PictureFormat};
+use super::colors::REC_709;
+use super::format::{PictureFile, PictureFormat, SampleForm, encoded};
 use crate::provenance::{MAX_TEXT, PIPELINE, PROVENANCE, Provenance};
 use png::text_metadata::ITXtChunk;
+use std::io::Write;
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 
 /// The declaration. The signature is of PNG, third edition, section 5.2.
 pub(super) const FORMAT: PictureFormat = PictureFormat {
     name: "png",
-    summary: "8-bit sRGB over the background",
+    endings: &["png"],
+    summary: "8-bit or 16-bit sRGB over the background or with straight alpha",
     signature: b"\x89PNG\r\n\x1a\n",
-    encode: png,
+    bits: &[8, 16],
+    has_alpha: true,
+    encode: |picture, form, carried| {
+        encoded("PNG", picture, |file, width, height| {
+            let samples = match form.bits {
+                8 => form.bytes(picture),
+                _ => form.samples(picture).into_iter().flat_map(u16::to_be_bytes).collect(),
+            };
+            png_file(file, [width, height], form, &samples, carried)
+        })
+    },
     embedded_texts: Some(embedded_texts),
 };
 
-/// 8-bit sRGB: the premultiplied picture over a linear background, clamped to 0 … 1. The file says that it is sRGB, to readers
-/// that know gamma and chromaticities only too (PNG, third edition, section 11.3.2.5), and carries what it was made from.
+/// 8-bit sRGB: the premultiplied picture over a linear background, clamped to 0 … 1, with what it was made from.
 pub fn png(picture: &Picture, background: [f64; 3], carried: Option<&Provenance>) -> Result<Vec<u8>> {
-    let bytes: Vec<u8> = picture.rgba.iter().flat_map(|pixel| srgb8(*pixel, background)).collect();
-    let mut file = Vec::new();
-    png_file(&mut file, picture, &bytes, carried)
-        .map_err(|error| Error::run("the picture cannot be encoded as PNG").got(error))?;
-    Ok(file)
+    (FORMAT.encode)(picture, SampleForm::over(background), carried)
 }
 
-/// The file of these pixels, 8-bit RGB.
+/// The file of these samples. It says that it is sRGB, to readers that know gamma and chromaticities only too (PNG, third edition,
+/// section 11.3.2.5), and carries what it was made from.
 fn png_file(
-    file: &mut Vec<u8>,
-    picture: &Picture,
-    pixels: &[u8],
+    file: impl Write,
+    [width, height]: [u32; 2],
+    form: SampleForm,
+    samples: &[u8],
     carried: Option<&Provenance>,
 ) -> std::result::Result<(), png::EncodingError> {
-    let mut encoder = png::Encoder::new(file, picture.width as u32, picture.height as u32);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
+    let mut encoder = png::Encoder::new(file, width, height);
+    encoder.set_color(if form.alpha { png::ColorType::Rgba } else { png::ColorType::Rgb });
+    encoder.set_depth(if form.bits == 8 { png::BitDepth::Eight } else { png::BitDepth::Sixteen });
     encoder.set_compression(png::Compression::Fast);
     encoder.set_filter(png::Filter::Adaptive);
     let scaled = png::ScaledFloat::from_scaled;
@@ -48,7 +57,7 @@ fn png_file(
     for (name, text) in texts(carried) {
         writer.write_text_chunk(&ITXtChunk::new(name, text))?;
     }
-    writer.write_image_data(pixels)?;
+    writer.write_image_data(samples)?;
     writer.finish()
 }
 

@@ -63,9 +63,7 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     } else {
         (parts.origin.arrays_unread, parts.origin.values_unread) = (left.arrays, left.value_count);
     }
-    let &Request { subdivision, cell_values, keep_cells, .. } = request;
-    let options = grid::Options { subdivision, cell_values, keep_cells };
-    grid::build(parts, &options, progress)
+    grid::build(parts, &request.options, progress)
 }
 
 /// Work on pieces, side by side. Errors: that of the first piece that has one.
@@ -171,15 +169,16 @@ pub(super) fn unread(dataset: &Dataset, choices: &[ArraySelection]) -> Result<Sk
 }
 
 /// A request with the arrays that it means.
-struct PieceRequest<'a> {
-    request: &'a Request,
+pub(super) struct PieceRequest<'a> {
+    pub request: &'a Request,
     /// The scalar, and the arrays that the request names.
-    choices: &'a [ArraySelection],
+    pub choices: &'a [ArraySelection],
     /// The array that numbers the points of all pieces.
-    ids: Option<&'a str>,
+    pub ids: Option<&'a str>,
 }
 
-fn load(piece: &Piece, mut cells: Cells, wanted: &PieceRequest, meter: &Meter) -> Result<RawGrid> {
+/// A piece as the import takes it.
+pub(super) fn load(piece: &Piece, mut cells: Cells, wanted: &PieceRequest, meter: &Meter) -> Result<RawGrid> {
     // The values first, for progress: they are bytes of the file, the points of a uniform grid are not.
     let columns = wanted.choices.iter().map(|choice| column(piece, choice, meter));
     let mut columns = wanted.choices.iter().zip(columns.collect::<Result<Vec<_>>>()?);
@@ -211,7 +210,7 @@ fn load(piece: &Piece, mut cells: Cells, wanted: &PieceRequest, meter: &Meter) -
 }
 
 /// The values of a choice.
-pub(super) fn column(piece: &Piece, choice: &ArraySelection, meter: &Meter) -> Result<Vec<f64>> {
+fn column(piece: &Piece, choice: &ArraySelection, meter: &Meter) -> Result<Vec<f64>> {
     let Some(stored) = piece.array(choice.association, &choice.name) else {
         return Err(Error::run(format!("a piece of the file lacks the array '{}'", choice.name))
             .expected("the same arrays in every piece"));
@@ -244,7 +243,7 @@ pub fn length(vector: &[f64]) -> f64 {
 }
 
 /// `vtkGhostType` of the cells, those at hidden points hidden; `None` where all are 0.
-pub(super) fn ghosts(piece: &Piece, cells: &Cells, meter: &Meter) -> Result<Option<Vec<u8>>> {
+fn ghosts(piece: &Piece, cells: &Cells, meter: &Meter) -> Result<Option<Vec<u8>>> {
     let of = |association, name| -> Result<Option<Vec<u64>>> {
         piece.array(association, name).map(|array| array.load(meter)).transpose()
     };
@@ -290,7 +289,7 @@ fn degrees(piece: &Piece, cells: &Cells, meter: &Meter) -> Result<Option<Vec<[u8
 }
 
 /// The positions of a piece's points.
-pub(super) fn points(piece: &Piece, meter: &Meter) -> Result<Vec<DVec3>> {
+fn points(piece: &Piece, meter: &Meter) -> Result<Vec<DVec3>> {
     match &piece.geometry {
         Geometry::Unstructured { points, .. } | Geometry::Curvilinear { points, .. } => {
             points.load_tuples::<f64, _>(meter)

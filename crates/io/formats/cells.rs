@@ -12,7 +12,8 @@ pub(super) fn load(piece: &Piece, meter: &Meter) -> Result<Cells> {
             StoredCells::Offsets { connectivity, offsets, types, faces } => {
                 let types: Vec<u8> = types.load(meter)?;
                 if all_tetrahedra(&types) {
-                    return tetrahedra(connectivity, offsets, types.len(), meter).map(Cells::Tetrahedra);
+                    return tetrahedra(connectivity, offsets, types.len(), meter)
+                        .map(|own| Cells::Tetrahedra(own.into()));
                 }
                 mixed(types, connectivity, offsets, faces, meter).map(Cells::Mixed)
             }
@@ -201,7 +202,9 @@ fn counted(list: &Stored, types: &Stored, meter: &Meter) -> Result<Cells> {
     if all_tetrahedra(&types) && list.len() == types.len() * 5 && list.par_chunks(5).all(|cell| cell[0] == 4)
     {
         let corners = |cell: &[u32]| [cell[1], cell[2], cell[3], cell[4]];
-        return Ok(Cells::Tetrahedra(list.par_chunks(5).with_min_len(1 << 12).map(corners).collect()));
+        return Ok(Cells::Tetrahedra(
+            list.par_chunks(5).with_min_len(1 << 12).map(corners).collect::<Vec<_>>().into(),
+        ));
     }
     let mut cells = CellSet { offsets: vec![0], ..CellSet::default() };
     let mut rest = &list[..];

@@ -1,12 +1,14 @@
 //! Summary of a file for people: cells by type, arrays with ranges, bounds, time steps. Ranges and bounds are those of what is drawn:
 //! not of ghosts, hidden cells, surfaces beside a volume, or points that no cell uses.
 
+use super::assemble::PieceRequest;
 use super::contents::{Dataset, Geometry, Meter, PieceArray};
+use super::request::Request;
 use super::{assemble, cells, request};
 use crate::memory::GridSize;
 use glam::DVec3;
 use std::collections::BTreeMap;
-use voltet_core::grid::{self, Association, CellType, Cells, RawGrid, Scalar, code, is_drawn};
+use voltet_core::grid::{self, Association, CellType, Cells, RawGrid, code, is_drawn};
 use voltet_core::progress::Progress;
 use voltet_core::reading::FileArray;
 use voltet_core::{Result, SharedSlice};
@@ -100,38 +102,32 @@ pub(super) fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Su
     let (mut drawn_bounds, mut all_bounds) = (None, None);
     let mut arrays = Vec::new();
     let mut pieces = Vec::new();
+    // Points are joined by their values, too.
     let scalar = request::scalar(dataset, None, None).ok();
+    let scalar = scalar.filter(|choice| choice.association == Association::Point);
+    let (request, ids) = (Request::default(), assemble::global_ids(dataset));
+    let wanted = PieceRequest { request: &request, choices: scalar.as_slice(), ids };
     for (index, piece) in dataset.pieces.iter().enumerate() {
         summary.point_count = summary.point_count.saturating_add(piece.point_count);
         summary.cell_count = summary.cell_count.saturating_add(piece.cell_count);
-        let mut raw = RawGrid::new(SharedSlice::default(), Cells::Tetrahedra(Vec::new()));
+        let cells = match piece.cell_count {
+            0 => Cells::Tetrahedra(SharedSlice::default()),
+            _ => cells::load(piece, &meter)?,
+        };
         if piece.cell_count > 0 {
-            raw.cells = cells::load(piece, &meter)?;
-            raw.ghost = assemble::ghosts(piece, &raw.cells, &meter)?;
-            count_cells(&raw.cells, &piece.geometry, &mut summary.cells_by_type);
-            summary.size.add(&raw.cells);
+            count_cells(&cells, &piece.geometry, &mut summary.cells_by_type);
+            summary.size.add(&cells);
         }
+        let mut raw = assemble::load(piece, cells, &wanted, &meter)?;
         let drawn = DrawnParts::of_piece(&raw, piece.point_count as usize);
         for array in &piece.arrays {
             add_array(&mut arrays, array, &drawn, &meter)?;
         }
-        if piece.point_count > 0 {
-            let points = assemble::points(piece, &meter)?;
-            summary.points_not_finite += points.iter().filter(|point| !point.is_finite()).count() as u64;
-            let of_drawn = points.iter().zip(&drawn.points).filter(|(_, is_drawn)| **is_drawn);
-            add_points(&mut drawn_bounds, of_drawn.map(|(point, _)| point));
-            add_points(&mut all_bounds, points.iter());
-            raw.points = points.into();
-        }
+        summary.points_not_finite += raw.points.iter().filter(|point| !point.is_finite()).count() as u64;
+        let of_drawn = raw.points.iter().zip(&drawn.points).filter(|(_, is_drawn)| **is_drawn);
+        add_points(&mut drawn_bounds, of_drawn.map(|(point, _)| point));
+        add_points(&mut all_bounds, raw.points.iter());
         raw.block = if dataset.has_blocks { index } else { 0 };
-        raw.global_ids = assemble::global_ids(dataset)
-            .and_then(|name| piece.array(Association::Point, name))
-            .map(|ids| ids.load(&meter))
-            .transpose()?;
-        if let Some(choice) = scalar.as_ref().filter(|choice| choice.association == Association::Point) {
-            let values = assemble::column(piece, choice, &meter)?.into();
-            raw.scalar = Some(Scalar { name: choice.name.clone(), association: Association::Point, values });
-        }
         pieces.push(raw);
     }
     // A single piece's ghosts are nobody else's; what is damaged is said by what reads it to draw it.

@@ -42,7 +42,7 @@ pub use cells::face_stream;
 pub use inspect::{ArraySummary, Summary};
 pub use request::{Component, Request, SelectedArrays, TimeStep};
 pub use source::existing_file;
-pub use voltet_core::grid::{Association, CellValues};
+pub use voltet_core::grid::{Association, CellValues, Options};
 pub use voltet_core::reading::FileArray;
 
 use contents::{Compute, Dataset, Encoding, ExternalFormat, Geometry, Piece, PieceArray, Stored};

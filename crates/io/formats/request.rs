@@ -6,7 +6,7 @@ use super::source::Source;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use voltet_core::grid::{Association, CellValues};
+use voltet_core::grid::{Association, Options};
 use voltet_core::parameters::{Parameters, nearest_first};
 use voltet_core::reading::GridReader;
 use voltet_core::{Error, Result, counted};
@@ -21,26 +21,21 @@ pub enum TimeStep {
 }
 
 /// Request to a reader. [`Request::default`] reads the only array (or the one the file marks as its scalars).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Request {
     /// The scalar: an array's name (`density`), or for arrays of several components `NAME:magnitude` or `NAME:0`.
     /// `None`: the only array of the file, or the one that the file marks as its scalars.
     pub scalar: Option<String>,
     /// Location of the scalar; `None`: the point array of that name, or, if there is none, the cell array.
     pub association: Option<Association>,
-    /// Conversion of a scalar per cell.
-    pub cell_values: CellValues,
     /// Further arrays, per point (cell arrays are averaged); all components, or one as in `scalar`.
     pub point_arrays: Vec<String>,
     /// Cell arrays that are wanted as they are; all components, or one as in `scalar`.
     pub cell_arrays: Vec<String>,
-    /// True if the grid keeps the file's cells as they are.
-    pub keep_cells: bool,
     /// The step of a time series (.pvd); `None`: the first.
     pub time_step: Option<TimeStep>,
-    /// Pieces between two neighbouring nodes of a curved cell's edge, 1 to 64: 1 goes straight from node to node
-    /// (through the mid-edge nodes).
-    pub subdivision: u32,
+    /// Options of the import.
+    pub options: Options,
     /// The PLOT3D solution (q) file that belongs to the grid file; `None`: the grid's name with the ending `.q`, if
     /// there is such a file.
     pub solution: Option<PathBuf>,
@@ -78,24 +73,6 @@ impl Request {
                 let distance = |step: &usize| (times[*step] - time).abs();
                 Ok((0..times.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0))
             }
-        }
-    }
-}
-
-impl Default for Request {
-    fn default() -> Self {
-        Request {
-            scalar: None,
-            association: None,
-            cell_values: CellValues::Average,
-            point_arrays: Vec::new(),
-            cell_arrays: Vec::new(),
-            keep_cells: false,
-            time_step: None,
-            subdivision: 1,
-            solution: None,
-            chosen: None,
-            every_array: false,
         }
     }
 }

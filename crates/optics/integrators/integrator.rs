@@ -333,6 +333,12 @@ impl Integrator {
     pub const ANALYTIC: Integrator = Integrator::with_settings(&AnalyticKind, []);
 }
 
+impl Default for Integrator {
+    fn default() -> Self {
+        Integrator::ANALYTIC
+    }
+}
+
 pub(super) struct AnalyticKind;
 
 impl IntegratorKind for AnalyticKind {

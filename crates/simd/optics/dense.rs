@@ -166,11 +166,10 @@ mod tests {
 
     struct Run<'a>(&'a [Case; 16]);
 
-    impl Kernel for Run<'_> {
-        /// The colours of `WIDTH` cases, and the lanes that are not served.
-        type Output = ([[f32; 16]; 3], u32, usize);
+    impl Kernel<([[f32; 16]; 3], u32, usize)> for Run<'_> {
+        /// Returns the colours of `WIDTH` cases, and the lanes that are not served.
         #[inline(always)]
-        fn run<L: Lanes>(self) -> Self::Output {
+        fn run<L: Lanes>(self) -> ([[f32; 16]; 3], u32, usize) {
             let splat = L::F::splat;
             let row = |f: &dyn Fn(&Case) -> f32| L::F::load(&self.0.map(|case| f(&case)));
             let [front, back] = [row(&|case| case.ends[0]), row(&|case| case.ends[1])];

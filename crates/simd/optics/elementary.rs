@@ -215,8 +215,7 @@ mod tests {
 
     struct Exponentials([f32; 16]);
 
-    impl Kernel for Exponentials {
-        type Output = [f32; 16];
+    impl Kernel<[f32; 16]> for Exponentials {
         #[inline(always)]
         fn run<L: Lanes>(self) -> [f32; 16] {
             let mut found = [f32::NAN; 16];

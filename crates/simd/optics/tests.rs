@@ -294,7 +294,6 @@ macro_rules! twin_on_lanes {
     ($call:expr, |$L:ident, $x:ident, $constants:pat_param| $value:expr) => {{
         struct Run<'a>(Call<'a>);
         impl Kernel for Run<'_> {
-            type Output = ();
             #[inline(always)]
             fn run<$L: Lanes>(self) {
                 let $constants = self.0.constants;

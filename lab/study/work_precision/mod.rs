@@ -14,7 +14,8 @@ mod settings;
 
 pub use convergence::{Convergence, Level, Refinement, Source, refinement, refuse_too_fine};
 pub(crate) use errors::pixel_errors;
-pub use errors::{Errors, errors};
+pub use errors::{Errors, difference, errors};
+pub use flip::PreparedPicture;
 pub use measure::{Adapter, Benches, Cost, Pass, Times};
 pub use output::{apply, files_to_overwrite, json, measure, recommendation, text, write};
 pub use reference::{Reference, cache_folder, reference};

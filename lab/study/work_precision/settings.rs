@@ -410,7 +410,7 @@ fn background(graph: &Graph, place: usize) -> [f64; 3] {
         node.node.name == "image-writer" && node.inputs.iter().any(|edge| edge.node == place)
     };
     let given = graph.nodes.iter().filter(shows).find(|node| node.parameters.is_set("background"));
-    given.and_then(|node| node.parameters.vector("background").ok()).unwrap_or([0.0; 3])
+    given.and_then(|node| node.parameters.color("background").ok()).unwrap_or([0.0; 3])
 }
 
 /// True for all integrators but the reference, with which the others are compared.

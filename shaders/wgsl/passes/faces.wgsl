@@ -24,9 +24,9 @@ struct Ray {
     stretch: f32,
 }
 
-// Twice the area of a triangle along its normal, perpendicular to its longest edge. Rounding tilts the normal of a thin triangle:
-// about the longest edge no more than the rounding of its corners does, but along it by as much again, and there a
-// small tilt moves the plane far out of the triangle.
+// Twice the area of a triangle as a vector along its normal. The sum of products tilts the normal of a thin triangle along its longest
+// edge, where a small tilt moves the plane far away from the other end: that part is taken off. Tilts about that edge are no
+// larger than those by the rounding of the corners.
 fn area_of(a: vec3f, b: vec3f, c: vec3f) -> vec3f {
     let u = b - a;
     let v = c - a;

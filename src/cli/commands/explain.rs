@@ -10,7 +10,7 @@ use crate::document::{LocatedError, refuse_conflicts};
 use crate::graph::{Demand, Graph, GraphNode, Plan, PortType, Registry, SkippedWork};
 
 pub fn check(arguments: &Files, registry: &Registry) -> Outcome {
-    let (documents, mut code) = open_all(&arguments.files, &arguments.set.options, registry);
+    let (documents, mut code) = open_all(arguments, &[], registry);
     let planned = |document: &Document| -> Result<(), LocatedError> {
         refuse_conflicts([document], true, &[])?;
         crate::nodes::session().plan(&document.graph).map_err(|error| document.failure(error))?;

@@ -270,7 +270,7 @@ fn pipeline_info(arguments: &Info, registry: &Registry) -> Outcome {
         let error = Error::usage("--time-step and --solution are for data files, and this is a pipeline");
         return Err(error.expected("the reader's parameters, or --set").in_file(&arguments.data).into());
     }
-    let document = open(&arguments.data, &arguments.set.options, registry)?;
+    let document = open(&arguments.data, &arguments.set.options, &[], registry)?;
     let graph = graph(&document, registry)?;
     let report = with_bar(false, |bar, _| crate::nodes::session().run(&graph, bar));
     let report = report.map_err(|error| document.failure(error))?;

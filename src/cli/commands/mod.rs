@@ -1,5 +1,6 @@
 //! The commands, one file each: a function that returns the exit code, or an error.
 
+mod diff;
 #[cfg(feature = "editor")]
 mod edit;
 mod explain;
@@ -141,6 +142,7 @@ fn run_command(command: &Command, registry: &Registry) -> Outcome {
             Err(error.expected("one built by `cargo build --release --features editor`").into())
         }
         Command::Pixel(arguments) => pixel::pixel(arguments, registry),
+        Command::Diff(arguments) => diff::diff(arguments),
         Command::Stability(arguments) => stability::stability(arguments),
         Command::Study(arguments) => study::study(arguments, registry),
         Command::Time(arguments) => time::time(arguments, registry),

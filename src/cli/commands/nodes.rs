@@ -135,12 +135,10 @@ fn parameter_text(parameter: &Parameter, indent: &str, named: &[VariantSchema]) 
         };
         kinds.iter().map(kind_text).collect::<String>()
     };
+    for (word, meaning) in parameter.parameter_type.words() {
+        text += &format!("{deeper}{word}: {meaning}\n");
+    }
     match parameter.parameter_type {
-        ParameterType::Choice(words) => {
-            for (word, meaning) in words {
-                text += &format!("{deeper}{word}: {meaning}\n");
-            }
-        }
         ParameterType::Table(fields) => {
             fields.iter().for_each(|field| text += &parameter_text(field, &deeper, &[]));
         }
@@ -201,12 +199,8 @@ fn node_markdown(node: &Node, registry: &Registry) -> String {
 
 /// Meaning of each word of a choice, a line of the table's cell each.
 fn meanings(parameter: &Parameter) -> String {
-    match parameter.parameter_type {
-        ParameterType::Choice(words) => {
-            words.iter().map(|(word, meaning)| format!("<br>`{word}`: {meaning}")).collect()
-        }
-        _ => String::new(),
-    }
+    let words = parameter.parameter_type.words().iter();
+    words.map(|(word, meaning)| format!("<br>`{word}`: {meaning}")).collect()
 }
 
 fn parameters_markdown(title: &str, parameters: &[Parameter]) -> String {

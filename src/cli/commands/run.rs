@@ -1,13 +1,13 @@
 //! `voltet run`: runs pipeline files headless.
 
-use super::shared::{DONE, FAILED, Outcome, open_all, show, tell, warn};
+use super::shared::{DONE, FAILED, Outcome, ShortOption, open_all, show, tell, warn};
 use crate::Document;
 use crate::cli::arguments::Run;
 use crate::cli::present::{Bar, say, summary, warnings};
 use crate::core::error::ErrorKind;
 use crate::core::{Error, Result};
 use crate::document;
-use crate::graph::{Observer, Registry, RunReport};
+use crate::graph::{Observer, ParameterValue, Registry, RunReport};
 use crate::io::provenance::{run_report, whole_report};
 use crate::nodes::files;
 use std::path::PathBuf;
@@ -15,7 +15,20 @@ use voltet_study::ExhaustiveComparison;
 
 pub fn run(arguments: &Run, registry: &Registry) -> Outcome {
     // Every file is checked before the first one runs.
-    let (documents, wrong) = open_all(&arguments.files.files, &arguments.files.set.options, registry);
+    let size = arguments.size.map(|size| ShortOption {
+        name: "--size",
+        node_type: "camera",
+        parameter: "size",
+        value: size.into_iter().map(|side| ParameterValue::Integer(side.into())).collect(),
+    });
+    let output = arguments.output.as_ref().map(|path| ShortOption {
+        name: "--output",
+        node_type: "image-writer",
+        parameter: "path",
+        value: ParameterValue::Text(path.to_string_lossy().into_owned()),
+    });
+    let shorts: Vec<ShortOption> = size.into_iter().chain(output).collect();
+    let (documents, wrong) = open_all(&arguments.files, &shorts, registry);
     if wrong != DONE {
         return Ok(wrong);
     }

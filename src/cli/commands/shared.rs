@@ -1,11 +1,12 @@
 //! Code that commands share: documents, errors and exit codes, progress, files that options name, and the choice of an array.
 
-use crate::cli::arguments::{DataOptions, File};
+use crate::cli::arguments::{DataOptions, File, Files};
 use crate::cli::present::{self, Bar, Level, print, say};
 use crate::core::error::ErrorKind;
 use crate::core::progress::Progress;
 use crate::core::{Error, Result};
 use crate::document::{self, LocatedError};
+use crate::graph::pipeline::{Pipeline, locate};
 use crate::graph::{NodeProgress, ParameterValue, Registry};
 use crate::io::formats::{ArraySummary, Association, FileArray};
 use crate::nodes::files;
@@ -43,11 +44,11 @@ pub(super) fn warn(document: &Document) {
 }
 
 /// Opens every file, showing each error; with the exit code, which is not [`DONE`] where any is wrong.
-pub(super) fn open_all(files: &[PathBuf], options: &[String], registry: &Registry) -> (Vec<Document>, u8) {
+pub(super) fn open_all(files: &Files, shorts: &[ShortOption], registry: &Registry) -> (Vec<Document>, u8) {
     let mut documents = Vec::new();
     let mut worst = DONE;
-    for path in files {
-        match open(path, options, registry) {
+    for path in &files.files {
+        match open(path, &files.set.options, shorts, registry) {
             Ok(document) => documents.push(document),
             Err(failure) => worst = worst.max(show(&failure)),
         }
@@ -59,12 +60,55 @@ pub(super) fn open_all(files: &[PathBuf], options: &[String], registry: &Registr
 pub(super) fn open(
     path: &Path,
     options: &[String],
+    shorts: &[ShortOption],
     registry: &Registry,
 ) -> std::result::Result<Document, LocatedError> {
     let source = Source::read(path)?;
     let text = source.text.clone();
-    let opened = Document::from_source(path, source, options, registry);
+    let spelled_out: Result<Vec<String>> =
+        shorts.iter().map(|short| short.spelled_out(path, &text)).collect();
+    let opened = spelled_out.and_then(|mut all| {
+        all.extend_from_slice(options);
+        Document::from_source(path, source, &all, registry)
+    });
     opened.map_err(|error| LocatedError { error, text: Some(text) })
+}
+
+/// An option that is short for `--set` of a parameter of the only node of a type.
+pub(super) struct ShortOption {
+    pub name: &'static str,
+    pub node_type: &'static str,
+    pub parameter: &'static str,
+    /// Its value; a text is a path, relative to the working folder.
+    pub value: ParameterValue,
+}
+
+impl ShortOption {
+    /// The option `node.param=value` that it stands for in a pipeline file.
+    fn spelled_out(&self, path: &Path, text: &str) -> Result<String> {
+        let ShortOption { name, node_type, parameter, value } = self;
+        let nodes = Pipeline::parse(text).map_err(|error| locate(error, text, path))?.nodes;
+        let names = nodes.iter().filter(|node| node.node_type.text() == Some(*node_type));
+        let names: Vec<&str> = names.map(|node| node.name.as_str()).collect();
+        let value = match value {
+            ParameterValue::Text(output) if !files::is_standard_output(Path::new(output)) => {
+                let output = files::relative_to(Path::new(output), files::folder(path));
+                ParameterValue::Text(output.to_string_lossy().into_owned())
+            }
+            other => other.clone(),
+        };
+        let error = match names[..] {
+            [node] => return Ok(format!("{node}.{parameter}={value}")),
+            [] => Error::usage(format!("{name} is given, and the pipeline has no {node_type}"))
+                .expected(format!("a node of type \"{node_type}\"")),
+            [first, ..] => Error::usage(format!(
+                "{name} is given, and the pipeline has several nodes of type {node_type}"
+            ))
+            .got(names.join(", "))
+            .expected(format!("--set {first}.{parameter}=…, and alike for the others")),
+        };
+        Err(error.in_file(path))
+    }
 }
 
 /// Opens the file of a command, and shows its warnings unless `quiet`.
@@ -73,7 +117,7 @@ pub(super) fn open_file(
     registry: &Registry,
     quiet: bool,
 ) -> std::result::Result<Document, LocatedError> {
-    let document = open(&file.file, &file.set.options, registry)?;
+    let document = open(&file.file, &file.set.options, &[], registry)?;
     if !quiet {
         warn(&document);
     }

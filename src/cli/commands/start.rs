@@ -4,9 +4,10 @@ use super::shared::{ArrayChoice, DONE, Outcome, differ, differs, scalar, with_ba
 use crate::cli::arguments::{DataOptions, Start};
 use crate::cli::present::{name, say};
 use crate::core::arithmetic::decimal;
+use crate::core::camera::{Camera, Projection};
 use crate::core::field::{LeastSquares, Method, magnitude};
 use crate::core::grid::Grid;
-use crate::core::grid::extent::{bounds, range, scene_length};
+use crate::core::grid::extent::{bounds, corners, range, scene_length};
 use crate::core::parameters::nearest_first;
 use crate::core::probing::{Axis, Histogram, ProposedWidget, histogram, proposal, quiet};
 use crate::core::progress::Progress;
@@ -33,10 +34,7 @@ const HAZE: f64 = 0.1;
 const FOV_Y: f64 = 30.0;
 
 /// Width and height of the picture, pixels.
-const PICTURE: [f64; 2] = [1024.0, 768.0];
-
-/// Share of the picture's half sides within which everything lies.
-const MARGIN: f64 = 0.94;
+const PICTURE: [u32; 2] = [1024, 768];
 
 /// Direction to the eye: from the front, the side and above.
 const OBLIQUE: DVec3 = DVec3::new(-0.8, -1.4, 0.9);
@@ -309,11 +307,9 @@ sigma = [{along_s:?}, {along_g}]
     )
 }
 
-/// A camera of a picture of 1024 × 768 pixels.
+/// A camera, and what its rays meet.
 struct FirstView {
-    eye: DVec3,
-    target: DVec3,
-    up: DVec3,
+    camera: Camera,
     /// Mean length of rays through the box of what is seen.
     chord: f64,
     /// Share of the picture that the box fills.
@@ -325,82 +321,66 @@ fn view(points: &[DVec3]) -> Option<FirstView> {
     let [low, high] = bounds(points)?;
     let largest = (high - low).max_element().max(f64::MIN_POSITIVE);
     let size = (high - low).max(DVec3::splat(1e-9 * largest));
-    let corners: Vec<DVec3> = (0..8_u32)
-        .map(|corner| low + size * DVec3::from([0, 1, 2].map(|axis| f64::from(corner >> axis & 1))))
-        .collect();
+    let ends = [low, low + size];
     let seen =
-        |towards: DVec3, points: &[DVec3]| FirstView::from_direction(towards.normalize(), points, low, size);
+        |towards: DVec3, points: &[DVec3]| FirstView::from_direction(towards.normalize(), points, ends);
     let mut best = OBLIQUE * (0.3 + 0.7 * size.min_element() / size);
-    let mut filled = seen(best, &corners).filled;
+    let mut filled = seen(best, &corners(ends))?.filled;
     if filled < FILLED {
         let shares = || TILTS.into_iter();
         let tilted = shares()
             .flat_map(|x| shares().flat_map(move |y| shares().map(move |z| OBLIQUE * DVec3::new(x, y, z))));
         for towards in tilted {
-            let other = seen(towards, &corners).filled;
+            let other = seen(towards, &corners(ends))?.filled;
             (best, filled) = if other > filled { (towards, other) } else { (best, filled) };
         }
     }
-    Some(seen(best, points))
+    seen(best, points)
 }
 
 impl FirstView {
-    /// From where the picture holds all points, with a margin.
-    fn from_direction(towards: DVec3, points: &[DVec3], low: DVec3, size: DVec3) -> FirstView {
+    /// From where the picture holds all points. `ends`: of their box.
+    fn from_direction(towards: DVec3, points: &[DVec3], ends: [DVec3; 2]) -> Option<FirstView> {
         let up = if towards.z.abs() > 0.8 { DVec3::Y } else { DVec3::Z };
-        let right = up.cross(towards).normalize();
-        let above = towards.cross(right);
-        let tan_y = MARGIN * (0.5 * FOV_Y).to_radians().tan();
-        let tan_x = tan_y * PICTURE[0] / PICTURE[1];
-        // A point p is in the picture of an eye e where |(p − e)·right| ≤ tan_x (e − p)·towards, and alike above: of each side of the
-        // picture the point that is farthest out counts. Positions are those from the box's middle.
-        let middle = low + 0.5 * size;
-        let mut out = [f64::NEG_INFINITY; 4];
-        for point in points.iter().filter(|point| point.is_finite()) {
-            let p = *point - middle;
-            let (x, y, z) = (p.dot(right), p.dot(above), p.dot(towards));
-            let own = [x + tan_x * z, -x + tan_x * z, y + tan_y * z, -y + tan_y * z];
-            out.iter_mut().zip(own).for_each(|(out, own)| *out = out.max(own));
-        }
-        let [east, west, north, south] = out;
-        let (x, y) = (0.5 * (east - west), 0.5 * (north - south));
-        let distance = (0.5 * (east + west) / tan_x).max(0.5 * (north + south) / tan_y);
-        let eye = x * right + y * above + distance * towards;
-        let (chord, filled) = rays(eye, [right, above, towards], -0.5 * size, 0.5 * size);
-        let target = middle + eye - towards * distance.max(0.5 * size.min_element());
-        FirstView { eye: middle + eye, target, up, chord, filled }
+        let (target, projection) = (DVec3::ZERO, Projection::Perspective { fov_y: FOV_Y });
+        let camera = Camera { eye: towards, target, up, projection, near: 0.0, size: PICTURE, samples: 1 };
+        let camera = camera.fitted(points).ok()?;
+        let (chord, filled) = rays(&camera, ends)?;
+        Some(FirstView { camera, chord, filled })
     }
 
     /// Its keys in a pipeline file.
     fn keys(&self) -> String {
+        let Camera { eye, target, up, .. } = self.camera;
         // A thousandth of a pixel.
-        let step = 1e-6 * self.eye.distance(self.target);
+        let step = 1e-6 * eye.distance(target);
         let vector = |v: DVec3| {
             let [x, y, z] = v.to_array().map(|x| decimal(x, step));
             format!("[{x:?}, {y:?}, {z:?}]")
         };
-        let (eye, target, up) = (vector(self.eye), vector(self.target), self.up.to_array());
+        let (eye, target, up) = (vector(eye), vector(target), up.to_array());
         format!("eye = {eye}\ntarget = {target}\nup = {up:?}\nfov_y = {FOV_Y:?}\n")
     }
 }
 
 /// Mean length of the rays of a picture through a box, and the share of them that meet it.
-fn rays(eye: DVec3, [right, above, towards]: [DVec3; 3], low: DVec3, high: DVec3) -> (f64, f64) {
+fn rays(camera: &Camera, [low, high]: [DVec3; 2]) -> Option<(f64, f64)> {
     const RAYS: [usize; 2] = [64, 48];
-    let tan = (0.5 * FOV_Y).to_radians().tan();
+    let frame = camera.frame().ok()?;
+    let half = PICTURE.map(|side| 0.5 * f64::from(side) * frame.pixel);
     let (mut sum, mut met) = (0.0, 0_u32);
     for ray in 0..RAYS[0] * RAYS[1] {
         let [x, y] = [ray % RAYS[0], ray / RAYS[0]].map(|i| i as f64 + 0.5);
-        let x = (2.0 * x / RAYS[0] as f64 - 1.0) * tan * PICTURE[0] / PICTURE[1];
-        let y = (2.0 * y / RAYS[1] as f64 - 1.0) * tan;
-        let direction = (x * right + y * above - towards).normalize();
-        let (a, b) = ((low - eye) / direction, (high - eye) / direction);
+        let x = (2.0 * x / RAYS[0] as f64 - 1.0) * half[0];
+        let y = (2.0 * y / RAYS[1] as f64 - 1.0) * half[1];
+        let direction = (x * frame.right + y * frame.up + frame.forward).normalize();
+        let (a, b) = ((low - camera.eye) / direction, (high - camera.eye) / direction);
         let (enter, leave) = (a.min(b).max_element().max(0.0), a.max(b).min_element());
         if leave > enter {
             (sum, met) = (sum + (leave - enter), met + 1);
         }
     }
-    (sum / f64::from(met.max(1)), f64::from(met) / (RAYS[0] * RAYS[1]) as f64)
+    Some((sum / f64::from(met.max(1)), f64::from(met) / (RAYS[0] * RAYS[1]) as f64))
 }
 
 /// Points of what the widgets show; a few far off, which would make the rest small, are no part of it.

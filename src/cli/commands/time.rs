@@ -14,7 +14,7 @@ use voltet_study::work_precision::{
 
 pub fn time(arguments: &arguments::Time, registry: &Registry) -> Outcome {
     let wish = wish(arguments)?;
-    let (documents, wrong) = open_all(&arguments.files.files, &arguments.files.set.options, registry);
+    let (documents, wrong) = open_all(&arguments.files, &[], registry);
     if wrong != DONE {
         return Ok(wrong);
     }

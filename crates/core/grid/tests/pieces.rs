@@ -164,7 +164,7 @@ fn a_crack_and_a_jump_stay_and_blocks_stay_apart() {
     let points =
         |z: f64| vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(0.2, 0.2, z), DVec3::X, DVec3::ZERO];
     let tetrahedron = |z: f64, value: f64, block: usize| {
-        let cells = Cells::Tetrahedra(vec![[0, 1, 2, 3], [5, 4, 2, 3]]);
+        let cells = Cells::Tetrahedra(vec![[0, 1, 2, 3], [5, 4, 2, 3]].into());
         let mut raw = RawGrid::new(points(z), cells);
         let values = vec![value, 1.0, 2.0, z, 1.0, value];
         let scalar = Scalar { name: "s".into(), association: Association::Point, values: values.into() };

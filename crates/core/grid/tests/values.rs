@@ -167,12 +167,12 @@ fn plain_tetrahedra_are_the_cells_of_the_file() {
     let grid = box_of_tetrahedra([2, 2, 2], UNIT, 0.1);
     let mut own: Vec<[u32; 4]> = grid.tetrahedra.to_vec();
     own.iter_mut().for_each(|t| t.reverse());
-    let parts = RawGrid::new(grid.points.to_vec(), Cells::Tetrahedra(own));
+    let parts = RawGrid::new(grid.points.to_vec(), Cells::Tetrahedra(own.into()));
     let built = built(parts).unwrap();
     assert!(built.source_cells.is_none());
     assert_eq!(built.tetrahedra, grid.tetrahedra);
     // Cells without volume stay.
-    let flat = RawGrid::new(vec![DVec3::ZERO; 4], Cells::Tetrahedra(vec![[3, 1, 0, 2]]));
+    let flat = RawGrid::new(vec![DVec3::ZERO; 4], Cells::Tetrahedra(vec![[3, 1, 0, 2]].into()));
     assert_eq!(boxes::built(flat).unwrap().tetrahedra[0], [0, 1, 2, 3]);
 }
 
@@ -203,9 +203,10 @@ fn damaged_input_is_one_clear_error() {
     let error = built(RawGrid::new(cube().points, Cells::Mixed(set))).unwrap_err();
     assert!(error.to_string().contains("2 polygons"), "{error}");
     assert_eq!(error.kind, ErrorKind::Run);
-    let error = built(RawGrid::new(vec![DVec3::ZERO; 3], Cells::Tetrahedra(vec![[0, 1, 2, 3]]))).unwrap_err();
+    let error =
+        built(RawGrid::new(vec![DVec3::ZERO; 3], Cells::Tetrahedra(vec![[0, 1, 2, 3]].into()))).unwrap_err();
     assert!(error.to_string().contains("cell 0") && error.to_string().contains("found 3"), "{error}");
-    let empty = built(RawGrid::new(Vec::<DVec3>::new(), Cells::Tetrahedra(Vec::new()))).unwrap_err();
+    let empty = built(RawGrid::new(Vec::<DVec3>::new(), Cells::Tetrahedra(Vec::new().into()))).unwrap_err();
     assert!(empty.to_string().contains("no cells"), "{empty}");
     let mut short = cube();
     short.point_arrays.insert("short".into(), Array { component_count: 3, values: vec![0.0; 35].into() });

@@ -3,6 +3,7 @@
 //! To add a kind, add a file here, a variant to [`Profile`] and an entry to [`DECLARED`]; the compiler then lists the other layers'
 //! `match`es; only what a kind may lack has an arm for the rest. CONTRIBUTING.md names their files.
 
+mod colormap;
 mod gaussian;
 mod gaussian_nd;
 mod piecewise_linear;
@@ -14,7 +15,8 @@ mod uniform;
 mod wave;
 
 pub use properties::{
-    AxisOrigin, BandSpacing, ColorSource, ControlPoint, LoadImage, MAX_FIELDS, Properties, Table, Wave,
+    AxisOrigin, BandSpacing, ColorSource, ControlPoint, LoadFiles, MAX_FIELDS, Properties, Table,
+    UnreadFiles, Wave,
 };
 pub(super) use wave::ACROSS;
 
@@ -86,7 +88,7 @@ pub enum Profile {
 }
 
 /// Function that reads the profile of a kind.
-type ReadProfile = fn(&Parameters, LoadImage) -> Result<Profile>;
+type ReadProfile = fn(&Parameters, &dyn LoadFiles) -> Result<Profile>;
 
 /// All kinds, in the order in which help lists them.
 pub(super) const DECLARED: &[(VariantSchema, ReadProfile)] = &[
@@ -106,7 +108,8 @@ pub(super) const DECLARED: &[(VariantSchema, ReadProfile)] = &[
     (wave::TRIANGLE, |p, _| wave::read(p).map(Profile::TriangleWave)),
     (wave::SINE, |p, _| wave::read(p).map(Profile::SineWave)),
     (piecewise_linear::KIND, |p, _| Ok(Profile::PiecewiseLinear { points: piecewise_linear::read(p)? })),
-    (table::KIND, |p, load_image| Ok(Profile::Table(Arc::new(table::read(p, load_image)?)))),
+    (colormap::KIND, |p, files| Ok(Profile::PiecewiseLinear { points: colormap::read(p, files)? })),
+    (table::KIND, |p, files| Ok(Profile::Table(Arc::new(table::read(p, files)?)))),
 ];
 
 /// The kinds of widgets and their keys.

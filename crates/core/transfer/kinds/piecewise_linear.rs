@@ -57,6 +57,7 @@ pub(super) fn properties(points: &[ControlPoint]) -> Properties<'_> {
         name: KIND.name,
         color: ColorSource::Points(points),
         own_peak: Some(peak(points)),
+        jumps: points.windows(2).any(|pair| pair[1].s <= pair[0].s),
         ..Properties::PLAIN
     }
 }

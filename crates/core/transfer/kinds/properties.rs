@@ -3,6 +3,7 @@
 //! The file gives angles in degrees and widths as σ; the library takes radians and the matrix K with
 //! K = diag(1/(√2 σ)) for the axis-aligned Gaussian (docs/src/explanation/optics.md, section 5).
 
+use crate::colormap::{ColorCurve, Colormap};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
 };
@@ -129,15 +130,35 @@ pub enum AxisOrigin {
     Zero,
 }
 
-/// Reads the image of a table widget: width, height and straight linear RGBA texels, row 0 at the top.
-pub type LoadImage<'a> = &'a dyn Fn(&str) -> Result<(usize, usize, Vec<[f32; 4]>)>;
+/// Loader of the files that widgets name.
+pub trait LoadFiles {
+    /// Image of a table: width, height and straight linear RGBA texels, row 0 at the top.
+    fn image(&self, path: &str) -> Result<(usize, usize, Vec<[f32; 4]>)>;
+
+    /// Colours of a colour map file.
+    fn colors(&self, path: &str) -> Result<ColorCurve>;
+}
+
+/// Stand-ins for files that are not read: a clear texel, and any colours.
+#[derive(Debug, Clone, Copy)]
+pub struct UnreadFiles;
+
+impl LoadFiles for UnreadFiles {
+    fn image(&self, _path: &str) -> Result<(usize, usize, Vec<[f32; 4]>)> {
+        Ok((1, 1, vec![[0.0; 4]]))
+    }
+
+    fn colors(&self, _path: &str) -> Result<ColorCurve> {
+        Ok(Colormap::Viridis.curve())
+    }
+}
 
 pub(super) const COLOR: Parameter = Parameter {
     name: "color",
-    parameter_type: ParameterType::Numbers(Some(3), Range::at_least(0.0)),
+    parameter_type: ParameterType::Color(Range::at_least(0.0)),
     unit: "linear RGB",
     default: DefaultValue::Required,
-    help: "colour; components may exceed 1",
+    help: "colour; components may exceed 1; a text is 8-bit sRGB",
 };
 
 pub(super) const EXTINCTION: Parameter = Parameter {

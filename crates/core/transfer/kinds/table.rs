@@ -1,6 +1,6 @@
 //! `table`: a picture over the (s, g) plane (Song et al. 2009, section 3.3.2).
 
-use super::properties::{COLOR, ColorSource, EXTINCTION, LoadImage, Properties, REGION, Table};
+use super::properties::{COLOR, ColorSource, EXTINCTION, LoadFiles, Properties, REGION, Table};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
     VariantSchema,
@@ -50,7 +50,7 @@ const VALUES_OF_S: &RelativeNumberType = &RelativeNumberType {
 };
 const VALUES_OF_G: &RelativeNumberType = &RelativeNumberType { axis: AxisRef::Every("g"), ..*VALUES_OF_S };
 
-pub(super) fn read(p: &Parameters, load_image: LoadImage) -> Result<Table> {
+pub(super) fn read(p: &Parameters, files: &dyn LoadFiles) -> Result<Table> {
     let (s, g): ([f64; 2], [f64; 2]) = (p.vector("s")?, p.vector("g")?);
     for (name, [low, high]) in [("s", s), ("g", g)] {
         if low >= high {
@@ -58,7 +58,7 @@ pub(super) fn read(p: &Parameters, load_image: LoadImage) -> Result<Table> {
             return Err(error.expected("the smaller number first"));
         }
     }
-    let (width, height, texels) = load_image(p.text("image")?)?;
+    let (width, height, texels) = files.image(p.text("image")?)?;
     Ok(Table { width, height, texels, s, g })
 }
 

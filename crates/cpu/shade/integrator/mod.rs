@@ -79,7 +79,6 @@ struct BatchRun<'a, 'b, K> {
 }
 
 impl<K: LaneKernel> Kernel for BatchRun<'_, '_, K> {
-    type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
         self.kernel.integrate::<L>(self.batch, self.results);

@@ -275,7 +275,6 @@ mod tests {
     }
 
     impl Kernel for Integrals<'_> {
-        type Output = ();
         #[inline(always)]
         fn run<L: Lanes>(self) {
             let splat = L::F::splat;

@@ -15,7 +15,7 @@ use shapes::{Bands, Curve, Everywhere, Picture, Triangle};
 pub(super) use shapes::{PlaneContext, Shape};
 use std::sync::Arc;
 use voltet_core::transfer::{Profile, Widget};
-use voltet_graph::{ArrayRef, Field};
+use voltet_graph::{ArrayRef, Field, find_setting};
 
 /// The shape of a widget; `None` where it lies along other axes. `numbers`: its table, without numbers relative to data.
 pub(super) fn shape(widget: &Widget, numbers: &[Field], on: &PlaneContext) -> Option<Arc<dyn Shape>> {
@@ -41,7 +41,8 @@ pub(super) fn shape(widget: &Widget, numbers: &[Field], on: &PlaneContext) -> Op
         Profile::TriangleWave(wave) => flat(Some(Arc::new(Bands { wave: *wave, sine: false }))),
         Profile::SineWave(wave) => flat(Some(Arc::new(Bands { wave: *wave, sine: true }))),
         Profile::PiecewiseLinear { points } => {
-            let curve = Curve { points: points.clone() };
+            let is_stated = find_setting(numbers, "points").is_some();
+            let curve = Curve { points: points.clone(), is_stated };
             Some(Arc::new(curve) as Arc<dyn Shape>).filter(|_| on.axes[0] == S_AND_G[0])
         }
         Profile::Table(table) => flat(Some(Arc::new(Picture::new(table, numbers, on)))),

@@ -255,6 +255,8 @@ const PIECES: u32 = 16;
 #[derive(Debug)]
 pub(super) struct Curve {
     pub points: Vec<ControlPoint>,
+    /// True if the points are the widget's own and can be moved; false of a colour map, which makes them.
+    pub is_stated: bool,
 }
 
 fn changed_points(points: &[ControlPoint]) -> Vec<Change> {
@@ -265,7 +267,12 @@ fn changed_points(points: &[ControlPoint]) -> Vec<Change> {
 impl Shape for Curve {
     fn handles(&self, plane: &Plane) -> Vec<(Handle, [f64; 2])> {
         let place = |p: &ControlPoint| [p.s, height_of(p.extinction, plane.peak) * plane.top()];
-        self.points.iter().enumerate().map(|(i, p)| (Handle::Point(i), place(p))).collect()
+        self.points
+            .iter()
+            .filter(|_| self.is_stated)
+            .enumerate()
+            .map(|(i, p)| (Handle::Point(i), place(p)))
+            .collect()
     }
 
     fn moved(&self, handle: Handle, to: [f64; 2], plane: &Plane) -> Vec<Change> {
@@ -282,6 +289,9 @@ impl Shape for Curve {
     }
 
     fn shifted(&self, by: [f64; 2], plane: &Plane) -> Vec<Change> {
+        if !self.is_stated {
+            return Vec::new();
+        }
         let moved = |p: &ControlPoint| ControlPoint { s: plane.moved(0, p.s, by[0]), ..*p };
         changed_points(&self.points.iter().map(moved).collect::<Vec<_>>())
     }
@@ -313,12 +323,14 @@ impl Shape for Curve {
     }
 
     fn has_points(&self) -> bool {
-        true
+        self.is_stated
     }
 
     /// In the colour that it has there.
     fn with_point(&self, at: [f64; 2], plane: &Plane) -> Option<(Vec<Change>, Handle)> {
-        if self.points.iter().any(|point| (point.s - at[0]).abs() <= 1e-6 * plane.extent[0]) {
+        if !self.is_stated
+            || self.points.iter().any(|point| (point.s - at[0]).abs() <= 1e-6 * plane.extent[0])
+        {
             return None;
         }
         let place = self.points.partition_point(|point| point.s < at[0]);
@@ -331,7 +343,7 @@ impl Shape for Curve {
 
     fn without_point(&self, handle: Handle) -> Option<Vec<Change>> {
         let Handle::Point(i) = handle else { return None };
-        if self.points.len() < 2 || i >= self.points.len() {
+        if !self.is_stated || self.points.len() < 2 || i >= self.points.len() {
             return None;
         }
         let mut points = self.points.clone();

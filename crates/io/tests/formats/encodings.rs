@@ -89,8 +89,8 @@ fn cell_arrays_are_found_by_association_and_kept_constant_on_request() {
     assert!(read(&path, &request(None), &NoProgress).is_ok());
     let error = read(&path, &request(Some(Association::Point)), &NoProgress).unwrap_err().to_string();
     assert!(error.contains("an array of the cells, not of the points"), "{error}");
-    let constant =
-        Request { cell_values: voltet_io::formats::CellValues::Constant, ..request(Some(Association::Cell)) };
+    let mut constant = request(Some(Association::Cell));
+    constant.options.cell_values = voltet_io::formats::CellValues::Constant;
     let grid = read(&path, &constant, &NoProgress).unwrap();
     for (cell, corners) in grid.tetrahedra.iter().enumerate() {
         assert!(corners.iter().all(|&c| grid.scalar.as_ref().unwrap()[c as usize] == cell as f64));
