@@ -35,15 +35,18 @@ impl Theme {
     pub const LIGHT: Theme = Theme { ink: [0.01; 3], rim: [1.0; 3] };
 }
 
-/// A picture that is written over.
+/// A rectangle: its upper left and its lower right corner.
+pub type Rectangle = [Place; 2];
+
+/// A picture that is written over. Parts of it that are taken are not written over again.
 #[derive(Debug)]
 pub struct Canvas<'a> {
-    /// The picture.
-    pub picture: &'a mut Picture,
-    /// Its colours.
-    pub theme: Theme,
-    /// Height of letters: the font's size, pixels.
-    pub font: f32,
+    picture: &'a mut Picture,
+    theme: Theme,
+    font: f32,
+    taken: Vec<Rectangle>,
+    #[cfg(test)]
+    pub(crate) texts: Vec<(String, Rectangle)>,
 }
 
 /// DejaVu Sans; its licence is beside it.
@@ -57,59 +60,135 @@ const LINE: f32 = 0.08;
 /// Opacity of the rim.
 const RIM: f32 = 0.6;
 
-impl Canvas<'_> {
-    /// Width of the picture.
-    pub fn width(&self) -> f32 {
-        self.picture.width as f32
+/// Distance from one line of a text to the next, in font sizes.
+pub(crate) const LEADING: f32 = 1.3;
+
+impl<'a> Canvas<'a> {
+    /// A canvas with nothing taken. `font`: height of letters, the font's size in pixels.
+    pub fn new(picture: &'a mut Picture, theme: Theme, font: f32) -> Canvas<'a> {
+        Canvas {
+            picture,
+            theme,
+            font,
+            taken: Vec::new(),
+            #[cfg(test)]
+            texts: Vec::new(),
+        }
     }
 
-    /// Height of the picture.
-    pub fn height(&self) -> f32 {
-        self.picture.height as f32
+    /// Width and height of the picture.
+    pub fn size(&self) -> [f32; 2] {
+        [self.picture.width as f32, self.picture.height as f32]
     }
 
-    /// Width of a line.
-    pub fn line_width(&self) -> f32 {
-        (LINE * self.font).max(1.0)
+    /// Height of letters: the font's size, pixels.
+    pub fn font(&self) -> f32 {
+        self.font
     }
 
-    /// Writes a text, middle of its digits at the place's height. Gives the part [left, right] that it takes.
-    pub fn text(&mut self, text: &str, at: Place, align: Align) -> [f32; 2] {
+    /// Colours of text and lines.
+    pub fn theme(&self) -> Theme {
+        self.theme
+    }
+
+    /// True if a rectangle is within the picture, with a margin, and nothing of it is taken.
+    pub fn is_free(&self, [from, to]: Rectangle) -> bool {
+        let margin = 0.3 * self.font;
+        let size = self.size();
+        let is_within = (0..2).all(|k| from[k] >= margin && to[k] <= size[k] - margin);
+        is_within
+            && self.taken.iter().all(|[low, high]| (0..2).any(|k| to[k] <= low[k] || from[k] >= high[k]))
+    }
+
+    /// Takes a rectangle; false where it is not free.
+    pub fn take(&mut self, rectangle: Rectangle) -> bool {
+        let is_free = self.is_free(rectangle);
+        if is_free {
+            self.taken.push(rectangle);
+        }
+        is_free
+    }
+
+    /// The rectangle of a text whose digits' middle is at the place's height.
+    pub fn place_of(&self, text: &str, at: Place, align: Align) -> Rectangle {
         let width = text_width(text, self.font);
         let left = match align {
             Align::Start => at[0],
             Align::Middle => at[0] - 0.5 * width,
             Align::End => at[0] - width,
         };
-        let outline = outline(text, [left, at[1] + 0.36 * self.font], self.font);
+        let half = 0.5 * LEADING * self.font;
+        [[left, at[1] - half], [left + width, at[1] + half]]
+    }
+
+    /// Writes a text, middle of its digits at the place's height.
+    pub fn text(&mut self, text: &str, at: Place, align: Align) {
+        let rectangle = self.place_of(text, at, align);
+        #[cfg(test)]
+        self.texts.push((text.into(), rectangle));
+        let outline = outline(text, [rectangle[0][0], at[1] + 0.36 * self.font], self.font);
         let Theme { ink, rim } = self.theme;
         self.paint(&outline, Stroke::new(0.2 * self.font), rim, RIM);
         self.paint(&outline, Fill::NonZero, ink, 1.0);
-        [left, left + width]
+    }
+
+    /// Writes a title and a text below it in the middle of the upper border, in as many lines as they take. Gives the lower end; `None`
+    /// where they take more than a third of the picture.
+    pub fn heading(&mut self, title: &str, text: &str) -> Option<f32> {
+        let [width, height] = self.size();
+        let own = self.font;
+        let parts = [(title, 1.25 * own), (text, own)]
+            .map(|(text, font)| (lines(text, font, width - 2.0 * own), font));
+        let whole: f32 = parts.iter().map(|(lines, font)| lines.len() as f32 * LEADING * font).sum();
+        if whole > height / 3.0 {
+            return None;
+        }
+        let mut top = if whole > 0.0 { 0.4 * own } else { 0.0 };
+        for (lines, font) in parts {
+            self.font = font;
+            for line in lines {
+                let at = [0.5 * width, top + 0.5 * LEADING * font];
+                self.taken.push(self.place_of(&line, at, Align::Middle));
+                self.text(&line, at, Align::Middle);
+                top += LEADING * font;
+            }
+        }
+        self.font = own;
+        Some(top)
     }
 
     /// Draws a line with a rim.
     pub fn line(&mut self, from: Place, to: Place) {
-        let (path, width) = (path(&[from, to]), self.line_width());
-        self.paint(&path, Stroke::new(2.0 * width + 1.0), self.theme.rim, 0.5 * RIM);
-        self.paint(&path, Stroke::new(width), self.theme.ink, 1.0);
+        let (width, Theme { ink, rim }) = (self.line_width(), self.theme);
+        self.stroke(from, to, 2.0 * width + 1.0, |pixel, share| paint(pixel, rim, 0.5 * RIM * share));
+        self.stroke(from, to, width, |pixel, share| paint(pixel, ink, seen(ink, share)));
+    }
+
+    /// Draws a line behind what the picture shows.
+    pub fn line_behind(&mut self, from: Place, to: Place, opacity: f32) {
+        let ink = self.theme.ink;
+        self.stroke(from, to, self.line_width(), |pixel, share| {
+            let behind = seen(ink, share) * opacity;
+            over(pixel, [behind * ink[0], behind * ink[1], behind * ink[2], behind])
+        });
     }
 
     /// Draws the border of a rectangle.
-    pub fn frame(&mut self, [left, top]: Place, [right, bottom]: Place) {
-        let mut border = path(&[[left, top], [right, top], [right, bottom], [left, bottom]]);
-        border.push(Command::Close);
-        let width = self.line_width();
-        self.paint(&border, Stroke::new(width), self.theme.ink, 1.0);
+    pub fn frame(&mut self, [[left, top], [right, bottom]]: Rectangle) {
+        let (width, ink) = (self.line_width(), self.theme.ink);
+        let half = 0.5 * width;
+        for [from, to] in [
+            [[left - half, top], [right + half, top]],
+            [[left - half, bottom], [right + half, bottom]],
+            [[left, top], [left, bottom]],
+            [[right, top], [right, bottom]],
+        ] {
+            self.stroke(from, to, width, |pixel, share| paint(pixel, ink, seen(ink, share)));
+        }
     }
 
-    /// Draws lines behind whatever the picture shows.
-    pub fn line_behind(&mut self, from: Place, to: Place, opacity: f32) {
-        let (path, width, ink) = (path(&[from, to]), self.line_width(), self.theme.ink);
-        self.cover(&path, Stroke::new(width), ink, |pixel, [r, g, b], share| {
-            let behind = share * opacity * (1.0 - pixel[3]);
-            [pixel[0] + behind * r, pixel[1] + behind * g, pixel[2] + behind * b, pixel[3] + behind]
-        });
+    fn line_width(&self) -> f32 {
+        (LINE * self.font).max(1.0)
     }
 
     /// Sets the pixels of a rectangle, each to a premultiplied colour over what it shows. `color`: of the pixel's column and row within
@@ -129,52 +208,83 @@ impl Canvas<'_> {
         }
     }
 
-    fn paint<'s>(&mut self, path: &[Command], style: impl Into<Style<'s>>, color: [f32; 3], opacity: f32) {
-        self.cover(path, style, color, |pixel, [r, g, b], share| {
-            let share = share * opacity;
-            over([share * r, share * g, share * b, share], pixel)
-        });
+    /// Changes the pixels of a line by the share of each that it covers, found from the distance of the pixel's centre.
+    fn stroke(&mut self, from: Place, to: Place, width: f32, change: impl Fn([f32; 4], f32) -> [f32; 4]) {
+        let (half, size) = (0.5 * width + 0.5, self.size());
+        let around = [[-half; 2], [size[0] + half, size[1] + half]];
+        let Some([from, to]) = clipped([from, to], around) else { return };
+        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+        if length == 0.0 {
+            return;
+        }
+        let [x, y] = [(to[0] - from[0]) / length, (to[1] - from[1]) / length];
+        // Along the axis of its larger extent, and across it as far as it reaches.
+        let (major, minor) = if x.abs() > y.abs() { (0, 1) } else { (1, 0) };
+        let [slope, reach] = [[x, y][minor] / [x, y][major], half / [x, y][major].abs()];
+        let pixels = |from: f32, to: f32, k: usize| {
+            from.floor().max(0.0) as usize..to.ceil().clamp(0.0, size[k]) as usize
+        };
+        let ends = [from[major].min(to[major]) - half, from[major].max(to[major]) + half];
+        for i in pixels(ends[0], ends[1], major) {
+            let middle = from[minor] + slope * (i as f32 + 0.5 - from[major]);
+            for j in pixels(middle - reach, middle + reach, minor) {
+                let (column, row) = if major == 0 { (i, j) } else { (j, i) };
+                let [dx, dy] = [column as f32 + 0.5 - from[0], row as f32 + 0.5 - from[1]];
+                let (along, across) = (dx * x + dy * y, (dx * y - dy * x).abs());
+                let share = |depth: f32| (depth + 0.5).clamp(0.0, 1.0);
+                let share = share(0.5 * width - across) * share(along) * share(length - along);
+                let pixel = &mut self.picture.rgba[row * self.picture.width + column];
+                *pixel = change(*pixel, share);
+            }
+        }
     }
 
-    /// Changes every pixel that a path covers by a share. Bright lines are thinned and dark ones thickened, as they are where the share
-    /// mixes sRGB: in linear light bright letters look bold.
-    fn cover<'s>(
-        &mut self,
-        path: &[Command],
-        style: impl Into<Style<'s>>,
-        color: [f32; 3],
-        change: impl Fn([f32; 4], [f32; 3], f32) -> [f32; 4],
-    ) {
+    /// Paints what a path covers.
+    fn paint<'s>(&mut self, path: &[Command], style: impl Into<Style<'s>>, color: [f32; 3], opacity: f32) {
         let (shares, place) = Mask::new(path).style(style).render();
-        let is_bright = color[1] > 0.2;
         let [width, height] = [self.picture.width as i32, self.picture.height as i32];
         for (k, share) in shares.into_iter().enumerate().filter(|(_, share)| *share > 0) {
             let (column, row) = (k as i32 % place.width as i32, k as i32 / place.width as i32);
             let (x, y) = (place.left + column, place.top + row);
             if (0..width).contains(&x) && (0..height).contains(&y) {
-                let share = f32::from(share) / 255.0;
-                let share = if is_bright { share.powf(1.5) } else { 1.0 - (1.0 - share).powf(1.5) };
                 let pixel = &mut self.picture.rgba[(y * width + x) as usize];
-                *pixel = change(*pixel, color, share);
+                *pixel = paint(*pixel, color, opacity * seen(color, f32::from(share) / 255.0));
             }
         }
     }
 }
 
-fn over(front: [f32; 4], back: [f32; 4]) -> [f32; 4] {
-    std::array::from_fn(|channel| front[channel] + (1.0 - front[3]) * back[channel])
+/// The opacity of ink that covers a share of a pixel: bright lines are thinned and dark ones thickened, as they are where the share
+/// mixes sRGB. In linear light bright letters look bold.
+fn seen(ink: [f32; 3], share: f32) -> f32 {
+    if ink[1] > 0.2 { share.powf(1.5) } else { 1.0 - (1.0 - share).powf(1.5) }
 }
 
-fn path(places: &[Place]) -> Vec<Command> {
-    let mut path = Vec::new();
-    for (k, &[x, y]) in places.iter().enumerate() {
-        if k == 0 {
-            path.move_to([x, y])
-        } else {
-            path.line_to([x, y])
-        };
+fn paint(pixel: [f32; 4], [r, g, b]: [f32; 3], opacity: f32) -> [f32; 4] {
+    over([opacity * r, opacity * g, opacity * b, opacity], pixel)
+}
+
+/// The part of a line within a rectangle (Liang and Barsky, A new concept and method for line clipping, 1984).
+fn clipped(ends: [Place; 2], [low, high]: Rectangle) -> Option<[Place; 2]> {
+    // An end may lie far outside.
+    let [from, to] = ends.map(|end| end.map(f64::from));
+    let (mut first, mut last) = (0.0_f64, 1.0_f64);
+    for k in 0..2 {
+        let (by, low, high) = (to[k] - from[k], f64::from(low[k]), f64::from(high[k]));
+        if by != 0.0 {
+            let ends = [(low - from[k]) / by, (high - from[k]) / by];
+            first = first.max(ends[0].min(ends[1]));
+            last = last.min(ends[0].max(ends[1]));
+        } else if !(low..=high).contains(&from[k]) {
+            return None;
+        }
     }
-    path
+    let at = |share: f64| [0, 1].map(|k: usize| (from[k] + share * (to[k] - from[k])) as f32);
+    (first < last).then(|| [at(first), at(last)])
+}
+
+fn over(front: [f32; 4], back: [f32; 4]) -> [f32; 4] {
+    std::array::from_fn(|channel| front[channel] + (1.0 - front[3]) * back[channel])
 }
 
 /// Width of a text at a font's size.
@@ -182,6 +292,34 @@ pub fn text_width(text: &str, font: f32) -> f32 {
     let advance = |letter| FONT.glyph_hor_advance(FONT.glyph_index(letter).unwrap_or_default()).unwrap_or(0);
     let units: u32 = text.chars().map(|letter| u32::from(advance(letter))).sum();
     units as f32 * font / f32::from(FONT.units_per_em())
+}
+
+/// A text in lines of at most a width, broken at spaces, and within words that are longer.
+pub fn lines(text: &str, font: f32, width: f32) -> Vec<String> {
+    let mut lines = Vec::new();
+    for paragraph in text.lines() {
+        let mut line = String::new();
+        for word in paragraph.split_whitespace() {
+            let with = if line.is_empty() { word.to_string() } else { format!("{line} {word}") };
+            if text_width(&with, font) <= width {
+                line = with;
+                continue;
+            }
+            if !line.is_empty() {
+                lines.push(std::mem::take(&mut line));
+            }
+            for letter in word.chars() {
+                if !line.is_empty() && text_width(&format!("{line}{letter}"), font) > width {
+                    lines.push(std::mem::take(&mut line));
+                }
+                line.push(letter);
+            }
+        }
+        if !line.is_empty() {
+            lines.push(line);
+        }
+    }
+    lines
 }
 
 /// The first letter of a text that the font lacks: a box stands for it.
@@ -244,7 +382,7 @@ mod tests {
 
     fn written(text: &str, font: f32) -> Picture {
         let mut picture = Picture::transparent(120, 40);
-        Canvas { picture: &mut picture, theme: Theme::DARK, font }.text(text, [60.0, 20.0], Align::Middle);
+        Canvas::new(&mut picture, Theme::DARK, font).text(text, [60.0, 20.0], Align::Middle);
         picture
     }
 
@@ -282,12 +420,71 @@ mod tests {
     fn a_line_behind_shows_where_the_picture_is_clear() {
         let mut picture = Picture::transparent(9, 3);
         picture.rgba[9 + 4] = [0.25, 0.0, 0.0, 1.0];
-        Canvas { picture: &mut picture, theme: Theme::DARK, font: 12.0 }.line_behind(
-            [0.0, 1.5],
-            [9.0, 1.5],
-            1.0,
-        );
+        Canvas::new(&mut picture, Theme::DARK, 12.0).line_behind([0.0, 1.5], [9.0, 1.5], 1.0);
         assert_eq!(picture.pixel(4, 1), [0.25, 0.0, 0.0, 1.0]);
         assert!(picture.pixel(2, 1)[3] > 0.9 && picture.pixel(2, 0)[3] == 0.0, "{:?}", picture.pixel(2, 1));
+    }
+
+    /// Of any slope, and however far its ends lie outside: an area of length × width.
+    #[test]
+    fn a_line_covers_its_width_and_ends_where_it_is_told() {
+        let covered = |from, to| {
+            let mut picture = Picture::transparent(60, 60);
+            Canvas::new(&mut picture, Theme::LIGHT, 10.0).stroke(from, to, 2.0, |_, share| [share; 4]);
+            picture
+        };
+        for to in [[50.0, 20.5], [20.5, 50.0], [48.0, 37.0], [41.0, 55.0]] {
+            let from: Place = [20.5, 20.5];
+            let area: f32 = covered(from, to).rgba.iter().map(|pixel| pixel[3]).sum();
+            let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+            // A pixel's share is found from its distance alone, which is a few percent off for slanted edges.
+            assert!((area / (2.0 * length) - 1.0).abs() < 0.06, "{to:?}: {area} of {}", 2.0 * length);
+        }
+        let far = covered([-1e8, 30.0], [1e8, 30.0]);
+        assert!(far.rgba[29 * 60..31 * 60].iter().all(|pixel| pixel[3] == 1.0));
+        assert!(far.rgba[..29 * 60].iter().all(|pixel| pixel[3] == 0.0));
+        assert_eq!(covered([-5.0, -5.0], [70.0, -5.0]), Picture::transparent(60, 60));
+    }
+
+    /// At four times the size, letters have edges as narrow as at one: fewer of their pixels are mixed.
+    #[test]
+    fn text_is_sharp_at_every_size() {
+        let mixed = |scale: usize| {
+            let mut picture = Picture::transparent(120 * scale, 40 * scale);
+            let (font, at) = (14.0 * scale as f32, [60.0, 20.0].map(|x: f32| x * scale as f32));
+            Canvas::new(&mut picture, Theme { rim: Theme::DARK.ink, ..Theme::DARK }, font).text(
+                "Ω 12.5",
+                at,
+                Align::Middle,
+            );
+            let inked = picture.rgba.iter().filter(|pixel| pixel[3] > 0.0).count();
+            picture.rgba.iter().filter(|pixel| pixel[3] > 0.7 && pixel[3] < 0.99).count() as f64
+                / inked as f64
+        };
+        assert!(
+            mixed(2) < 0.7 * mixed(1) && mixed(4) < 0.7 * mixed(2),
+            "{} {} {}",
+            mixed(1),
+            mixed(2),
+            mixed(4)
+        );
+    }
+
+    #[test]
+    fn lines_break_at_spaces_and_within_long_words() {
+        let width = text_width("one two", 10.0);
+        assert_eq!(lines("one two three", 10.0, width), ["one two", "three"]);
+        assert_eq!(lines("a\n\nb", 10.0, width), ["a", "b"]);
+        let long = lines("velocity_magnitude_average", 10.0, width);
+        assert!(long.len() > 2 && long.concat() == "velocity_magnitude_average", "{long:?}");
+        assert!(long.iter().all(|line| text_width(line, 10.0) <= width));
+    }
+
+    #[test]
+    fn what_is_taken_is_not_free() {
+        let mut picture = Picture::transparent(100, 100);
+        let mut canvas = Canvas::new(&mut picture, Theme::DARK, 10.0);
+        assert!(canvas.take([[10.0, 10.0], [30.0, 30.0]]) && canvas.take([[30.0, 10.0], [40.0, 30.0]]));
+        assert!(!canvas.take([[29.0, 29.0], [50.0, 50.0]]) && !canvas.is_free([[0.0, 50.0], [20.0, 60.0]]));
     }
 }

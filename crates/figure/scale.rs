@@ -1,15 +1,28 @@
 //! The scale of a picture's colours: a bar along s, or the plane of s and g.
 
-use crate::canvas::{Align, Canvas, text_width};
+use crate::canvas::{Align, Canvas, LEADING, Rectangle, lines, text_width};
 use crate::ticks::{Ticks, ticks};
 
-/// The side of the picture at which a colour bar stands.
+/// The side of the picture at which a scale stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
     /// Left.
     Left,
     /// Right.
     Right,
+}
+
+impl Side {
+    /// The side across.
+    pub fn opposite(self) -> Side {
+        if self == Side::Left { Side::Right } else { Side::Left }
+    }
+
+    /// The left end of what is so wide, at this side of the picture.
+    pub(crate) fn left(self, canvas: &Canvas, width: f32) -> f32 {
+        let margin = 0.8 * canvas.font();
+        if self == Side::Left { margin } else { canvas.size()[0] - margin - width }
+    }
 }
 
 /// An axis with its name.
@@ -21,98 +34,168 @@ pub struct NamedAxis {
     pub range: [f64; 2],
 }
 
-/// The least distance of two ticks, in font sizes.
-const ROOM: f32 = 1.8;
+impl NamedAxis {
+    fn share(&self, value: f64) -> f32 {
+        ((value - self.range[0]) / (self.range[1] - self.range[0])) as f32
+    }
 
-/// Draws a bar whose pixels have the colours of the values that they stand for, with ticks, the axis' name above it. Row k of n stands
-/// for the value in its middle. `color`: a value's premultiplied linear colour.
-///
-/// Gives the rectangle of the colours: its left upper corner and its size.
-pub fn colour_bar(
-    canvas: &mut Canvas,
-    side: Side,
-    axis: &NamedAxis,
-    color: impl Fn(f64) -> [f32; 4],
-) -> [[usize; 2]; 2] {
-    let font = canvas.font;
-    let length = (0.55 * canvas.height()).round().max(1.0);
-    let width = (1.1 * font).round();
-    let Ticks { ticks, note } = ticks(axis.range, (length / (ROOM * font)).clamp(2.0, 9.0) as usize);
-    let of_labels = ticks.iter().map(|(_, label)| text_width(label, font)).fold(0.0, f32::max);
-    let left = match side {
-        Side::Left => font,
-        Side::Right => canvas.width() - 1.9 * font - of_labels - width,
-    };
-    let left = left.round().max(0.0);
-    let top = (0.5 * (canvas.height() - length) + font).round();
-    let rows = length as usize;
-    let [low, high] = axis.range;
-    let place = |value: f64| top + length * ((high - value) / (high - low)) as f32;
-    let value = |row: usize| high - (row as f64 + 0.5) / rows as f64 * (high - low);
-    let rectangle = [[left as usize, top as usize], [width as usize, rows]];
-    canvas.pixels(rectangle[0], rectangle[1], |_, row| color(value(row)));
-    canvas.frame([left, top], [left + width, top + length]);
-    for (value, label) in &ticks {
-        let y = place(*value);
-        canvas.line([left + width, y], [left + width + 0.4 * font, y]);
-        canvas.text(label, [left + width + 0.7 * font, y], Align::Start);
+    /// As many ticks, at most so many, as have room for their labels along a length; `room`: of a label.
+    fn ticks(&self, length: f32, most: usize, room: impl Fn(&str) -> f32) -> Ticks {
+        let has_room = |ticks: &Ticks| {
+            let widest = ticks.ticks.iter().map(|(_, label)| room(label)).fold(0.0, f32::max);
+            ticks
+                .ticks
+                .windows(2)
+                .all(|pair| length * (self.share(pair[1].0) - self.share(pair[0].0)) >= widest)
+        };
+        (1..=most).rev().map(|most| ticks(self.range, most)).find(has_room).unwrap_or_default()
     }
-    let (at, align) = match side {
-        Side::Left => (left, Align::Start),
-        Side::Right => (canvas.width() - 0.8 * font, Align::End),
-    };
-    let above = top - 1.2 * font;
-    if let Some(note) = &note {
-        canvas.text(note, [at, above], align);
-    }
-    canvas.text(&axis.name, [at, above - if note.is_some() { 1.4 * font } else { 0.0 }], align);
-    rectangle
 }
 
-/// Draws the plane of s and g in the lower right corner, s to the right and g upward, with ticks and names of both axes. `color`: a
+/// Look of a range of values: its colour and how dense it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shade {
+    /// Linear RGB; `None` where nothing is drawn.
+    pub color: Option<[f32; 3]>,
+    /// Extinction, in any unit.
+    pub extinction: f64,
+}
+
+/// The least distance of two ticks of an upright axis, in font sizes.
+const ROOM: f32 = 1.8;
+
+/// Extinctions that differ by less, as a share of the largest, are the same.
+const EVEN: f64 = 0.01;
+
+/// Draws a bar whose pixels have the colours of the values that they stand for, with ticks, and the axis' name above it. Row k of n stands
+/// for the values from share k to share k + 1 of the axis. Where extinctions differ, their curve stands to the left of the bar.
+/// `top`: what is above is not for the bar.
+///
+/// Gives the colours' first column and row and their numbers; `None` where there is no room.
+pub fn color_bar(
+    canvas: &mut Canvas,
+    side: Side,
+    top: f32,
+    axis: &NamedAxis,
+    shade: impl Fn([f64; 2]) -> Shade,
+) -> Option<[[usize; 2]; 2]> {
+    let (font, [width, height]) = (canvas.font(), canvas.size());
+    let name = lines(&axis.name, font, 0.45 * width);
+    let head =
+        |ticks: &Ticks| (name.len() + usize::from(ticks.note.is_some())) as f32 * LEADING * font + 0.7 * font;
+    let room = height - 1.4 * font - top;
+    let length = (0.6 * height).min(room - (name.len() + 1) as f32 * LEADING * font - 0.7 * font).floor();
+    if length < 4.0 * font {
+        return None;
+    }
+    let ticks = axis.ticks(length, 9, |_| ROOM * font);
+    let labels = ticks.ticks.iter().map(|(_, label)| text_width(label, font)).fold(0.0, f32::max);
+    let rows = length as usize;
+    let [low, high] = axis.range;
+    let edge = |row: usize| high - row as f64 / rows as f64 * (high - low);
+    let shades: Vec<Shade> = (0..rows).map(|row| shade([edge(row + 1), edge(row)])).collect();
+    let most = shades.iter().map(|shade| shade.extinction).fold(0.0, f64::max);
+    let is_even = shades.iter().all(|shade| shade.extinction >= (1.0 - EVEN) * most);
+    let curve = if is_even { 0.0 } else { (1.2 * font).round() };
+    let bar = (1.1 * font).round();
+    let content = curve + bar + 0.7 * font + labels;
+    let names = name.iter().chain(&ticks.note).map(|line| text_width(line, font)).fold(0.0, f32::max);
+    let block = content.max(names);
+    let left = side.left(canvas, block);
+    let head = head(&ticks);
+    let above = top + 0.5 * (room - head - length) + 0.3 * font;
+    let first = (above + head).round();
+    if !canvas.take([[left, above], [left + block, first + length + 0.65 * font]]) {
+        return None;
+    }
+    let (named_at, align, bar_left) = match side {
+        Side::Left => (left, Align::Start, left + curve),
+        Side::Right => (left + block, Align::End, left + block - content + curve),
+    };
+    let bar_left = bar_left.round();
+    for (k, line) in name.iter().chain(&ticks.note).enumerate() {
+        canvas.text(line, [named_at, above + (k as f32 + 0.5) * LEADING * font], align);
+    }
+    let ink = canvas.theme().ink;
+    canvas.pixels([(bar_left - curve) as usize, first as usize], [curve as usize, rows], |column, row| {
+        let reach = curve * (shades[row].extinction / most) as f32;
+        let share = 0.6 * (reach - (curve - 1.0 - column as f32)).clamp(0.0, 1.0);
+        [share * ink[0], share * ink[1], share * ink[2], share]
+    });
+    let place = [[bar_left as usize, first as usize], [bar as usize, rows]];
+    canvas.pixels(place[0], place[1], |_, row| opaque(shades[row].color));
+    canvas.frame([[bar_left, first], [bar_left + bar, first + length]]);
+    for (value, label) in &ticks.ticks {
+        let y = first + length * (1.0 - axis.share(*value));
+        canvas.line([bar_left + bar, y], [bar_left + bar + 0.4 * font, y]);
+        canvas.text(label, [bar_left + bar + 0.7 * font, y], Align::Start);
+    }
+    Some(place)
+}
+
+fn opaque(color: Option<[f32; 3]>) -> [f32; 4] {
+    color.map_or([0.0; 4], |[r, g, b]| [r, g, b, 1.0])
+}
+
+/// Draws the plane of s and g in the lower corner of a side, s to the right and g upward, with ticks and names of both axes. `color`: a
 /// place's premultiplied linear colour, by its shares of the two ranges.
 ///
-/// Gives the rectangle of the colours: its left upper corner and its size.
+/// Gives the colours' first column and row and their numbers; `None` where there is no room.
 pub fn plane(
     canvas: &mut Canvas,
+    side: Side,
     axes: &[NamedAxis; 2],
     color: impl Fn([f64; 2]) -> [f32; 4],
-) -> [[usize; 2]; 2] {
-    let font = canvas.font;
-    let width = (0.3 * canvas.width()).min(0.45 * canvas.height()).round().max(1.0);
-    let height = (0.7 * width).round().max(1.0);
-    let left = (canvas.width() - width - 1.5 * font).round().max(0.0);
-    let top = (canvas.height() - height - 3.6 * font).round().max(0.0);
-    let (right, bottom) = (left + width, top + height);
-    let rectangle = [[left as usize, top as usize], [width as usize, height as usize]];
-    let share = |k: usize, n: f32| (k as f64 + 0.5) / f64::from(n);
-    canvas.pixels(rectangle[0], rectangle[1], |column, row| {
-        color([share(column, width), 1.0 - share(row, height)])
-    });
-    canvas.frame([left, top], [right, bottom]);
+) -> Option<[[usize; 2]; 2]> {
+    let (font, size) = (canvas.font(), canvas.size());
+    let width = (0.3 * size[0]).min(0.45 * size[1]).round();
+    let height = (0.7 * width).round();
+    if height < 4.0 * font {
+        return None;
+    }
     let [s, g] = axes;
-    let of = |axis: &NamedAxis, most: f32| ticks(axis.range, most.clamp(2.0, 5.0) as usize);
-    let share_of =
-        |axis: &NamedAxis, value: f64| ((value - axis.range[0]) / (axis.range[1] - axis.range[0])) as f32;
-    let name = |axis: &NamedAxis, ticks: &Ticks| match &ticks.note {
-        Some(note) => format!("{}  {note}", axis.name),
-        None => axis.name.clone(),
+    let along_s = s.ticks(width, 5, |label| text_width(label, font) + 0.8 * font);
+    let along_g = g.ticks(height, 5, |_| ROOM * font);
+    let widest =
+        |ticks: &Ticks| ticks.ticks.iter().map(|(_, label)| text_width(label, font)).fold(0.0, f32::max);
+    // Half of a label may stand out to the right.
+    let block = widest(&along_g).max(0.5 * widest(&along_s)) + 0.7 * font + width + 0.5 * widest(&along_s);
+    let name = |axis: &NamedAxis, ticks: &Ticks| {
+        let note = ticks.note.as_ref().map_or(String::new(), |note| format!("  {note}"));
+        lines(&format!("{}{note}", axis.name), font, block)
     };
-    let along_s = of(s, width / (4.0 * font));
+    let [name_s, name_g] = [name(s, &along_s), name(g, &along_g)];
+    let leading = LEADING * font;
+    let left = side.left(canvas, block);
+    let below = 2.1 * font + name_s.len() as f32 * leading;
+    let bottom = (size[1] - 0.6 * font - below).floor();
+    let (x, y) = ((left + block - 0.5 * widest(&along_s) - width).floor(), bottom - height);
+    let above = y - 0.75 * font - name_g.len() as f32 * leading;
+    let around: Rectangle = [[left, above], [left + block, bottom + below]];
+    if !canvas.take(around) {
+        return None;
+    }
+    let share = |k: usize, n: f32| (k as f64 + 0.5) / f64::from(n);
+    let place = [[x as usize, y as usize], [width as usize, height as usize]];
+    canvas.pixels(place[0], place[1], |column, row| color([share(column, width), 1.0 - share(row, height)]));
+    canvas.frame([[x, y], [x + width, bottom]]);
     for (value, label) in &along_s.ticks {
-        let x = left + width * share_of(s, *value);
-        canvas.line([x, bottom], [x, bottom + 0.4 * font]);
-        canvas.text(label, [x, bottom + 1.1 * font], Align::Middle);
+        let at = x + width * s.share(*value);
+        canvas.line([at, bottom], [at, bottom + 0.4 * font]);
+        canvas.text(label, [at, bottom + 1.35 * font], Align::Middle);
     }
-    canvas.text(&name(s, &along_s), [right, bottom + 2.5 * font], Align::End);
-    let along_g = of(g, height / (ROOM * font));
     for (value, label) in &along_g.ticks {
-        let y = bottom - height * share_of(g, *value);
-        canvas.line([left - 0.4 * font, y], [left, y]);
-        canvas.text(label, [left - 0.7 * font, y], Align::End);
+        let at = bottom - height * g.share(*value);
+        canvas.line([x - 0.4 * font, at], [x, at]);
+        canvas.text(label, [x - 0.7 * font, at], Align::End);
     }
-    canvas.text(&name(g, &along_g), [left, top - 1.0 * font], Align::Start);
-    rectangle
+    for (k, line) in name_s.iter().enumerate() {
+        canvas.text(line, [left + block, bottom + 2.1 * font + (k as f32 + 0.5) * leading], Align::End);
+    }
+    for (k, line) in name_g.iter().enumerate() {
+        canvas.text(line, [left, above + (k as f32 + 0.5) * leading], Align::Start);
+    }
+    Some(place)
 }
 
 #[cfg(test)]
@@ -125,31 +208,37 @@ mod tests {
         NamedAxis { name: "Temperature [°C]".into(), range }
     }
 
-    /// Whoever measures a pixel of the bar finds the value that its ticks give it.
+    /// A measured pixel of the bar has the colour of the value that the ticks give it.
     #[test]
     fn a_bars_pixels_are_the_colours_of_their_values() {
         let mut picture = Picture::transparent(400, 300);
-        let mut canvas = Canvas { picture: &mut picture, theme: Theme::DARK, font: 11.0 };
-        let color = |s: f64| [s as f32 / 80.0, 0.0, 0.5, 1.0];
-        let [[left, top], [width, rows]] = colour_bar(&mut canvas, Side::Right, &axis([20.0, 80.0]), color);
+        let mut canvas = Canvas::new(&mut picture, Theme::DARK, 11.0);
+        let color = |s: f64| [s as f32 / 80.0, 0.0, 0.5];
+        let shade = |[low, high]: [f64; 2]| Shade { color: Some(color(0.5 * (low + high))), extinction: 1.0 };
+        let place = color_bar(&mut canvas, Side::Right, 20.0, &axis([20.0, 80.0]), shade);
+        let [[left, top], [width, rows]] = place.unwrap();
         for row in 1..rows - 1 {
-            let value = 80.0 - (row as f64 + 0.5) / rows as f64 * 60.0;
-            assert_eq!(picture.pixel(left + width / 2, top + row), color(value));
+            let [r, g, b] = color(80.0 - (row as f64 + 0.5) / rows as f64 * 60.0);
+            let found = picture.pixel(left + width / 2, top + row);
+            assert!(found.iter().zip([r, g, b, 1.0]).all(|(a, b)| (a - b).abs() < 1e-6), "{row} {found:?}");
         }
     }
 
+    /// The curve beside the bar is as wide as the extinction is high; an even one has none.
     #[test]
-    fn nothing_is_cut_at_the_border() {
-        for (width, height) in [(400, 300), (3840, 2160), (300, 400)] {
-            let mut picture = Picture::transparent(width, height);
-            let font = crate::font_size([width, height]);
-            let mut canvas = Canvas { picture: &mut picture, theme: Theme::LIGHT, font };
-            colour_bar(&mut canvas, Side::Left, &axis([-1e-7, 2.5e-7]), |_| [1.0; 4]);
-            plane(&mut canvas, &[axis([101325.0, 101325.01]), axis([0.0, 3e5])], |_| [0.5, 0.5, 0.5, 1.0]);
-            let border =
-                |k: usize| k % width == 0 || k % width == width - 1 || k < width || k >= width * (height - 1);
-            let cut = picture.rgba.iter().enumerate().find(|(k, pixel)| border(*k) && pixel[3] > 0.0);
-            assert_eq!(cut, None, "{width} × {height}");
-        }
+    fn extinction_stands_beside_the_bar() {
+        let drawn = |extinction: fn(f64) -> f64| {
+            let mut picture = Picture::transparent(400, 300);
+            let mut canvas = Canvas::new(&mut picture, Theme::DARK, 10.0);
+            let shade = |[low, _]: [f64; 2]| Shade { color: Some([1.0; 3]), extinction: extinction(low) };
+            let place = color_bar(&mut canvas, Side::Right, 0.0, &axis([0.0, 1.0]), shade).unwrap();
+            let [[left, top], [_, rows]] = place;
+            let width =
+                |row: usize| (left - 14..left - 1).map(|i| picture.pixel(i, top + row)[3]).sum::<f32>() / 0.6;
+            [width(rows / 4), width(3 * rows / 4)]
+        };
+        let [high, low] = drawn(|s| s);
+        assert!((high - 8.0).abs() < 1.0 && (low - 2.0).abs() < 1.0, "{high} {low}");
+        assert_eq!(drawn(|_| 3.0), [0.0; 2]);
     }
 }

@@ -1,6 +1,7 @@
-//! What tells directions and lengths of a view: the box of the data with ticks, the axes, a scale bar.
+//! Directions and lengths of a view: the box of the data with ticks, the axes, a scale bar.
 
-use crate::canvas::{Align, Canvas, Place};
+use crate::canvas::{Align, Canvas, LEADING, Place, text_width};
+use crate::scale::Side;
 use crate::ticks::{Ticks, ticks, values};
 use glam::DVec3;
 use voltet_core::Result;
@@ -8,7 +9,7 @@ use voltet_core::camera::{Camera, Frame, Projection};
 
 const NAMES: [&str; 3] = ["x", "y", "z"];
 
-/// A camera that tells where points are in its picture.
+/// Places of points in a camera's picture.
 #[derive(Debug, Clone, Copy)]
 pub struct View {
     camera: Camera,
@@ -16,12 +17,12 @@ pub struct View {
 }
 
 impl View {
-    /// Errors: a camera without axes.
+    /// The view of a camera. Errors: a camera without axes.
     pub fn new(camera: Camera) -> Result<View> {
         Ok(View { frame: camera.frame()?, camera })
     }
 
-    /// Where a point is seen; `None` in front of the near plane, and at the eye's depth or behind it.
+    /// The place at which a point is seen; `None` before the near plane, and at the eye's depth or behind it.
     fn place(&self, point: DVec3) -> Option<Place> {
         let Frame { right, up, forward, pixel } = self.frame;
         let ray = point - self.camera.eye;
@@ -33,8 +34,26 @@ impl View {
         };
         let [width, height] = self.camera.size.map(f64::from);
         let at = [0.5 * width + ray.dot(right) / scale, 0.5 * height - ray.dot(up) / scale];
-        let is_near = at.iter().all(|x| x.abs() < 1e5) && depth >= self.camera.near;
-        is_near.then(|| at.map(|x| x as f32))
+        (depth >= self.camera.near && at.iter().all(|x| x.abs() < 1e9)).then(|| at.map(|x| x as f32))
+    }
+
+    /// The part of a line that is seen.
+    fn line(&self, from: DVec3, to: DVec3) -> Option<[Place; 2]> {
+        let depth = |point: DVec3| (point - self.camera.eye).dot(self.frame.forward);
+        let (front, back) = (depth(from), depth(to));
+        // A thousandth of its extent before the eye, since what is at the eye's depth is seen nowhere.
+        let nearest = match self.camera.projection {
+            Projection::Perspective { .. } => self.camera.near.max(1e-3 * (front - back).abs()),
+            Projection::Orthographic { .. } => self.camera.near,
+        };
+        let cut = |point: DVec3, own: f64, other: DVec3, others: f64| match own < nearest {
+            true if others > nearest => {
+                Some(point + (nearest - own) / (others - own) * (1.0 + 1e-9) * (other - point))
+            }
+            true => None,
+            false => Some(point),
+        };
+        Some([self.place(cut(from, front, to, back)?)?, self.place(cut(to, back, from, front)?)?])
     }
 
     /// True if a plane's side to which its normal points is seen from behind.
@@ -47,131 +66,258 @@ impl View {
     }
 }
 
-/// Draws the faces of a box that lie behind everything in it, as frames with a grid of lines, behind what the picture shows; ticks and
-/// names along three edges at the rim. `unit` follows the names.
-pub fn box_axes(canvas: &mut Canvas, view: &View, [low, high]: [DVec3; 2], unit: &str) {
-    let middle = 0.5 * (low + high);
-    let font = canvas.font;
-    let along: [Ticks; 3] = std::array::from_fn(|axis| ticks([low[axis], high[axis]], 6));
-    let corner = |ends: [bool; 3]| {
-        DVec3::from_array(std::array::from_fn(|axis| if ends[axis] { high[axis] } else { low[axis] }))
-    };
-    let is_behind = |axis: usize, end: bool| {
-        let outward = DVec3::AXES[axis] * if end { 1.0 } else { -1.0 };
-        let on_plane = corner([axis == 0 && end, axis == 1 && end, axis == 2 && end]);
-        view.sees_inside(on_plane, outward)
-    };
-    let lines = |canvas: &mut Canvas, from: DVec3, to: DVec3, opacity: f32| {
-        if let (Some(from), Some(to)) = (view.place(from), view.place(to)) {
-            canvas.line_behind(from, to, opacity);
+/// The box of the data, and which of its faces lie behind what is in it.
+struct Faces<'a> {
+    view: &'a View,
+    ends: [DVec3; 2],
+    is_behind: [[bool; 2]; 3],
+}
+
+/// An edge of the box: along an axis, at one end of each of the two others.
+#[derive(Clone, Copy)]
+struct Edge {
+    axis: usize,
+    at_end: [bool; 2],
+}
+
+impl Edge {
+    fn others(self) -> [usize; 2] {
+        [(self.axis + 1) % 3, (self.axis + 2) % 3]
+    }
+}
+
+impl<'a> Faces<'a> {
+    fn new(view: &'a View, ends: [DVec3; 2]) -> Faces<'a> {
+        let is_behind = [0, 1, 2].map(|axis| {
+            [(ends[0], -1.0), (ends[1], 1.0)]
+                .map(|(corner, sign)| view.sees_inside(corner, sign * DVec3::AXES[axis]))
+        });
+        Faces { view, ends, is_behind }
+    }
+
+    fn point(&self, edge: Edge, value: f64) -> DVec3 {
+        let mut point = DVec3::ZERO;
+        point[edge.axis] = value;
+        for (other, is_high) in edge.others().into_iter().zip(edge.at_end) {
+            point[other] = self.ends[usize::from(is_high)][other];
         }
-    };
+        point
+    }
+
+    /// The edges along an axis, each with the number of its two faces that lie behind: at one the edge is at the rim.
+    fn edges(&self, axis: usize) -> [(Edge, usize); 4] {
+        [[false, false], [false, true], [true, false], [true, true]].map(|at_end| {
+            let edge = Edge { axis, at_end };
+            let faces = edge.others().into_iter().zip(at_end);
+            (edge, faces.filter(|&(other, is_high)| self.is_behind[other][usize::from(is_high)]).count())
+        })
+    }
+
+    fn line(&self, edge: Edge) -> Option<[Place; 2]> {
+        let [from, to] = self.ends.map(|end| self.point(edge, end[edge.axis]));
+        self.view.line(from, to)
+    }
+}
+
+/// Draws the edges of the data's box at its rim, with ticks and names; the edges and a grid of lines on the faces that lie behind
+/// everything in it, behind what the picture shows. `unit` follows the names.
+///
+/// Gives the names of axes that are seen and whose labels have no room.
+pub fn box_axes(canvas: &mut Canvas, view: &View, ends: [DVec3; 2], unit: &str) -> Vec<&'static str> {
+    let faces = Faces::new(view, ends);
+    let along: [Ticks; 3] = [0, 1, 2].map(|axis| ticks([ends[0][axis], ends[1][axis]], 6));
     for axis in 0..3 {
-        for end in [false, true].into_iter().filter(|end| is_behind(axis, *end)) {
+        for (end, _) in faces.is_behind[axis].iter().enumerate().filter(|(_, is_behind)| **is_behind) {
             for (across, other) in [((axis + 1) % 3, (axis + 2) % 3), ((axis + 2) % 3, (axis + 1) % 3)] {
-                let mut from = corner([end; 3]);
-                let inner = along[across].ticks.iter().map(|(value, _)| (*value, 0.25));
-                for (value, opacity) in inner.chain([(low[across], 0.8), (high[across], 0.8)]) {
-                    (from[across], from[other]) = (value, low[other]);
+                for (value, _) in &along[across].ticks {
+                    let mut from = ends[end];
+                    (from[across], from[other]) = (*value, ends[0][other]);
                     let mut to = from;
-                    to[other] = high[other];
-                    lines(canvas, from, to, opacity);
+                    to[other] = ends[1][other];
+                    if let Some([from, to]) = view.line(from, to) {
+                        canvas.line_behind(from, to, 0.25);
+                    }
                 }
             }
         }
     }
-    let Some(centre) = view.place(middle) else { return };
-    for axis in 0..3 {
-        // An edge at the rim: one of its two faces lies behind, the other in front. Of these the lowest in the picture, for an upright
-        // axis the leftmost.
-        let others = [(axis + 1) % 3, (axis + 2) % 3];
-        let edges = [[false, false], [false, true], [true, false], [true, true]].map(|ends| {
-            let at = |value: f64| {
-                let mut point = DVec3::ZERO;
-                point[axis] = value;
-                for (other, end) in others.into_iter().zip(ends) {
-                    point[other] = if end { high[other] } else { low[other] };
-                }
-                point
-            };
-            let is_rim = is_behind(others[0], ends[0]) != is_behind(others[1], ends[1]);
-            (is_rim, view.place(at(low[axis])), view.place(at(high[axis])), at(0.0))
-        });
-        let visible =
-            edges.into_iter().filter_map(|(is_rim, from, to, base)| is_rim.then_some((from?, to?, base)));
-        let is_upright = |from: Place, to: Place| (to[1] - from[1]).abs() > 1.5 * (to[0] - from[0]).abs();
-        let rank = |&(from, to, _): &(Place, Place, DVec3)| {
-            let k = if is_upright(from, to) { 0 } else { 1 };
-            let sum = from[k] + to[k];
-            if k == 0 { -sum } else { sum }
-        };
-        let Some((from, to, base)) = visible.max_by(|a, b| rank(a).total_cmp(&rank(b))) else { continue };
-        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
-        if length < 4.0 * font {
-            continue;
+    for (edge, behind_count) in [0, 1, 2].into_iter().flat_map(|axis| faces.edges(axis)) {
+        match (faces.line(edge), behind_count) {
+            (Some([from, to]), 1) => canvas.line(from, to),
+            (Some([from, to]), 2) => canvas.line_behind(from, to, 0.8),
+            _ => {}
         }
-        // Away from the middle of the box.
-        let [x, y] = [(to[0] - from[0]) / length, (to[1] - from[1]) / length];
-        let half = [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])];
-        let is_outward = (half[0] - centre[0]) * -y + (half[1] - centre[1]) * x > 0.0;
-        let out = if is_outward { [-y, x] } else { [y, -x] };
-        let (align, wide) = match out[0] {
-            ..-0.35 => (Align::End, 1.0),
-            0.35.. => (Align::Start, 1.0),
-            _ => (Align::Middle, 0.0),
-        };
-        let Ticks { ticks, note } = &along[axis];
-        // No more labels than have room.
-        let room = if wide > 0.0 && y.abs() > 0.5 { 1.6 } else { 3.6 };
-        let keep = ((ticks.len() as f32 * room * font / length).ceil() as usize).max(1);
-        let mut widest = 0.0_f32;
-        for (value, label) in ticks.iter().step_by(keep) {
-            let mut point = base;
-            point[axis] = *value;
-            let Some([px, py]) = view.place(point) else { continue };
-            canvas.line([px, py], [px + 0.4 * font * out[0], py + 0.4 * font * out[1]]);
-            let [left, right] =
-                canvas.text(label, [px + 0.8 * font * out[0], py + 1.1 * font * out[1]], align);
-            widest = widest.max(right - left);
-        }
-        let away = 2.6 * font * (1.0 - wide) + wide * (1.4 * font + widest);
-        let at = [half[0] + away * out[0], half[1] + away.max(2.4 * font) * out[1]];
-        let note = note.as_ref().map_or(String::new(), |note| format!("  {note}"));
-        let unit = if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
-        canvas.text(&format!("{}{unit}{note}", NAMES[axis]), at, align);
     }
+    let has_no_room = |axis: &usize| !label(canvas, &faces, *axis, &along[*axis], unit);
+    [0, 1, 2].into_iter().filter(has_no_room).map(|axis| NAMES[axis]).collect()
 }
 
-/// Draws the directions of the axes in the lower left corner, the nearest last.
-pub fn directions(canvas: &mut Canvas, view: &View) {
-    let font = canvas.font;
-    let length = 2.6 * font;
-    let centre = [3.9 * font, canvas.height() - 3.9 * font];
+/// Labels of an edge on one of its sides: those that have room.
+struct Labels {
+    ticks: Vec<(Place, [f32; 2], String)>,
+    name: Option<Place>,
+    align: Align,
+}
+
+/// Writes the labels of an axis along the edge at the rim, and on the side of it, where most of them have room; true also where
+/// the axis is seen as a point.
+fn label(canvas: &mut Canvas, faces: &Faces, axis: usize, ticks: &Ticks, unit: &str) -> bool {
+    let at_rim = faces.edges(axis).into_iter().filter(|(_, behind_count)| *behind_count == 1);
+    let mut edges: Vec<(Edge, [Place; 2])> =
+        at_rim.filter_map(|(edge, _)| Some((edge, faces.line(edge)?))).collect();
+    // The lower one, of upright ones the left one.
+    let rank = |[from, to]: [Place; 2]| {
+        let is_upright = (to[1] - from[1]).abs() > 1.5 * (to[0] - from[0]).abs();
+        if is_upright { from[0] + to[0] } else { -(from[1] + to[1]) }
+    };
+    edges.sort_by(|a, b| rank(a.1).total_cmp(&rank(b.1)));
+    let note = ticks.note.as_ref().map_or(String::new(), |note| format!("  {note}"));
+    let unit = if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
+    let name = format!("{}{unit}{note}", NAMES[axis]);
+    let mut best: Option<(usize, Labels)> = None;
+    let mut is_long = edges.is_empty();
+    for outward in [1.0, -1.0] {
+        for &(edge, line) in &edges {
+            let length = (line[1][0] - line[0][0]).hypot(line[1][1] - line[0][1]);
+            if length < 3.0 * canvas.font() {
+                continue;
+            }
+            is_long = true;
+            let labels = labels(canvas, faces, edge, line, outward, ticks, &name);
+            let count = labels.ticks.len() + 2 * usize::from(labels.name.is_some());
+            if count > best.as_ref().map_or(0, |(most, _)| *most) {
+                best = Some((count, labels));
+            }
+        }
+    }
+    let Some((_, Labels { ticks: found, name: named_at, align })) = best else { return !is_long };
+    let font = canvas.font();
+    for ([x, y], [right, down], label) in found {
+        canvas.line([x, y], [x + 0.4 * font * right, y + 0.4 * font * down]);
+        let at = [x + 0.8 * font * right, y + 1.1 * font * down];
+        canvas.take(canvas.place_of(&label, at, align));
+        canvas.text(&label, at, align);
+    }
+    if let Some(at) = named_at {
+        canvas.take(canvas.place_of(&name, at, align));
+        canvas.text(&name, at, align);
+    }
+    named_at.is_some()
+}
+
+/// The labels that have room along an edge whose line in the picture is given, away from the box for `outward` = 1 and into it for −1.
+fn labels(
+    canvas: &Canvas,
+    faces: &Faces,
+    edge: Edge,
+    [from, to]: [Place; 2],
+    outward: f32,
+    ticks: &Ticks,
+    name: &str,
+) -> Labels {
+    let font = canvas.font();
+    let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+    let [x, y] = [(to[0] - from[0]) / length, (to[1] - from[1]) / length];
+    let centre = faces.view.place(0.5 * (faces.ends[0] + faces.ends[1]));
+    let centre = centre.unwrap_or(canvas.size().map(|side| 0.5 * side));
+    let half = [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])];
+    let is_left = (half[0] - centre[0]) * -y + (half[1] - centre[1]) * x > 0.0;
+    let out = if is_left { [-y, x] } else { [y, -x] }.map(|component| outward * component);
+    let (align, is_beside) = match out[0] {
+        ..-0.35 => (Align::End, true),
+        0.35.. => (Align::Start, true),
+        _ => (Align::Middle, false),
+    };
+    let place = |(value, label): &(f64, String)| {
+        let at = faces.view.place(faces.point(edge, *value))?;
+        let text_at = [at[0] + 0.8 * font * out[0], at[1] + 1.1 * font * out[1]];
+        Some((at, out, label.clone(), canvas.place_of(label, text_at, align)))
+    };
+    let all: Vec<_> = ticks.ticks.iter().filter_map(place).collect();
+    // Each k-th of them, so that neighbours leave each other room.
+    let gap = 0.4 * font;
+    let is_apart = |step: &usize| {
+        let kept: Vec<_> = all.iter().step_by(*step).map(|(.., rectangle)| rectangle).collect();
+        kept.windows(2).all(|pair| {
+            (0..2).any(|k| {
+                let gap = if k == 0 { gap } else { 0.0 };
+                pair[1][0][k] >= pair[0][1][k] + gap || pair[1][1][k] + gap <= pair[0][0][k]
+            })
+        })
+    };
+    let step = (1..=all.len().max(1)).find(is_apart).unwrap_or(1);
+    let kept: Vec<_> =
+        all.into_iter().step_by(step).filter(|(.., rectangle)| canvas.is_free(*rectangle)).collect();
+    let widest = kept.iter().map(|(_, _, label, _)| text_width(label, font)).fold(0.0, f32::max);
+    let away = if is_beside { [1.4 * font + widest, 0.0] } else { [0.0, 1.1 * font + LEADING * font] };
+    let sign = |component: f32| if component < 0.0 { -1.0 } else { 1.0 };
+    let named_at = [0.5, 0.3, 0.7, 0.15, 0.85, 0.0, 1.0].into_iter().map(|share: f32| {
+        let on_edge = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
+        [on_edge[0] + away[0] * sign(out[0]), on_edge[1] + away[1] * sign(out[1])]
+    });
+    let has_room = |at: &Place| {
+        let [low, high] = canvas.place_of(name, *at, align);
+        let is_apart = |other: &[Place; 2]| (0..2).any(|k| high[k] <= other[0][k] || low[k] >= other[1][k]);
+        canvas.is_free([low, high]) && kept.iter().all(|(.., rectangle)| is_apart(rectangle))
+    };
+    let name = named_at.into_iter().find(has_room);
+    Labels { ticks: kept.into_iter().map(|(at, out, label, _)| (at, out, label)).collect(), name, align }
+}
+
+/// Draws the directions of the axes in the lower corner of a side, the nearest last. False where there is no room.
+pub fn directions(canvas: &mut Canvas, view: &View, side: Side) -> bool {
+    let font = canvas.font();
+    let (length, half) = (2.0 * font, 3.8 * font);
+    let left = side.left(canvas, 2.0 * half);
+    let centre = [left + half, canvas.size()[1] - 0.5 * font - half];
+    if !canvas.take([centre.map(|x| x - half), centre.map(|x| x + half)]) {
+        return false;
+    }
     let Frame { right, up, forward, .. } = view.frame;
     let mut axes = [0, 1, 2].map(|axis| (axis, DVec3::AXES[axis]));
     axes.sort_by(|a, b| b.1.dot(forward).total_cmp(&a.1.dot(forward)));
+    let mut labelled: Vec<Place> = Vec::new();
     for (axis, direction) in axes {
         let [x, y] = [direction.dot(right) as f32, -direction.dot(up) as f32];
         canvas.line(centre, [centre[0] + length * x, centre[1] + length * y]);
-        let far = length + 0.8 * font;
-        canvas.text(NAMES[axis], [centre[0] + far * x, centre[1] + far * y], Align::Middle);
+        // Two axes may be seen as one line: the second label stands farther out.
+        let far = (0..3).map(|k| length + (0.8 + 1.3 * k as f32) * font).map(|far| [far * x, far * y]);
+        let is_apart =
+            |at: &Place| labelled.iter().all(|other| (at[0] - other[0]).hypot(at[1] - other[1]) > font);
+        let at = far.into_iter().find(is_apart).unwrap_or_default();
+        labelled.push(at);
+        canvas.text(NAMES[axis], [centre[0] + at[0], centre[1] + at[1]], Align::Middle);
     }
+    true
 }
 
-/// Draws a line of a round length, at most a quarter of the picture wide, at the middle of its lower border: lengths are the same
-/// everywhere in parallel projection, and in no other. Gives its length in world units; `None` in perspective.
+/// Draws a line of a round length, at most a quarter of the picture wide, at its lower border: lengths are the same
+/// everywhere in parallel projection, and in no other. Gives its length in world units; `None` in perspective, and where there is no room.
 pub fn scale_bar(canvas: &mut Canvas, view: &View, unit: &str) -> Option<f64> {
     let Projection::Orthographic { .. } = view.camera.projection else { return None };
-    let pixel = view.frame.pixel;
-    let longest = 0.25 * f64::from(canvas.width()) * pixel;
+    let (font, [width, height], pixel) = (canvas.font(), canvas.size(), view.frame.pixel);
+    let longest = 0.25 * f64::from(width) * pixel;
     let length = *values([0.0, longest], 2).last()?;
+    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    let label = match length {
+        1e-4..1e6 => format!("{length}{unit}"),
+        _ => format!("{length:e}{unit}"),
+    };
     let half = (0.5 * length / pixel) as f32;
-    let (x, y) = (0.5 * canvas.width(), canvas.height() - 1.4 * canvas.font);
+    let around = half.max(0.5 * text_width(&label, font)) + 0.3 * font;
+    let y = height - font;
+    // In the middle, or beside what stands in the corners.
+    let [low, high] = [around + 0.5 * font, width - around - 0.5 * font];
+    let places =
+        (0..=8).map(|k| 0.5 + if k % 2 == 0 { -1.0 } else { 1.0 } * (k as f32 + 1.0).div_euclid(2.0) / 8.0);
+    let middles = places.map(|share| low + share * (high - low));
+    let x = middles
+        .into_iter()
+        .find(|x| canvas.take([[x - around, y - 1.9 * font], [x + around, y + 0.5 * font]]))?;
     canvas.line([x - half, y], [x + half, y]);
     for end in [x - half, x + half] {
-        canvas.line([end, y - 0.4 * canvas.font], [end, y + 0.4 * canvas.font]);
+        canvas.line([end, y - 0.4 * font], [end, y + 0.4 * font]);
     }
-    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-    canvas.text(&format!("{length}{unit}"), [x, y - 1.2 * canvas.font], Align::Middle);
+    canvas.text(&label, [x, y - 1.2 * font], Align::Middle);
     Some(length)
 }

@@ -16,11 +16,30 @@ const PLAIN: std::ops::Range<i32> = -3..5;
 const OFFSET: f64 = 1e4;
 
 /// Round values within a range, at most so many: multiples of 1, 2 or 5 times a power of ten. None where the range is empty or not finite.
-pub fn values([low, high]: [f64; 2], most: usize) -> Vec<f64> {
-    let Some(step) = step([low, high], most) else { return Vec::new() };
-    // Multiples that the range's ends are but for rounding belong to it.
-    let slack = 1e-9;
-    let (first, last) = ((low / step - slack).ceil(), (high / step + slack).floor());
+pub fn values(range: [f64; 2], most: usize) -> Vec<f64> {
+    values_within(range, most, rounding(range))
+}
+
+/// Distance at which two values of a range are the same: a few of their roundings.
+fn rounding([low, high]: [f64; 2]) -> f64 {
+    4.0 * f64::EPSILON * low.abs().max(high.abs())
+}
+
+/// Round values; multiples that the range's ends are but for rounding belong to it. `rounding`: that of the ends.
+fn values_within([low, high]: [f64; 2], most: usize, rounding: f64) -> Vec<f64> {
+    let span = high - low;
+    if !(span > 16.0 * rounding && span.is_finite()) || most == 0 {
+        return Vec::new();
+    }
+    let power = 10_f64.powf((span / most as f64).log10().floor());
+    let ends = |step: f64| {
+        let slack = 1e-9 + rounding / step;
+        [(low / step - slack).ceil(), (high / step + slack).floor()]
+    };
+    let is_few = |step: &f64| *step > 0.0 && ends(*step)[1] - ends(*step)[0] < most as f64;
+    let step = [1.0, 2.0, 5.0, 10.0, 20.0].map(|digit| digit * power).into_iter().find(is_few);
+    let Some(step) = step else { return Vec::new() };
+    let [first, last] = ends(step);
     (0..most).map(|k| first + k as f64).take_while(|k| *k <= last).map(|k| multiple(k, step)).collect()
 }
 
@@ -28,20 +47,6 @@ pub fn values([low, high]: [f64; 2], most: usize) -> Vec<f64> {
 fn multiple(k: f64, step: f64) -> f64 {
     let inverse = (1.0 / step).round();
     0.0 + if step < 1.0 && inverse.is_finite() { k / inverse } else { k * step }
-}
-
-/// The least of 1, 2 and 5 times powers of ten that leaves at most so many multiples in a range.
-fn step([low, high]: [f64; 2], most: usize) -> Option<f64> {
-    let span = high - low;
-    // Values closer than a few roundings are the same.
-    let finest = 4.0 * f64::EPSILON * low.abs().max(high.abs());
-    if !(span > finest && span.is_finite()) || most == 0 {
-        return None;
-    }
-    let power = 10_f64.powf((span / most as f64).log10().floor());
-    let steps = [1.0, 2.0, 5.0, 10.0, 20.0].map(|digit| digit * power);
-    let count = |step: f64| (high / step + 1e-9).floor() - (low / step - 1e-9).ceil() + 1.0;
-    steps.into_iter().find(|step| *step > 0.0 && count(*step) <= most as f64)
 }
 
 /// Ticks at round values, at most so many, with labels as short as tell them apart.
@@ -54,16 +59,17 @@ pub fn ticks(range: [f64; 2], most: usize) -> Ticks {
     } else {
         0.0
     };
-    let offsets = values([range[0] - offset, range[1] - offset], most);
+    let offsets = values_within([range[0] - offset, range[1] - offset], most, rounding(range));
     let largest = offsets.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    let power = if largest > 0.0 { largest.log10().floor() as i32 } else { 0 };
+    let power = if largest > 0.0 { largest.log10().floor().max(-300.0) as i32 } else { 0 };
     let power = if PLAIN.contains(&power) { 0 } else { power };
     let scale = 10_f64.powi(-power);
     let gap = offsets.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
     let gap = if gap.is_finite() { gap } else { largest };
     let decimals =
         if gap > 0.0 { (-(gap * scale).log10() - 1e-9).ceil().clamp(0.0, 17.0) as usize } else { 0 };
-    let label = |&x: &f64| (x + offset, format!("{:.decimals$}", x * scale + 0.0).replace('-', "−"));
+    let at = |x: f64| (x + offset).max(range[0]).min(range[1]);
+    let label = |&x: &f64| (at(x), format!("{:.decimals$}", x * scale + 0.0).replace('-', "−"));
     let mut notes = Vec::new();
     if power != 0 {
         notes.push(format!("×10{}", superscript(power)));
