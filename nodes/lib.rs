@@ -8,6 +8,7 @@
 //! | [`in_memory_grid`] | grids that a program holds in memory |
 //! | [`relative`] | numbers relative to data: ranges and percentiles |
 
+mod annotation;
 mod bands;
 mod camera;
 mod composite;
@@ -58,6 +59,7 @@ pub static NODES: &[&Node] = &[
     &composite::NODE,
     &renderer::NODE,
     &gpu_renderer::NODE,
+    &annotation::NODE,
     &grid_writer::NODE,
     &image_writer::NODE,
     &report_writer::NODE,

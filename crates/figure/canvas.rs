@@ -328,7 +328,8 @@ pub fn lacking(text: &str) -> Option<char> {
 }
 
 fn outline(text: &str, [x, y]: Place, font: f32) -> Vec<Command> {
-    let mut pen = Pen { path: Vec::new(), origin: [x, y], scale: font / f32::from(FONT.units_per_em()) };
+    let mut pen =
+        OutlinePath { path: Vec::new(), origin: [x, y], scale: font / f32::from(FONT.units_per_em()) };
     for letter in text.chars() {
         let glyph = FONT.glyph_index(letter).unwrap_or_default();
         FONT.outline_glyph(glyph, &mut pen);
@@ -338,19 +339,19 @@ fn outline(text: &str, [x, y]: Place, font: f32) -> Vec<Command> {
 }
 
 /// Turns outlines of letters, y up, into a path of the picture.
-struct Pen {
+struct OutlinePath {
     path: Vec<Command>,
     origin: Place,
     scale: f32,
 }
 
-impl Pen {
+impl OutlinePath {
     fn at(&self, x: f32, y: f32) -> Place {
         [self.origin[0] + self.scale * x, self.origin[1] - self.scale * y]
     }
 }
 
-impl OutlineBuilder for Pen {
+impl OutlineBuilder for OutlinePath {
     fn move_to(&mut self, x: f32, y: f32) {
         let to = self.at(x, y);
         self.path.move_to(to);
@@ -425,7 +426,7 @@ mod tests {
         assert!(picture.pixel(2, 1)[3] > 0.9 && picture.pixel(2, 0)[3] == 0.0, "{:?}", picture.pixel(2, 1));
     }
 
-    /// Of any slope, and however far its ends lie outside: an area of length × width.
+    /// A line of any slope, however far its ends lie outside, has an area of length × width.
     #[test]
     fn a_line_covers_its_width_and_ends_where_it_is_told() {
         let covered = |from, to| {

@@ -5,7 +5,7 @@
 pub struct Ticks {
     /// Values with their labels, ascending.
     pub ticks: Vec<(f64, String)>,
-    /// How a value follows from its label, where that is not the value itself: "×10⁻³ + 101325".
+    /// Way from a label to its value, where they differ: "×10⁻³ + 101325".
     pub note: Option<String>,
 }
 

@@ -89,6 +89,8 @@ pub struct ImportStats {
     pub values_unread: u64,
     /// Arrays that were decoded: the scalar and those beside it.
     pub arrays_decoded: u64,
+    /// The time that the values are of, where the file says it.
+    pub time: Option<f64>,
     /// Warnings for the user, each a sentence.
     pub warnings: Vec<String>,
 }
