@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use voltet_core::arithmetic::decimal;
 use voltet_core::camera::Projection;
+use voltet_core::grid::Grid;
 use voltet_core::picture::Picture;
 use voltet_core::probing::{Axis, Histogram, histogram};
 use voltet_core::transfer::TransferFunction;
@@ -146,6 +147,9 @@ const TEMPLATES: [&str; 3] = ["title", "text", "bar_title"];
 /// Bins along s and g of the distribution behind the plane.
 const BINS: [usize; 2] = [160, 112];
 
+/// Most cells of which the distribution is found, spread evenly over those of the grid.
+const MAX_CELLS: usize = 1 << 15;
+
 /// Decades of volume that the plane tells apart.
 const DECADES: f64 = 6.0;
 
@@ -210,8 +214,9 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     let mut names = vec![title.clone(), text.clone()];
     if p.text("bar")? != "none" && call.is_wired("transfer_function")? {
         let scale = Scale::new(call, volume.as_deref(), bar_title)?;
-        names.extend(scale.axes.iter().map(|axis| Some(axis.name.clone())));
-        if !scale.draw(call, volume.as_deref(), &mut canvas, side, heading.unwrap_or(0.0))? {
+        let axes = [Some(&scale.s), scale.plane.as_ref().map(|(axis, _)| axis)];
+        names.extend(axes.map(|axis| axis.map(|axis| axis.name.clone())));
+        if !scale.draw(&mut canvas, side, heading.unwrap_or(0.0)) {
             missing.push("the scale of the colours".into());
         }
     }
@@ -325,9 +330,11 @@ fn limits(p: &Parameters) -> Result<Option<[f64; 2]>> {
 /// The scale of a transfer function's colours: along s, or over s and g.
 struct Scale {
     function: CompiledTransferFunction,
-    /// Largest extinction of a widget, per world unit.
+    /// Largest extinction of a widget, per world unit; above 0.
     peak: f64,
-    axes: Vec<NamedAxis>,
+    s: NamedAxis,
+    /// The axis of g, where the function looks at it, with the data.
+    plane: Option<(NamedAxis, Arc<Distribution>)>,
 }
 
 /// The distribution of data with one revision, kept between runs.
@@ -345,74 +352,60 @@ impl Scale {
         let scalar = volume.map_or("s", |volume| volume.grid.scalar_name.as_str());
         let bracketed = |unit: &str| if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
         let (unit, length) = (unit(p, "unit"), unit(p, "length_unit"));
-        let name = title.unwrap_or_else(|| format!("{scalar}{}", bracketed(unit)));
-        let is_plane = function.uses_gradient_magnitude();
-        let range = match (limits(p)?, own_range(&function).filter(|_| !is_plane), volume) {
+        let plane = if function.uses_gradient_magnitude() {
+            let found = distribution(call, volume)?;
+            let per_length = if length.is_empty() { String::new() } else { format!("{unit}/{length}") };
+            let per_length = if unit.is_empty() { "" } else { per_length.as_str() };
+            let name = format!("|∇{scalar}|{}", bracketed(per_length));
+            Some((NamedAxis { name, range: ends(found.0.axes[1]) }, found))
+        } else {
+            None
+        };
+        let range = match (limits(p)?, own_range(&function).filter(|_| plane.is_none()), volume) {
             (Some(range), ..) | (None, Some(range), _) => range,
             (None, None, Some(volume)) => ends(Axis::over(&volume.scalar, 1)),
             (None, None, None) => support(&function).ok_or_else(|| {
-                let error =
-                    p.error("bar", "the transfer function has no ends, so the range of the bar is not known");
-                error.expected("inputs = { volume = \"NODE\" }, or bar_range = [low, high]")
+                let what = "the transfer function has no ends, so the range of the bar is not known";
+                p.error("bar", what).expected("inputs = { volume = \"NODE\" }, or bar_range = [low, high]")
             })?,
         };
-        let mut axes = vec![NamedAxis { name, range }];
-        if is_plane {
-            let found = distribution(call, volume)?;
-            let per_length =
-                if unit.is_empty() || length.is_empty() { String::new() } else { format!("{unit}/{length}") };
-            let name = format!("|∇{scalar}|{}", bracketed(&per_length));
-            axes.push(NamedAxis { name, range: ends(found.0.axes[1]) });
-        }
-        let peak =
-            function.widgets.iter().map(|widget| widget.peak()).fold(0.0, f64::max) / function.unit_distance;
-        Ok(Scale { function: CompiledTransferFunction::new(&function)?, peak, axes })
+        let s = NamedAxis { name: title.unwrap_or_else(|| format!("{scalar}{}", bracketed(unit))), range };
+        let peak = function.widgets.iter().map(|widget| widget.peak()).fold(f64::MIN_POSITIVE, f64::max);
+        let peak = peak / function.unit_distance;
+        Ok(Scale { function: CompiledTransferFunction::new(&function)?, peak, s, plane })
     }
 
     /// Draws it; false where there is no room.
-    fn draw(
-        &self,
-        call: &RunContext,
-        volume: Option<&Volume>,
-        canvas: &mut Canvas,
-        side: Side,
-        top: f32,
-    ) -> Result<bool> {
-        let [s, g] = match self.axes.as_slice() {
-            [s, g] => [s.clone(), g.clone()],
-            axes => {
-                let shade = |[low, high]: [f64; 2]| self.shade([low, 0.0], [high, 0.0]);
-                return Ok(color_bar(canvas, side, top, &axes[0], shade).is_some());
-            }
+    fn draw(&self, canvas: &mut Canvas, side: Side, top: f32) -> bool {
+        let Some((g_axis, Distribution(found))) = self.plane.as_ref().map(|(axis, found)| (axis, &**found))
+        else {
+            let shade = |[low, high]: [f64; 2]| self.shade([low, 0.0], [high, 0.0]);
+            return color_bar(canvas, side, top, &self.s, shade).is_some();
         };
-        let found = distribution(call, volume)?;
-        let most = found.0.volumes.iter().copied().fold(0.0, f64::max);
+        let most = found.volumes.iter().copied().fold(0.0, f64::max);
         let Theme { ink, rim } = canvas.theme();
-        let color = |shares: [f64; 2]| {
-            let [s, g] = [0, 1].map(|k: usize| {
-                let [low, high] = self.axes[k].range;
-                low + shares[k] * (high - low)
-            });
-            let volume = volume_at(&found.0, [s, g]);
+        // Thin widgets beside dense ones are seen by the cube root; in linear light a bright ground outshines colours.
+        let power = if rim[0] > ink[0] { 1.0 / 6.0 } else { 1.0 / 3.0 };
+        let color = |place: [f64; 2]| {
+            let volume = volume_at(found, place);
             let level = if volume > 0.0 { (1.0 + (volume / most).log10() / DECADES).max(0.1) } else { 0.0 };
-            let behind = [0, 1, 2].map(|k: usize| rim[k] + 0.4 * level as f32 * (ink[k] - rim[k]));
-            let Shade { color, extinction } = self.shade([s, g], [s, g]);
-            // The cube root, so that thin widgets beside dense ones are seen.
-            let share = (extinction / self.peak).clamp(0.0, 1.0).cbrt() as f32;
-            let color = color.map_or(behind, |color| {
-                [0, 1, 2].map(|k: usize| share * color[k] + (1.0 - share) * behind[k])
-            });
-            [color[0], color[1], color[2], 1.0]
+            let ground = [0, 1, 2].map(|k: usize| rim[k] + 0.4 * level as f32 * (ink[k] - rim[k]));
+            let Shade { color, extinction } = self.shade(place, place);
+            let share = (extinction / self.peak).clamp(0.0, 1.0).powf(power) as f32;
+            let over = |k: usize, color: f32| share * color + (1.0 - share) * ground[k];
+            let [r, g, b] = color.map_or(ground, |color| [0, 1, 2].map(|k: usize| over(k, color[k])));
+            [r, g, b, 1.0]
         };
-        Ok(plane(canvas, side, &[s, g], color).is_some())
+        plane(canvas, side, [&self.s, g_axis], color).is_some()
     }
 
     /// The look of a thin segment between two places: C/A, no brighter than a picture shows, and the mean extinction.
     fn shade(&self, front: [f64; 2], back: [f64; 2]) -> Shade {
+        // So thin a segment has no order of its widgets.
         let length = THIN / self.peak;
         let segment = Segment { length, front, back, fields_front: &[], fields_back: &[] };
         let Contribution { optical_depth, color, opacity } =
-            self.function.integrate(&segment, WidgetBlend::Exact);
+            self.function.integrate(&segment, WidgetBlend::Mix);
         let brightest = color.into_iter().fold(opacity, f64::max);
         let is_seen = optical_depth > NEGLIGIBLE_EXTINCTION * THIN;
         Shade {
@@ -457,7 +450,11 @@ fn distribution(call: &RunContext, volume: Option<&Volume>) -> Result<Arc<Distri
     call.keep(call.revision("volume")?, || {
         let s_axis = Axis::over(&volume.scalar, BINS[0]);
         let whole = Axis { low: 0.0, ..Axis::over(g, 16 * BINS[1]) };
-        let found = |axes| histogram(&volume.grid, [&volume.scalar, g], axes, call.progress());
+        // All cells where there are few: the exact distribution of many takes as long as the picture.
+        let stride = volume.grid.tetrahedra.len().div_ceil(MAX_CELLS).max(1);
+        let tetrahedra = volume.grid.tetrahedra.iter().step_by(stride).copied().collect();
+        let some = Grid { points: volume.grid.points.clone(), tetrahedra, ..Grid::default() };
+        let found = |axes| histogram(&some, [&volume.scalar, g], axes, call.progress());
         let high = found([Axis { bins: 1, ..s_axis }, whole])?.nearly_all();
         Ok(Distribution(found([s_axis, Axis { low: 0.0, high, bins: BINS[1] }])?))
     })

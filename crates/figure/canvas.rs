@@ -159,18 +159,32 @@ impl<'a> Canvas<'a> {
 
     /// Draws a line with a rim.
     pub fn line(&mut self, from: Place, to: Place) {
-        let (width, Theme { ink, rim }) = (self.line_width(), self.theme);
-        self.stroke(from, to, 2.0 * width + 1.0, |pixel, share| paint(pixel, rim, 0.5 * RIM * share));
-        self.stroke(from, to, width, |pixel, share| paint(pixel, ink, seen(ink, share)));
+        self.ink(from, to, |_| false);
     }
 
-    /// Draws a line behind what the picture shows.
+    /// Draws a line with a rim where nothing is taken.
+    pub fn line_around(&mut self, from: Place, to: Place) {
+        let taken = self.taken.clone();
+        self.ink(from, to, |at| holds(&taken, at));
+    }
+
+    /// Draws a line behind what the picture shows, where nothing is taken.
     pub fn line_behind(&mut self, from: Place, to: Place, opacity: f32) {
-        let ink = self.theme.ink;
-        self.stroke(from, to, self.line_width(), |pixel, share| {
-            let behind = seen(ink, share) * opacity;
+        let (taken, ink) = (self.taken.clone(), self.theme.ink);
+        self.stroke(from, to, self.line_width(), |pixel, share, at| {
+            let behind = if holds(&taken, at) { 0.0 } else { seen(ink, share) * opacity };
             over(pixel, [behind * ink[0], behind * ink[1], behind * ink[2], behind])
         });
+    }
+
+    fn ink(&mut self, from: Place, to: Place, is_left_out: impl Fn(Place) -> bool) {
+        let (width, Theme { ink, rim }) = (self.line_width(), self.theme);
+        for (width, color, opacity) in [(2.0 * width + 1.0, rim, 0.5 * RIM), (width, ink, 1.0)] {
+            self.stroke(from, to, width, |pixel, share, at| match is_left_out(at) {
+                true => pixel,
+                false => paint(pixel, color, opacity * seen(color, share)),
+            });
+        }
     }
 
     /// Draws the border of a rectangle.
@@ -183,7 +197,7 @@ impl<'a> Canvas<'a> {
             [[left, top], [left, bottom]],
             [[right, top], [right, bottom]],
         ] {
-            self.stroke(from, to, width, |pixel, share| paint(pixel, ink, seen(ink, share)));
+            self.stroke(from, to, width, |pixel, share, _| paint(pixel, ink, seen(ink, share)));
         }
     }
 
@@ -209,7 +223,13 @@ impl<'a> Canvas<'a> {
     }
 
     /// Changes the pixels of a line by the share of each that it covers, found from the distance of the pixel's centre.
-    fn stroke(&mut self, from: Place, to: Place, width: f32, change: impl Fn([f32; 4], f32) -> [f32; 4]) {
+    fn stroke(
+        &mut self,
+        from: Place,
+        to: Place,
+        width: f32,
+        change: impl Fn([f32; 4], f32, Place) -> [f32; 4],
+    ) {
         let (half, size) = (0.5 * width + 0.5, self.size());
         let around = [[-half; 2], [size[0] + half, size[1] + half]];
         let Some([from, to]) = clipped([from, to], around) else { return };
@@ -229,12 +249,13 @@ impl<'a> Canvas<'a> {
             let middle = from[minor] + slope * (i as f32 + 0.5 - from[major]);
             for j in pixels(middle - reach, middle + reach, minor) {
                 let (column, row) = if major == 0 { (i, j) } else { (j, i) };
-                let [dx, dy] = [column as f32 + 0.5 - from[0], row as f32 + 0.5 - from[1]];
+                let centre = [column as f32 + 0.5, row as f32 + 0.5];
+                let [dx, dy] = [centre[0] - from[0], centre[1] - from[1]];
                 let (along, across) = (dx * x + dy * y, (dx * y - dy * x).abs());
                 let share = |depth: f32| (depth + 0.5).clamp(0.0, 1.0);
                 let share = share(0.5 * width - across) * share(along) * share(length - along);
                 let pixel = &mut self.picture.rgba[row * self.picture.width + column];
-                *pixel = change(*pixel, share);
+                *pixel = change(*pixel, share, centre);
             }
         }
     }
@@ -252,6 +273,11 @@ impl<'a> Canvas<'a> {
             }
         }
     }
+}
+
+/// True if a place lies in one of several rectangles.
+fn holds(rectangles: &[Rectangle], at: Place) -> bool {
+    rectangles.iter().any(|[low, high]| (0..2).all(|k| low[k] <= at[k] && at[k] < high[k]))
 }
 
 /// The opacity of ink that covers a share of a pixel: bright lines are thinned and dark ones thickened, as they are where the share
@@ -431,7 +457,7 @@ mod tests {
     fn a_line_covers_its_width_and_ends_where_it_is_told() {
         let covered = |from, to| {
             let mut picture = Picture::transparent(60, 60);
-            Canvas::new(&mut picture, Theme::LIGHT, 10.0).stroke(from, to, 2.0, |_, share| [share; 4]);
+            Canvas::new(&mut picture, Theme::LIGHT, 10.0).stroke(from, to, 2.0, |_, share, _| [share; 4]);
             picture
         };
         for to in [[50.0, 20.5], [20.5, 50.0], [48.0, 37.0], [41.0, 55.0]] {

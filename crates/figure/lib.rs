@@ -59,12 +59,8 @@ mod tests {
         let top = canvas.heading("heat_sink.vtu", "t = 0.25 s, steady conduction").unwrap();
         let s = axis("Temperature of the fluid [°C]", [101325.0, 101325.01]);
         if is_plane {
-            assert!(
-                scale::plane(&mut canvas, side, &[s, axis("|∇T| [K/mm]", [0.0, 3e5])], |_| [
-                    0.5, 0.5, 0.5, 1.0
-                ])
-                .is_some()
-            );
+            let g = axis("|∇T| [K/mm]", [0.0, 3e5]);
+            assert!(scale::plane(&mut canvas, side, [&s, &g], |_| [0.5, 0.5, 0.5, 1.0]).is_some());
         } else {
             let shade = |[low, _]: [f64; 2]| Shade { color: None, extinction: low };
             assert!(scale::color_bar(&mut canvas, side, top, &s, shade).is_some());

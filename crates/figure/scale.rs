@@ -137,14 +137,14 @@ fn opaque(color: Option<[f32; 3]>) -> [f32; 4] {
     color.map_or([0.0; 4], |[r, g, b]| [r, g, b, 1.0])
 }
 
-/// Draws the plane of s and g in the lower corner of a side, s to the right and g upward, with ticks and names of both axes. `color`: a
-/// place's premultiplied linear colour, by its shares of the two ranges.
+/// Draws the plane of s and g in the lower corner of a side, s to the right and g upward, with ticks and names of both axes. `color`: the
+/// premultiplied linear colour of a value of each.
 ///
 /// Gives the colours' first column and row and their numbers; `None` where there is no room.
 pub fn plane(
     canvas: &mut Canvas,
     side: Side,
-    axes: &[NamedAxis; 2],
+    [s, g]: [&NamedAxis; 2],
     color: impl Fn([f64; 2]) -> [f32; 4],
 ) -> Option<[[usize; 2]; 2]> {
     let (font, size) = (canvas.font(), canvas.size());
@@ -153,7 +153,6 @@ pub fn plane(
     if height < 4.0 * font {
         return None;
     }
-    let [s, g] = axes;
     let along_s = s.ticks(width, 5, |label| text_width(label, font) + 0.8 * font);
     let along_g = g.ticks(height, 5, |_| ROOM * font);
     let widest =
@@ -175,9 +174,12 @@ pub fn plane(
     if !canvas.take(around) {
         return None;
     }
+    let value = |axis: &NamedAxis, share: f64| axis.range[0] + share * (axis.range[1] - axis.range[0]);
     let share = |k: usize, n: f32| (k as f64 + 0.5) / f64::from(n);
     let place = [[x as usize, y as usize], [width as usize, height as usize]];
-    canvas.pixels(place[0], place[1], |column, row| color([share(column, width), 1.0 - share(row, height)]));
+    canvas.pixels(place[0], place[1], |column, row| {
+        color([value(s, share(column, width)), value(g, 1.0 - share(row, height))])
+    });
     canvas.frame([[x, y], [x + width, bottom]]);
     for (value, label) in &along_s.ticks {
         let at = x + width * s.share(*value);

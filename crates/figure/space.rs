@@ -119,7 +119,7 @@ impl<'a> Faces<'a> {
     }
 }
 
-/// Draws the edges of the data's box at its rim, with ticks and names; the edges and a grid of lines on the faces that lie behind
+/// Draws the edges of the data's box at its rim, around what is taken, with ticks and names; the edges and a grid of lines on the faces that lie behind
 /// everything in it, behind what the picture shows. `unit` follows the names.
 ///
 /// Gives the names of axes that are seen and whose labels have no room.
@@ -143,7 +143,7 @@ pub fn box_axes(canvas: &mut Canvas, view: &View, ends: [DVec3; 2], unit: &str) 
     }
     for (edge, behind_count) in [0, 1, 2].into_iter().flat_map(|axis| faces.edges(axis)) {
         match (faces.line(edge), behind_count) {
-            (Some([from, to]), 1) => canvas.line(from, to),
+            (Some([from, to]), 1) => canvas.line_around(from, to),
             (Some([from, to]), 2) => canvas.line_behind(from, to, 0.8),
             _ => {}
         }
