@@ -189,7 +189,10 @@ fn demand(asking: &mut DemandContext) -> Result<()> {
             needs(name, "volume")?;
         }
     }
-    let look = asking.look("transfer_function");
+    let look = asking.look("transfer_function").filter(|_| has_scale);
+    if let Some(look) = &look {
+        refuse_fields(p, &look.transfer_function)?;
+    }
     let is_plane = has_scale && look.is_none_or(|look| look.transfer_function.uses_gradient_magnitude());
     asking.ask("image", &asked)?;
     asking.ask("volume", &Demand { gradient_magnitude: is_plane, ..Demand::default() })
@@ -345,10 +348,7 @@ impl Scale {
         let p = call.parameters;
         // Extinctions are compared with each other alone, whatever length they are stated for.
         let function = call.look("transfer_function")?.for_diagonal(100.0);
-        if let Some(field) = function.fields().first() {
-            let error = p.error("bar", "no bar and no plane can show the colours of further fields");
-            return Err(error.got(format!("a widget over '{field}'")).expected("bar = \"none\""));
-        }
+        refuse_fields(p, &function)?;
         let scalar = volume.map_or("s", |volume| volume.grid.scalar_name.as_str());
         let bracketed = |unit: &str| if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
         let (unit, length) = (unit(p, "unit"), unit(p, "length_unit"));
@@ -413,6 +413,14 @@ impl Scale {
             extinction: optical_depth / length,
         }
     }
+}
+
+fn refuse_fields(p: &Parameters, function: &TransferFunction) -> Result<()> {
+    let Some(field) = function.fields().first().map(|field| format!("a widget over '{field}'")) else {
+        return Ok(());
+    };
+    let error = p.error("bar", "no bar and no plane can show the colours of further fields");
+    Err(error.got(field).expected("bar = \"none\""))
 }
 
 fn ends(axis: Axis) -> [f64; 2] {
