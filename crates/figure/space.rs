@@ -165,11 +165,8 @@ fn label(canvas: &mut Canvas, faces: &Faces, axis: usize, ticks: &Ticks, unit: &
     let at_rim = faces.edges(axis).into_iter().filter(|(_, behind_count)| *behind_count == 1);
     let mut edges: Vec<(Edge, [Place; 2])> =
         at_rim.filter_map(|(edge, _)| Some((edge, faces.line(edge)?))).collect();
-    // The lower one, of upright ones the left one.
-    let rank = |[from, to]: [Place; 2]| {
-        let is_upright = (to[1] - from[1]).abs() > 1.5 * (to[0] - from[0]).abs();
-        if is_upright { from[0] + to[0] } else { -(from[1] + to[1]) }
-    };
+    // The lower one to the left.
+    let rank = |[from, to]: [Place; 2]| from[0] + to[0] - from[1] - to[1];
     edges.sort_by(|a, b| rank(a.1).total_cmp(&rank(b.1)));
     let note = ticks.note.as_ref().map_or(String::new(), |note| format!("  {note}"));
     let unit = if unit.is_empty() { String::new() } else { format!(" [{unit}]") };

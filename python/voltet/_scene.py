@@ -73,7 +73,7 @@ def scene(
     camera = dict(camera or {})
     placed = {"volume": "gradient", "size": list(size)} if "view" in camera else _fitted(about["bounds"], size)
     pipeline.add("view", "camera", **{**placed, **camera})
-    wires = {"volume": "gradient", "transfer_function": "look", "camera": "view"}
+    wires: dict[str, Any] = {"volume": "gradient", "transfer_function": "look", "camera": "view"}
     pipeline.add("picture", "renderer", **wires, **renderer)
     if annotation is not None:
         pipeline.add("figure", "annotation", image="picture", **wires, **annotation)

@@ -33,6 +33,9 @@ const HAZE: f64 = 0.1;
 /// Vertical angle of view, degrees.
 const FOV_Y: f64 = 30.0;
 
+/// Zoom that leaves labels room beside the box of the data.
+const ZOOM: f64 = 0.8;
+
 /// Width and height of the picture, pixels.
 const PICTURE: [u32; 2] = [1024, 768];
 
@@ -151,6 +154,10 @@ pub fn pipeline(
     } else {
         String::new()
     };
+    let (zoom, figure, shown) = match arguments.plain {
+        true => (String::new(), String::new(), "picture"),
+        false => (format!("zoom = {ZOOM:?}\n"), annotation(), "figure"),
+    };
     let stem = if is_standard_output(output) { arguments.data.file_stem() } else { output.file_stem() };
     let picture = PathBuf::from(stem.unwrap_or_default()).with_extension("png");
     let text = format!(
@@ -177,17 +184,17 @@ unit_distance = {}
 {}
 [nodes.view]
 type = \"camera\"
-{}size = [1024, 768]
+{}{zoom}size = [1024, 768]
 
 [nodes.picture]
 type = \"renderer\"
 inputs = {{ volume = \"gradient\", transfer_function = \"look\", camera = \"view\" }}
-
+{figure}
 [nodes.file]
 type = \"image-writer\"
 path = {}
 background = [0.0, 0.0, 0.0]
-inputs = {{ image = \"picture\" }}
+inputs = {{ image = \"{shown}\" }}
 ",
         at_g(g_axis.low),
         at_s(s_axis.low),
@@ -208,6 +215,18 @@ inputs = {{ image = \"picture\" }}
         said += &format!("; {}", note.trim_end().trim_end_matches('.'));
     }
     Ok((text, said))
+}
+
+/// The node that writes the scale of the colours, axes and the file's name over the picture.
+fn annotation() -> String {
+    "
+[nodes.figure]
+type = \"annotation\"
+title = \"{file}\"
+axes = \"box\"
+inputs = { image = \"picture\", volume = \"gradient\", transfer_function = \"look\", camera = \"view\" }
+"
+    .into()
 }
 
 /// The error for an array that is the same everywhere; names those that are not.
