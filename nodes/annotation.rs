@@ -1,23 +1,20 @@
 //! `annotation`: a title, the scale of the colours, axes and a scale bar over a picture.
 
+use crate::color_scale::{ColorScale, limits, refuse_fields};
 use std::sync::Arc;
 use voltet_core::arithmetic::decimal;
 use voltet_core::camera::Projection;
-use voltet_core::grid::Grid;
 use voltet_core::picture::Picture;
-use voltet_core::probing::{Axis, Histogram, histogram};
-use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-use voltet_figure::canvas::{Canvas, Theme, lacking};
+use voltet_figure::canvas::{Canvas, Theme};
 use voltet_figure::font_size;
-use voltet_figure::scale::{NamedAxis, Shade, Side, color_bar, plane};
+use voltet_figure::scale::Side;
 use voltet_figure::space::{View, box_axes, directions, scale_bar};
 use voltet_graph::{
     DefaultValue, Demand, DemandContext, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType,
     Range, RunContext, Value,
 };
-use voltet_optics::{CompiledTransferFunction, Contribution, Segment, WidgetBlend};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -141,23 +138,11 @@ const TEXT: Parameter = Parameter {
 
 const UNIT: Parameter = Parameter { default: DefaultValue::Unset("no unit"), ..TEXT };
 
+/// Least height of letters of scale 1, pixels.
+const MIN_FONT: f32 = 10.0;
+
 /// The parameters in which names in braces stand for what is known of the data.
 const TEMPLATES: [&str; 3] = ["title", "text", "bar_title"];
-
-/// Bins along s and g of the distribution behind the plane.
-const BINS: [usize; 2] = [160, 112];
-
-/// Most cells of which the distribution is found, spread evenly over those of the grid.
-const MAX_CELLS: usize = 1 << 15;
-
-/// Decades of volume that the plane tells apart.
-const DECADES: f64 = 6.0;
-
-/// Optical depth of a segment whose light gives a colour: so little that its front hides nothing of its back.
-const THIN: f64 = 1e-4;
-
-/// Extinction under which nothing is seen, as a share of the peak.
-const NEGLIGIBLE_EXTINCTION: f64 = 1e-6;
 
 fn demand(asking: &mut DemandContext) -> Result<()> {
     let (p, asked) = (asking.parameters, asking.asked.clone());
@@ -203,22 +188,25 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     let mut picture = Picture::clone(&*call.image("image")?);
     let size = [picture.width, picture.height];
     let volume = call.is_wired("volume")?.then(|| call.volume("volume")).transpose()?;
-    let texts = TEMPLATES.map(|name| filled(call, name, volume.as_deref()));
-    let [title, text, bar_title] = texts;
-    let (title, text, bar_title) = (title?, text?, bar_title?);
+    let [title, text, bar_title] = TEMPLATES.map(|name| filled(call, name, volume.as_deref()));
     let theme = if p.text("theme")? == "light" { Theme::LIGHT } else { Theme::DARK };
-    let mut canvas = Canvas::new(&mut picture, theme, font_size(size) * p.number("scale")? as f32);
+    let mut font = font_size(size);
+    match call.allows_preview() && font < MIN_FONT {
+        // Of a coarse picture that is shown larger.
+        true => call.mark_preview(),
+        false => font = font.max(MIN_FONT),
+    }
+    font *= p.number("scale")? as f32;
+    let mut canvas = Canvas::new(&mut picture, theme, font);
     let mut missing: Vec<String> = Vec::new();
-    let heading = canvas.heading(title.as_deref().unwrap_or(""), text.as_deref().unwrap_or(""));
+    let heading = canvas.heading(&title?.unwrap_or_default(), &text?.unwrap_or_default());
     if heading.is_none() {
         missing.push("the title".into());
     }
     let side = if p.text("bar")? == "left" { Side::Left } else { Side::Right };
-    let mut names = vec![title.clone(), text.clone()];
     if p.text("bar")? != "none" && call.is_wired("transfer_function")? {
-        let scale = Scale::new(call, volume.as_deref(), bar_title)?;
-        let axes = [Some(&scale.s), scale.plane.as_ref().map(|(axis, _)| axis)];
-        names.extend(axes.map(|axis| axis.map(|axis| axis.name.clone())));
+        let units = [unit(p, "unit"), unit(p, "length_unit")];
+        let scale = ColorScale::new(call, volume.as_deref(), bar_title?, units)?;
         if !scale.draw(&mut canvas, side, heading.unwrap_or(0.0)) {
             missing.push("the scale of the colours".into());
         }
@@ -232,7 +220,6 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
             return Err(error.got(found).expected(format!("that of the image, {} × {}", size[0], size[1])));
         }
         let (view, unit) = (View::new(camera)?, unit(p, "length_unit"));
-        names.push(Some(unit.into()));
         if axes == "directions" && !directions(&mut canvas, &view, side.opposite()) {
             missing.push("the directions".into());
         }
@@ -252,13 +239,13 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
             missing.extend(unlabelled.into_iter().map(|axis| format!("the labels of {axis}")));
         }
     }
+    let lacking = canvas.lacking();
+    if !lacking.is_empty() {
+        call.notes.warnings.push(format!("the font has no letters '{lacking}': a box stands for each"));
+    }
     if !missing.is_empty() {
         let what = format!("a picture of {} × {} has no room for {}", size[0], size[1], missing.join(", "));
         call.notes.warnings.push(what + ": a smaller scale or a larger picture has");
-    }
-    let lacking: String = names.iter().flatten().filter_map(|text| lacking(text)).collect();
-    if !lacking.is_empty() {
-        call.notes.warnings.push(format!("the font has no letters '{lacking}': a box stands for each"));
     }
     Ok(vec![Value::Image(Arc::new(picture))])
 }
@@ -317,164 +304,4 @@ fn filled(call: &RunContext, name: &str, volume: Option<&Volume>) -> Result<Opti
 /// Six digits of a number.
 fn short(x: f64) -> String {
     if x == 0.0 { "0".into() } else { decimal(x, 1e-6 * x.abs()).to_string() }
-}
-
-/// The range that the parameter gives.
-fn limits(p: &Parameters) -> Result<Option<[f64; 2]>> {
-    let Some(_) = p.optional("bar_range") else { return Ok(None) };
-    let [low, high] = p.vector("bar_range")?;
-    if low < high {
-        return Ok(Some([low, high]));
-    }
-    let error = p.error("bar_range", "the range of the bar is empty").got(format!("[{low}, {high}]"));
-    Err(error.expected("the smaller number first"))
-}
-
-/// The scale of a transfer function's colours: along s, or over s and g.
-struct Scale {
-    function: CompiledTransferFunction,
-    /// Largest extinction of a widget, per world unit; above 0.
-    peak: f64,
-    s: NamedAxis,
-    /// The axis of g, where the function looks at it, with the data.
-    plane: Option<(NamedAxis, Arc<Distribution>)>,
-}
-
-/// The distribution of data with one revision, kept between runs.
-struct Distribution(Histogram);
-
-impl Scale {
-    fn new(call: &RunContext, volume: Option<&Volume>, title: Option<String>) -> Result<Scale> {
-        let p = call.parameters;
-        // Extinctions are compared with each other alone, whatever length they are stated for.
-        let function = call.look("transfer_function")?.for_diagonal(100.0);
-        refuse_fields(p, &function)?;
-        let scalar = volume.map_or("s", |volume| volume.grid.scalar_name.as_str());
-        let bracketed = |unit: &str| if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
-        let (unit, length) = (unit(p, "unit"), unit(p, "length_unit"));
-        let plane = if function.uses_gradient_magnitude() {
-            let found = distribution(call, volume)?;
-            let per_length = if length.is_empty() { String::new() } else { format!("{unit}/{length}") };
-            let per_length = if unit.is_empty() { "" } else { per_length.as_str() };
-            let name = format!("|∇{scalar}|{}", bracketed(per_length));
-            Some((NamedAxis { name, range: ends(found.0.axes[1]) }, found))
-        } else {
-            None
-        };
-        let range = match (limits(p)?, own_range(&function).filter(|_| plane.is_none()), volume) {
-            (Some(range), ..) | (None, Some(range), _) => range,
-            (None, None, Some(volume)) => ends(Axis::over(&volume.scalar, 1)),
-            (None, None, None) => support(&function).ok_or_else(|| {
-                let what = "the transfer function has no ends, so the range of the bar is not known";
-                p.error("bar", what).expected("inputs = { volume = \"NODE\" }, or bar_range = [low, high]")
-            })?,
-        };
-        let s = NamedAxis { name: title.unwrap_or_else(|| format!("{scalar}{}", bracketed(unit))), range };
-        let peak = function.widgets.iter().map(|widget| widget.peak()).fold(f64::MIN_POSITIVE, f64::max);
-        let peak = peak / function.unit_distance;
-        Ok(Scale { function: CompiledTransferFunction::new(&function)?, peak, s, plane })
-    }
-
-    /// Draws it; false where there is no room.
-    fn draw(&self, canvas: &mut Canvas, side: Side, top: f32) -> bool {
-        let Some((g_axis, Distribution(found))) = self.plane.as_ref().map(|(axis, found)| (axis, &**found))
-        else {
-            let shade = |[low, high]: [f64; 2]| self.shade([low, 0.0], [high, 0.0]);
-            return color_bar(canvas, side, top, &self.s, shade).is_some();
-        };
-        let most = found.volumes.iter().copied().fold(0.0, f64::max);
-        let Theme { ink, rim } = canvas.theme();
-        // Thin widgets beside dense ones are seen by the cube root; in linear light a bright ground outshines colours.
-        let power = if rim[0] > ink[0] { 1.0 / 6.0 } else { 1.0 / 3.0 };
-        let color = |place: [f64; 2]| {
-            let volume = volume_at(found, place);
-            let level = if volume > 0.0 { (1.0 + (volume / most).log10() / DECADES).max(0.1) } else { 0.0 };
-            let ground = [0, 1, 2].map(|k: usize| rim[k] + 0.4 * level as f32 * (ink[k] - rim[k]));
-            let Shade { color, extinction } = self.shade(place, place);
-            let share = (extinction / self.peak).clamp(0.0, 1.0).powf(power) as f32;
-            let over = |k: usize, color: f32| share * color + (1.0 - share) * ground[k];
-            let [r, g, b] = color.map_or(ground, |color| [0, 1, 2].map(|k: usize| over(k, color[k])));
-            [r, g, b, 1.0]
-        };
-        plane(canvas, side, [&self.s, g_axis], color).is_some()
-    }
-
-    /// The look of a thin segment between two places: C/A, no brighter than a picture shows, and the mean extinction.
-    fn shade(&self, front: [f64; 2], back: [f64; 2]) -> Shade {
-        // So thin a segment has no order of its widgets.
-        let length = THIN / self.peak;
-        let segment = Segment { length, front, back, fields_front: &[], fields_back: &[] };
-        let Contribution { optical_depth, color, opacity } =
-            self.function.integrate(&segment, WidgetBlend::Mix);
-        let brightest = color.into_iter().fold(opacity, f64::max);
-        let is_seen = optical_depth > NEGLIGIBLE_EXTINCTION * THIN;
-        Shade {
-            color: is_seen.then(|| color.map(|c| (c / brightest) as f32)),
-            extinction: optical_depth / length,
-        }
-    }
-}
-
-fn refuse_fields(p: &Parameters, function: &TransferFunction) -> Result<()> {
-    let Some(field) = function.fields().first().map(|field| format!("a widget over '{field}'")) else {
-        return Ok(());
-    };
-    let error = p.error("bar", "no bar and no plane can show the colours of further fields");
-    Err(error.got(field).expected("bar = \"none\""))
-}
-
-fn ends(axis: Axis) -> [f64; 2] {
-    [axis.low, axis.high]
-}
-
-/// The ends of all widgets that have colours of their own, such as colour maps.
-fn own_range(function: &TransferFunction) -> Option<[f64; 2]> {
-    let own = function.widgets.iter().filter(|widget| widget.has_colors_of_its_own());
-    union(own.map(|widget| widget.scalar_range()))
-}
-
-/// Values between which all widgets are drawn.
-fn support(function: &TransferFunction) -> Option<[f64; 2]> {
-    union(function.widgets.iter().map(|widget| widget.scalar_range()))
-}
-
-fn union(ranges: impl Iterator<Item = [f64; 2]>) -> Option<[f64; 2]> {
-    let all = ranges.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])?;
-    (all[0] < all[1] && all[0].is_finite() && all[1].is_finite()).then_some(all)
-}
-
-/// The distribution of the data over s and g, up to where nearly all of them are.
-fn distribution(call: &RunContext, volume: Option<&Volume>) -> Result<Arc<Distribution>> {
-    let without = |what: &str| {
-        let error = call
-            .parameters
-            .error("bar", "the transfer function looks at the gradient, so its colours lie in a plane");
-        error.got(what).expected(
-            "inputs = { volume = \"NODE\" }, a node of type \"gradient-magnitude\"; or bar = \"none\"",
-        )
-    };
-    let volume = volume.ok_or_else(|| without("no volume"))?;
-    let g = volume.gradient_magnitude.as_ref().ok_or_else(|| without("a volume without gradient"))?;
-    call.keep(call.revision("volume")?, || {
-        let s_axis = Axis::over(&volume.scalar, BINS[0]);
-        let whole = Axis { low: 0.0, ..Axis::over(g, 16 * BINS[1]) };
-        // All cells where there are few: the exact distribution of many takes as long as the picture.
-        let stride = volume.grid.tetrahedra.len().div_ceil(MAX_CELLS).max(1);
-        let tetrahedra = volume.grid.tetrahedra.iter().step_by(stride).copied().collect();
-        let some = Grid { points: volume.grid.points.clone(), tetrahedra, ..Grid::default() };
-        let found = |axes| histogram(&some, [&volume.scalar, g], axes, call.progress());
-        let high = found([Axis { bins: 1, ..s_axis }, whole])?.nearly_all();
-        Ok(Distribution(found([s_axis, Axis { low: 0.0, high, bins: BINS[1] }])?))
-    })
-}
-
-/// The volume in the bin of a place; 0 beyond the axes.
-fn volume_at(found: &Histogram, place: [f64; 2]) -> f64 {
-    let bin = |k: usize| {
-        let Axis { low, high, bins } = found.axes[k];
-        let share = (place[k] - low) / (high - low);
-        (0.0..1.0).contains(&share).then_some((share * bins as f64) as usize)
-    };
-    let bin = bin(0).zip(bin(1)).map(|(i, j)| j * found.axes[0].bins + i);
-    bin.map_or(0.0, |bin| found.volumes[bin])
 }

@@ -2,6 +2,7 @@
 //!
 //! | folder | what |
 //! | --- | --- |
+//! | [`color_scale`] | the scale of a transfer function's colours, for pictures |
 //! | [`external_formats`] | nodes of formats that come from outside |
 //! | [`drawing`] | what the nodes that draw share |
 //! | [`files`] | writing whole files |
@@ -11,6 +12,7 @@
 mod annotation;
 mod bands;
 mod camera;
+mod color_scale;
 mod composite;
 mod cull;
 pub mod drawing;

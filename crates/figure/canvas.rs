@@ -1,5 +1,6 @@
 //! Lines, rectangles and text over a picture, in linear light.
 
+use std::collections::BTreeSet;
 use std::sync::LazyLock;
 use ttf_parser::{Face, OutlineBuilder};
 use voltet_core::picture::Picture;
@@ -45,6 +46,7 @@ pub struct Canvas<'a> {
     theme: Theme,
     font: f32,
     taken: Vec<Rectangle>,
+    lacking: BTreeSet<char>,
     #[cfg(test)]
     pub(crate) texts: Vec<(String, Rectangle)>,
 }
@@ -71,6 +73,7 @@ impl<'a> Canvas<'a> {
             theme,
             font,
             taken: Vec::new(),
+            lacking: BTreeSet::new(),
             #[cfg(test)]
             texts: Vec::new(),
         }
@@ -89,6 +92,11 @@ impl<'a> Canvas<'a> {
     /// Colours of text and lines.
     pub fn theme(&self) -> Theme {
         self.theme
+    }
+
+    /// Letters of what was written that the font lacks: a box stands for each.
+    pub fn lacking(&self) -> String {
+        self.lacking.iter().collect()
     }
 
     /// True if a rectangle is within the picture, with a margin, and nothing of it is taken.
@@ -126,6 +134,7 @@ impl<'a> Canvas<'a> {
         let rectangle = self.place_of(text, at, align);
         #[cfg(test)]
         self.texts.push((text.into(), rectangle));
+        self.lacking.extend(text.chars().filter(|letter| FONT.glyph_index(*letter).is_none()));
         let outline = outline(text, [rectangle[0][0], at[1] + 0.36 * self.font], self.font);
         let Theme { ink, rim } = self.theme;
         self.paint(&outline, Stroke::new(0.2 * self.font), rim, RIM);
@@ -348,11 +357,6 @@ pub fn lines(text: &str, font: f32, width: f32) -> Vec<String> {
     lines
 }
 
-/// The first letter of a text that the font lacks: a box stands for it.
-pub fn lacking(text: &str) -> Option<char> {
-    text.chars().find(|letter| FONT.glyph_index(*letter).is_none())
-}
-
 fn outline(text: &str, [x, y]: Place, font: f32) -> Vec<Command> {
     let mut pen =
         OutlinePath { path: Vec::new(), origin: [x, y], scale: font / f32::from(FONT.units_per_em()) };
@@ -439,8 +443,12 @@ mod tests {
 
     #[test]
     fn letters_that_the_font_lacks_are_named() {
-        assert_eq!(lacking("∇T [K/mm] × 10⁻³ µ Ω °C Größe Δx"), None);
-        assert_eq!(lacking("T 温"), Some('温'));
+        let mut picture = Picture::transparent(200, 40);
+        let mut canvas = Canvas::new(&mut picture, Theme::DARK, 10.0);
+        canvas.text("∇T [K/mm] × 10⁻³ µ Ω °C Größe Δx", [0.0, 20.0], Align::Start);
+        assert_eq!(canvas.lacking(), "");
+        canvas.text("T 温", [0.0, 20.0], Align::Start);
+        assert_eq!(canvas.lacking(), "温");
     }
 
     #[test]

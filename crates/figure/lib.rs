@@ -16,7 +16,7 @@ pub mod ticks;
 
 /// Height of letters that is read well in a picture of this size, pixels: 18 at 1024 × 768.
 pub fn font_size([width, height]: [usize; 2]) -> f32 {
-    ((0.75 * width as f32).min(height as f32) / 42.0).max(10.0)
+    (0.75 * width as f32).min(height as f32) / 42.0
 }
 
 #[cfg(test)]
@@ -55,7 +55,7 @@ mod tests {
         let camera = camera.fitted(&corners(ends)).unwrap().zoomed(0.75);
         let view = space::View::new(camera).unwrap();
         let mut picture = Picture::transparent(size[0], size[1]);
-        let mut canvas = Canvas::new(&mut picture, Theme::LIGHT, font_size(size));
+        let mut canvas = Canvas::new(&mut picture, Theme::LIGHT, font_size(size).max(10.0));
         let top = canvas.heading("heat_sink.vtu", "t = 0.25 s, steady conduction").unwrap();
         let s = axis("Temperature of the fluid [°C]", [101325.0, 101325.01]);
         if is_plane {

@@ -113,7 +113,7 @@ fn letters_are_composited_over_the_picture() {
         let kept = figure.rgba.iter().zip(&picture.rgba).filter(|(a, b)| a == b).count();
         let share = kept as f64 / figure.rgba.len() as f64;
         assert!((0.5..0.99).contains(&share), "{share}");
-        let border = |k: usize| k % figure.width == 0 || k < figure.width;
+        let border = |k: usize| k.is_multiple_of(figure.width) || k < figure.width;
         assert!((0..figure.rgba.len()).filter(|k| border(*k)).all(|k| figure.rgba[k] == picture.rgba[k]));
     }
 }
