@@ -146,34 +146,26 @@ const TEMPLATES: [&str; 3] = ["title", "text", "bar_title"];
 
 fn demand(asking: &mut DemandContext) -> Result<()> {
     let (p, asked) = (asking.parameters, asking.asked.clone());
-    let needs = |name: &str, port: &str| -> Result<()> {
-        if asking.fed_by(port)?.is_some() {
-            return Ok(());
-        }
-        let error = p.error(name, format!("'{name}' needs the input '{port}', and nothing is wired to it"));
-        Err(error.expected(format!("inputs = {{ {port} = \"NODE\" }} beside the image")))
-    };
-    let has_scale = p.text("bar")? != "none" && asking.fed_by("transfer_function")?.is_some();
-    if p.is_set("bar") && p.text("bar")? != "none" {
-        needs("bar", "transfer_function")?;
-    }
-    for name in ["bar_title", "bar_range"].into_iter().filter(|name| p.is_set(name)) {
-        needs(name, "transfer_function")?;
-    }
-    if p.text("axes")? == "box" {
-        needs("axes", "volume")?;
-    }
-    if p.text("axes")? != "none" {
-        needs("axes", "camera")?;
-    }
-    if p.flag("scale_bar")? {
-        needs("scale_bar", "camera")?;
-    }
+    let (axes, is_shown) = (p.text("axes")?, p.text("bar")? != "none");
+    let mut needs = vec![
+        ("bar", "transfer_function", p.is_set("bar") && is_shown),
+        ("bar_title", "transfer_function", p.is_set("bar_title")),
+        ("bar_range", "transfer_function", p.is_set("bar_range")),
+        ("axes", "volume", axes == "box"),
+        ("axes", "camera", axes != "none"),
+        ("scale_bar", "camera", p.flag("scale_bar")?),
+    ];
     for name in TEMPLATES.into_iter().filter(|name| p.is_set(name)) {
-        if pieces(p, name)?.iter().any(|(_, field)| field.is_some()) {
-            needs(name, "volume")?;
+        needs.push((name, "volume", pieces(p, name)?.len() > 1));
+    }
+    for (name, port, _) in needs.into_iter().filter(|(.., is_needed)| *is_needed) {
+        if asking.fed_by(port)?.is_none() {
+            let error =
+                p.error(name, format!("'{name}' needs the input '{port}', and nothing is wired to it"));
+            return Err(error.expected(format!("inputs = {{ {port} = \"NODE\" }} beside the image")));
         }
     }
+    let has_scale = is_shown && asking.fed_by("transfer_function")?.is_some();
     let look = asking.look("transfer_function").filter(|_| has_scale);
     if let Some(look) = &look {
         refuse_fields(p, &look.transfer_function)?;

@@ -81,8 +81,6 @@ pub fn color_bar(
 ) -> Option<[[usize; 2]; 2]> {
     let (font, [width, height]) = (canvas.font(), canvas.size());
     let name = lines(&axis.name, font, 0.45 * width);
-    let head =
-        |ticks: &Ticks| (name.len() + usize::from(ticks.note.is_some())) as f32 * LEADING * font + 0.7 * font;
     let room = height - 1.4 * font - top;
     let length = (0.6 * height).min(room - (name.len() + 1) as f32 * LEADING * font - 0.7 * font).floor();
     if length < 4.0 * font {
@@ -102,7 +100,7 @@ pub fn color_bar(
     let names = name.iter().chain(&ticks.note).map(|line| text_width(line, font)).fold(0.0, f32::max);
     let block = content.max(names);
     let left = side.left(canvas, block);
-    let head = head(&ticks);
+    let head = (name.len() + usize::from(ticks.note.is_some())) as f32 * LEADING * font + 0.7 * font;
     let above = top + 0.5 * (room - head - length) + 0.3 * font;
     let first = (above + head).round();
     if !canvas.take([[left, above], [left + block, first + length + 0.65 * font]]) {
@@ -123,7 +121,8 @@ pub fn color_bar(
         [share * ink[0], share * ink[1], share * ink[2], share]
     });
     let place = [[bar_left as usize, first as usize], [bar as usize, rows]];
-    canvas.pixels(place[0], place[1], |_, row| opaque(shades[row].color));
+    canvas
+        .pixels(place[0], place[1], |_, row| shades[row].color.map_or([0.0; 4], |[r, g, b]| [r, g, b, 1.0]));
     canvas.frame([[bar_left, first], [bar_left + bar, first + length]]);
     for (value, label) in &ticks.ticks {
         let y = first + length * (1.0 - axis.share(*value));
@@ -131,10 +130,6 @@ pub fn color_bar(
         canvas.text(label, [bar_left + bar + 0.7 * font, y], Align::Start);
     }
     Some(place)
-}
-
-fn opaque(color: Option<[f32; 3]>) -> [f32; 4] {
-    color.map_or([0.0; 4], |[r, g, b]| [r, g, b, 1.0])
 }
 
 /// Draws the plane of s and g in the lower corner of a side, s to the right and g upward, with ticks and names of both axes. `color`: the

@@ -1,6 +1,6 @@
 //! Directions and lengths of a view: the box of the data with ticks, the axes, a scale bar.
 
-use crate::canvas::{Align, Canvas, LEADING, Place, text_width};
+use crate::canvas::{Align, Canvas, LEADING, Place, Rectangle, text_width};
 use crate::scale::Side;
 use crate::ticks::{Ticks, ticks, values};
 use glam::DVec3;
@@ -40,20 +40,18 @@ impl View {
     /// The part of a line that is seen.
     fn line(&self, from: DVec3, to: DVec3) -> Option<[Place; 2]> {
         let depth = |point: DVec3| (point - self.camera.eye).dot(self.frame.forward);
-        let (front, back) = (depth(from), depth(to));
         // A thousandth of its extent before the eye, since what is at the eye's depth is seen nowhere.
         let nearest = match self.camera.projection {
-            Projection::Perspective { .. } => self.camera.near.max(1e-3 * (front - back).abs()),
+            Projection::Perspective { .. } => self.camera.near.max(1e-3 * (depth(from) - depth(to)).abs()),
             Projection::Orthographic { .. } => self.camera.near,
         };
-        let cut = |point: DVec3, own: f64, other: DVec3, others: f64| match own < nearest {
-            true if others > nearest => {
-                Some(point + (nearest - own) / (others - own) * (1.0 + 1e-9) * (other - point))
-            }
-            true => None,
-            false => Some(point),
+        let cut = |point: DVec3, other: DVec3| {
+            let needed = (nearest - depth(point)).max(0.0);
+            let share =
+                if needed > 0.0 { needed / (depth(other) - depth(point)) * (1.0 + 1e-9) } else { 0.0 };
+            (0.0..1.0).contains(&share).then(|| point + share * (other - point))
         };
-        Some([self.place(cut(from, front, to, back)?)?, self.place(cut(to, back, from, front)?)?])
+        Some([self.place(cut(from, to)?)?, self.place(cut(to, from)?)?])
     }
 
     /// True if a plane's side to which its normal points is seen from behind.
@@ -119,8 +117,8 @@ impl<'a> Faces<'a> {
     }
 }
 
-/// Draws the edges of the data's box at its rim, around what is taken, with ticks and names; the edges and a grid of lines on the faces that lie behind
-/// everything in it, behind what the picture shows. `unit` follows the names.
+/// Draws the edges of the data's box at its rim, around what is taken, with ticks and names; the other edges and a grid of lines on the
+/// faces that lie behind everything in it, behind what the picture shows. `unit` follows the names.
 ///
 /// Gives the names of axes that are seen and whose labels have no room.
 pub fn box_axes(canvas: &mut Canvas, view: &View, ends: [DVec3; 2], unit: &str) -> Vec<&'static str> {
@@ -152,9 +150,10 @@ pub fn box_axes(canvas: &mut Canvas, view: &View, ends: [DVec3; 2], unit: &str) 
     [0, 1, 2].into_iter().filter(has_no_room).map(|axis| NAMES[axis]).collect()
 }
 
-/// Labels of an edge on one of its sides: those that have room.
+/// Labels that have room along an edge, on one of its sides.
 struct Labels {
-    ticks: Vec<(Place, [f32; 2], String)>,
+    /// Texts, the place of each, and the ends of its tick's mark.
+    ticks: Vec<(String, Place, [Place; 2])>,
     name: Option<Place>,
     align: Align,
 }
@@ -187,17 +186,12 @@ fn label(canvas: &mut Canvas, faces: &Faces, axis: usize, ticks: &Ticks, unit: &
             }
         }
     }
-    let Some((_, Labels { ticks: found, name: named_at, align })) = best else { return !is_long };
-    let font = canvas.font();
-    for ([x, y], [right, down], label) in found {
-        canvas.line([x, y], [x + 0.4 * font * right, y + 0.4 * font * down]);
-        let at = [x + 0.8 * font * right, y + 1.1 * font * down];
-        canvas.take(canvas.place_of(&label, at, align));
-        canvas.text(&label, at, align);
-    }
-    if let Some(at) = named_at {
-        canvas.take(canvas.place_of(&name, at, align));
-        canvas.text(&name, at, align);
+    let Some((_, Labels { ticks, name: named_at, align })) = best else { return !is_long };
+    ticks.iter().for_each(|(_, _, [from, to])| canvas.line(*from, *to));
+    let texts = ticks.into_iter().map(|(label, at, _)| (label, at));
+    for (text, at) in texts.chain(named_at.map(|at| (name, at))) {
+        canvas.take(canvas.place_of(&text, at, align));
+        canvas.text(&text, at, align);
     }
     named_at.is_some()
 }
@@ -225,27 +219,25 @@ fn labels(
         0.35.. => (Align::Start, true),
         _ => (Align::Middle, false),
     };
-    let place = |(value, label): &(f64, String)| {
-        let at = faces.view.place(faces.point(edge, *value))?;
-        let text_at = [at[0] + 0.8 * font * out[0], at[1] + 1.1 * font * out[1]];
-        Some((at, out, label.clone(), canvas.place_of(label, text_at, align)))
+    let placed = |(value, label): &(f64, String)| {
+        let [x, y] = faces.view.place(faces.point(edge, *value))?;
+        let beside = |right: f32, down: f32| [x + right * font * out[0], y + down * font * out[1]];
+        Some((label.clone(), beside(0.8, 1.1), [[x, y], beside(0.4, 0.4)]))
     };
-    let all: Vec<_> = ticks.ticks.iter().filter_map(place).collect();
+    let all: Vec<_> = ticks.ticks.iter().filter_map(placed).collect();
+    let rectangle = |(label, at, _): &(String, Place, [Place; 2])| canvas.place_of(label, *at, align);
+    let is_apart = |[a, b]: [Rectangle; 2], gap: f32| {
+        (0..2).any(|k| b[0][k] >= a[1][k] + [gap, 0.0][k] || b[1][k] + [gap, 0.0][k] <= a[0][k])
+    };
     // Each k-th of them, so that neighbours leave each other room.
-    let gap = 0.4 * font;
-    let is_apart = |step: &usize| {
-        let kept: Vec<_> = all.iter().step_by(*step).map(|(.., rectangle)| rectangle).collect();
-        kept.windows(2).all(|pair| {
-            (0..2).any(|k| {
-                let gap = if k == 0 { gap } else { 0.0 };
-                pair[1][0][k] >= pair[0][1][k] + gap || pair[1][1][k] + gap <= pair[0][0][k]
-            })
-        })
+    let is_wide = |step: &usize| {
+        let kept: Vec<_> = all.iter().step_by(*step).map(rectangle).collect();
+        kept.windows(2).all(|pair| is_apart([pair[0], pair[1]], 0.4 * font))
     };
-    let step = (1..=all.len().max(1)).find(is_apart).unwrap_or(1);
-    let kept: Vec<_> =
-        all.into_iter().step_by(step).filter(|(.., rectangle)| canvas.is_free(*rectangle)).collect();
-    let widest = kept.iter().map(|(_, _, label, _)| text_width(label, font)).fold(0.0, f32::max);
+    let step = (1..=all.len().max(1)).find(is_wide).unwrap_or(1);
+    let ticks: Vec<_> =
+        all.into_iter().step_by(step).filter(|tick| canvas.is_free(rectangle(tick))).collect();
+    let widest = ticks.iter().map(|(label, ..)| text_width(label, font)).fold(0.0, f32::max);
     let away = if is_beside { [1.4 * font + widest, 0.0] } else { [0.0, 1.1 * font + LEADING * font] };
     let sign = |component: f32| if component < 0.0 { -1.0 } else { 1.0 };
     let named_at = [0.5, 0.3, 0.7, 0.15, 0.85, 0.0, 1.0].into_iter().map(|share: f32| {
@@ -253,12 +245,11 @@ fn labels(
         [on_edge[0] + away[0] * sign(out[0]), on_edge[1] + away[1] * sign(out[1])]
     });
     let has_room = |at: &Place| {
-        let [low, high] = canvas.place_of(name, *at, align);
-        let is_apart = |other: &[Place; 2]| (0..2).any(|k| high[k] <= other[0][k] || low[k] >= other[1][k]);
-        canvas.is_free([low, high]) && kept.iter().all(|(.., rectangle)| is_apart(rectangle))
+        let own = canvas.place_of(name, *at, align);
+        canvas.is_free(own) && ticks.iter().all(|tick| is_apart([own, rectangle(tick)], 0.0))
     };
     let name = named_at.into_iter().find(has_room);
-    Labels { ticks: kept.into_iter().map(|(at, out, label, _)| (at, out, label)).collect(), name, align }
+    Labels { ticks, name, align }
 }
 
 /// Draws the directions of the axes in the lower corner of a side, the nearest last. False where there is no room.
@@ -305,9 +296,7 @@ pub fn scale_bar(canvas: &mut Canvas, view: &View, unit: &str) -> Option<f64> {
     let y = height - font;
     // In the middle, or beside what stands in the corners.
     let [low, high] = [around + 0.5 * font, width - around - 0.5 * font];
-    let places =
-        (0..=8).map(|k| 0.5 + if k % 2 == 0 { -1.0 } else { 1.0 } * (k as f32 + 1.0).div_euclid(2.0) / 8.0);
-    let middles = places.map(|share| low + share * (high - low));
+    let middles = [4, 3, 5, 2, 6, 1, 7, 0, 8].map(|k| low + k as f32 / 8.0 * (high - low));
     let x = middles
         .into_iter()
         .find(|x| canvas.take([[x - around, y - 1.9 * font], [x + around, y + 0.5 * font]]))?;

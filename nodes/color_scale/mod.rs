@@ -73,10 +73,10 @@ impl ColorScale {
         } else {
             None
         };
-        let range = match (limits(p)?, own_range(&function).filter(|_| plane.is_none()), volume) {
+        let range = match (limits(p)?, drawn_range(&function, true).filter(|_| plane.is_none()), volume) {
             (Some(range), ..) | (None, Some(range), _) => range,
             (None, None, Some(volume)) => ends(Axis::over(&volume.scalar, 1)),
-            (None, None, None) => support(&function).ok_or_else(|| {
+            (None, None, None) => drawn_range(&function, false).ok_or_else(|| {
                 let what = "the transfer function has no ends, so the range of the bar is not known";
                 p.error("bar", what).expected("inputs = { volume = \"NODE\" }, or bar_range = [low, high]")
             })?,
@@ -129,42 +129,31 @@ impl ColorScale {
 
 /// Errors: a transfer function that looks at further fields, whose colours no bar and no plane has.
 pub(crate) fn refuse_fields(p: &Parameters, function: &TransferFunction) -> Result<()> {
-    let Some(field) = function.fields().first().map(|field| format!("a widget over '{field}'")) else {
-        return Ok(());
-    };
-    let error = p.error("bar", "no bar and no plane can show the colours of further fields");
-    Err(error.got(field).expected("bar = \"none\""))
+    function.fields().first().map_or(Ok(()), |field| {
+        let error = p.error("bar", "no bar and no plane can show the colours of further fields");
+        Err(error.got(format!("a widget over '{field}'")).expected("bar = \"none\""))
+    })
 }
 
 fn ends(axis: Axis) -> [f64; 2] {
     [axis.low, axis.high]
 }
 
-/// The ends of all widgets that have colours of their own, such as colour maps.
-fn own_range(function: &TransferFunction) -> Option<[f64; 2]> {
-    let own = function.widgets.iter().filter(|widget| widget.has_colors_of_its_own());
-    union(own.map(|widget| widget.scalar_range()))
-}
-
-/// Values between which all widgets are drawn.
-fn support(function: &TransferFunction) -> Option<[f64; 2]> {
-    union(function.widgets.iter().map(|widget| widget.scalar_range()))
-}
-
-fn union(ranges: impl Iterator<Item = [f64; 2]>) -> Option<[f64; 2]> {
-    let all = ranges.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])?;
-    (all[0] < all[1] && all[0].is_finite() && all[1].is_finite()).then_some(all)
+/// Values of s between which all widgets are drawn, or those that have colours of their own, such as colour maps.
+fn drawn_range(function: &TransferFunction, of_own_colors: bool) -> Option<[f64; 2]> {
+    let widgets = function.widgets.iter().filter(|widget| !of_own_colors || widget.has_colors_of_its_own());
+    let ranges = widgets.map(|widget| widget.scalar_range());
+    let [low, high] = ranges.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])?;
+    (low < high && low.is_finite() && high.is_finite()).then_some([low, high])
 }
 
 /// The distribution of the data over s and g, up to where nearly all of them are.
 fn distribution(call: &RunContext, volume: Option<&Volume>) -> Result<Arc<Distribution>> {
-    let without = |what: &str| {
-        let error = call
-            .parameters
-            .error("bar", "the transfer function looks at the gradient, so its colours lie in a plane");
-        error.got(what).expected(
-            "inputs = { volume = \"NODE\" }, a node of type \"gradient-magnitude\"; or bar = \"none\"",
-        )
+    let without = |found: &str| {
+        let what = "the transfer function looks at the gradient, so its colours lie in a plane";
+        let wanted =
+            "inputs = { volume = \"NODE\" }, a node of type \"gradient-magnitude\"; or bar = \"none\"";
+        call.parameters.error("bar", what).got(found).expected(wanted)
     };
     let volume = volume.ok_or_else(|| without("no volume"))?;
     let g = volume.gradient_magnitude.as_ref().ok_or_else(|| without("a volume without gradient"))?;
