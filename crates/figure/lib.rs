@@ -69,7 +69,11 @@ mod tests {
         let is_parallel = matches!(projection, Projection::Orthographic { .. });
         assert_eq!(space::scale_bar(&mut canvas, &view, "mm").is_some(), is_parallel);
         let fixed = canvas.texts.len();
-        space::box_axes(&mut canvas, &view, ends, "mm");
+        let unlabelled = space::box_axes(&mut canvas, &view, ends, "mm");
+        assert!(
+            unlabelled.is_empty() || size[0] < 1000,
+            "{size:?} {direction} {projection:?}: {unlabelled:?}"
+        );
         let texts = std::mem::take(&mut canvas.texts);
         let what = format!("{size:?} {side:?} {is_plane} {direction} {projection:?}");
         for (k, (text, [low, high])) in texts.iter().enumerate() {

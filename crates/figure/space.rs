@@ -120,7 +120,7 @@ impl<'a> Faces<'a> {
 /// Draws the edges of the data's box at its rim, around what is taken, with ticks and names; the other edges and a grid of lines on the
 /// faces that lie behind everything in it, behind what the picture shows. `unit` follows the names.
 ///
-/// Gives the names of axes that are seen and whose labels have no room.
+/// Gives the names of axes with an edge at the rim whose labels have no room.
 pub fn box_axes(canvas: &mut Canvas, view: &View, ends: [DVec3; 2], unit: &str) -> Vec<&'static str> {
     let faces = Faces::new(view, ends);
     let along: [Ticks; 3] = [0, 1, 2].map(|axis| ticks([ends[0][axis], ends[1][axis]], 6));
@@ -158,8 +158,8 @@ struct Labels {
     align: Align,
 }
 
-/// Writes the labels of an axis along the edge at the rim, and on the side of it, where most of them have room; true also where
-/// the axis is seen as a point.
+/// Writes the labels of an axis along the edge at the rim, and on the side of it, where most of them have room. False where there is
+/// such an edge and no room.
 fn label(canvas: &mut Canvas, faces: &Faces, axis: usize, ticks: &Ticks, unit: &str) -> bool {
     let at_rim = faces.edges(axis).into_iter().filter(|(_, behind_count)| *behind_count == 1);
     let mut edges: Vec<(Edge, [Place; 2])> =
@@ -171,14 +171,11 @@ fn label(canvas: &mut Canvas, faces: &Faces, axis: usize, ticks: &Ticks, unit: &
     let unit = if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
     let name = format!("{}{unit}{note}", NAMES[axis]);
     let mut best: Option<(usize, Labels)> = None;
-    let mut is_long = edges.is_empty();
+    // An axis along the view, or about the eye, has no edge at the rim that labels could stand at.
+    let least = 3.0 * canvas.font();
+    let is_long = |[from, to]: [Place; 2]| (to[0] - from[0]).hypot(to[1] - from[1]) >= least;
     for outward in [1.0, -1.0] {
-        for &(edge, line) in &edges {
-            let length = (line[1][0] - line[0][0]).hypot(line[1][1] - line[0][1]);
-            if length < 3.0 * canvas.font() {
-                continue;
-            }
-            is_long = true;
+        for &(edge, line) in edges.iter().filter(|(_, line)| is_long(*line)) {
             let labels = labels(canvas, faces, edge, line, outward, ticks, &name);
             let count = labels.ticks.len() + 2 * usize::from(labels.name.is_some());
             if count > best.as_ref().map_or(0, |(most, _)| *most) {
@@ -186,7 +183,9 @@ fn label(canvas: &mut Canvas, faces: &Faces, axis: usize, ticks: &Ticks, unit: &
             }
         }
     }
-    let Some((_, Labels { ticks, name: named_at, align })) = best else { return !is_long };
+    let Some((_, Labels { ticks, name: named_at, align })) = best else {
+        return !edges.iter().any(|(_, line)| is_long(*line));
+    };
     ticks.iter().for_each(|(_, _, [from, to])| canvas.line(*from, *to));
     let texts = ticks.into_iter().map(|(label, at, _)| (label, at));
     for (text, at) in texts.chain(named_at.map(|at| (name, at))) {
