@@ -246,22 +246,18 @@ fn unit<'a>(p: &'a Parameters, name: &str) -> &'a str {
     p.optional(name).and_then(|unit| unit.text()).unwrap_or("")
 }
 
-/// A text of a parameter in pieces, each followed by the name of what is to be put in.
-fn pieces<'a>(p: &'a Parameters, name: &str) -> Result<Vec<(&'a str, Option<&'a str>)>> {
-    let mut parts = p.text(name)?.split('{');
-    let mut pieces = vec![(parts.next().unwrap_or(""), None)];
-    for part in parts {
+/// A text of a parameter in pieces, each after the name of what is to be put in before it.
+fn pieces<'a>(p: &'a Parameters, name: &str) -> Result<Vec<(Option<&'a str>, &'a str)>> {
+    let known = |part: &'a str| {
         let known = part.split_once('}').filter(|(field, _)| ["time", "file", "scalar"].contains(field));
-        let Some((field, rest)) = known else {
+        let unknown = || {
             let error = p.error(name, format!("'{name}' has a name in braces that stands for nothing"));
-            return Err(error.got(format!("{{{part}")).expected("{time}, {file} or {scalar}"));
+            error.got(format!("{{{part}")).expected("{time}, {file} or {scalar}")
         };
-        if let Some(last) = pieces.last_mut() {
-            last.1 = Some(field);
-        }
-        pieces.push((rest, None));
-    }
-    Ok(pieces)
+        known.map(|(field, rest)| (Some(field), rest)).ok_or_else(unknown)
+    };
+    let parts = p.text(name)?.split('{').enumerate();
+    parts.map(|(k, part)| if k == 0 { Ok((None, part)) } else { known(part) }).collect()
 }
 
 /// A text with what its names in braces stand for; `None` where the parameter is not set.
@@ -271,29 +267,28 @@ fn filled(call: &RunContext, name: &str, volume: Option<&Volume>) -> Result<Opti
         return Ok(None);
     }
     let mut text = String::new();
-    for (piece, field) in pieces(p, name)? {
-        text += piece;
-        let known = match field {
-            None => continue,
-            Some("time") => volume.and_then(|volume| volume.grid.origin.time).map(short),
-            Some("scalar") => volume.map(|volume| volume.grid.scalar_name.clone()),
+    for (field, rest) in pieces(p, name)? {
+        let (known, wanted) = match field {
+            None => (Some(String::new()), ""),
+            Some("time") => {
+                let time = volume.and_then(|volume| volume.grid.origin.time);
+                (time.map(|time| decimal(time, 1e-6 * time.abs()).to_string()), "a file that says its time")
+            }
+            Some("scalar") => (volume.map(|volume| volume.grid.scalar_name.clone()), "a volume"),
             Some(_) => {
                 let files = call.origins().files;
                 let data = files.iter().find(|file| file.named.parameter == "path");
-                data.and_then(|file| Some(file.path.file_name()?.to_string_lossy().into_owned()))
+                let file = data.and_then(|file| file.path.file_name());
+                (file.map(|name| name.to_string_lossy().into_owned()), "data from a file")
             }
         };
-        let field = field.unwrap_or_default();
         text += &known.ok_or_else(|| {
-            let error =
-                p.error(name, format!("the {field} of the data is not known")).got(format!("{{{field}}}"));
-            error.expected(if field == "time" { "a file that says its time" } else { "data from a file" })
+            let field = field.unwrap_or_default();
+            p.error(name, format!("the {field} of the data is not known"))
+                .got(format!("{{{field}}}"))
+                .expected(wanted)
         })?;
+        text += rest;
     }
     Ok(Some(text))
-}
-
-/// Six digits of a number.
-fn short(x: f64) -> String {
-    if x == 0.0 { "0".into() } else { decimal(x, 1e-6 * x.abs()).to_string() }
 }

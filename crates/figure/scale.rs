@@ -107,10 +107,9 @@ pub fn color_bar(
         return None;
     }
     let (named_at, align, bar_left) = match side {
-        Side::Left => (left, Align::Start, left + curve),
-        Side::Right => (left + block, Align::End, left + block - content + curve),
+        Side::Left => (left, Align::Start, (left + curve).round()),
+        Side::Right => (left + block, Align::End, (left + block - content + curve).round()),
     };
-    let bar_left = bar_left.round();
     for (k, line) in name.iter().chain(&ticks.note).enumerate() {
         canvas.text(line, [named_at, above + (k as f32 + 0.5) * LEADING * font], align);
     }

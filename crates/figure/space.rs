@@ -54,13 +54,14 @@ impl View {
         Some([self.place(cut(from, to)?)?, self.place(cut(to, from)?)?])
     }
 
-    /// True if a plane's side to which its normal points is seen from behind.
+    /// True if a plane's side to which its unit normal points is seen from behind, or its edge alone: an edge of a box that lies before
+    /// it is at the rim then.
     fn sees_inside(&self, on_plane: DVec3, outward: DVec3) -> bool {
         let ray = match self.camera.projection {
             Projection::Perspective { .. } => on_plane - self.camera.eye,
             Projection::Orthographic { .. } => self.frame.forward,
         };
-        ray.dot(outward) > 0.0
+        ray.dot(outward) > -1e-9 * ray.length()
     }
 }
 
@@ -237,17 +238,22 @@ fn labels(
     let ticks: Vec<_> =
         all.into_iter().step_by(step).filter(|tick| canvas.is_free(rectangle(tick))).collect();
     let widest = ticks.iter().map(|(label, ..)| text_width(label, font)).fold(0.0, f32::max);
-    let away = if is_beside { [1.4 * font + widest, 0.0] } else { [0.0, 1.1 * font + LEADING * font] };
-    let sign = |component: f32| if component < 0.0 { -1.0 } else { 1.0 };
-    let named_at = [0.5, 0.3, 0.7, 0.15, 0.85, 0.0, 1.0].into_iter().map(|share: f32| {
-        let on_edge = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
-        [on_edge[0] + away[0] * sign(out[0]), on_edge[1] + away[1] * sign(out[1])]
+    let (from_edge, row) = (if is_beside { 1.4 * font + widest } else { 2.4 * font }, LEADING * font);
+    let shares = [0.5, 0.3, 0.7, 0.15, 0.85, 0.0, 1.0];
+    // Beside the labels, or farther out.
+    let named_at =
+        [0.0, row].into_iter().flat_map(|farther| shares.map(|share| (share, from_edge + farther)));
+    let mut named_at = named_at.map(|(share, away): (f32, f32)| {
+        let k = usize::from(!is_beside);
+        let mut at = [0, 1].map(|k: usize| from[k] + share * (to[k] - from[k]));
+        at[k] += if out[k] < 0.0 { -away } else { away };
+        at
     });
     let has_room = |at: &Place| {
         let own = canvas.place_of(name, *at, align);
         canvas.is_free(own) && ticks.iter().all(|tick| is_apart([own, rectangle(tick)], 0.0))
     };
-    let name = named_at.into_iter().find(has_room);
+    let name = named_at.find(has_room);
     Labels { ticks, name, align }
 }
 

@@ -64,6 +64,7 @@ impl ColorScale {
         refuse_fields(p, &function)?;
         let scalar = volume.map_or("s", |volume| volume.grid.scalar_name.as_str());
         let bracketed = |unit: &str| if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
+        let ends = |axis: Axis| [axis.low, axis.high];
         let plane = if function.uses_gradient_magnitude() {
             let found = distribution(call, volume)?;
             let per_length = if length.is_empty() { String::new() } else { format!("{unit}/{length}") };
@@ -133,10 +134,6 @@ pub(crate) fn refuse_fields(p: &Parameters, function: &TransferFunction) -> Resu
         let error = p.error("bar", "no bar and no plane can show the colours of further fields");
         Err(error.got(format!("a widget over '{field}'")).expected("bar = \"none\""))
     })
-}
-
-fn ends(axis: Axis) -> [f64; 2] {
-    [axis.low, axis.high]
 }
 
 /// Values of s between which all widgets are drawn, or those that have colours of their own, such as colour maps.
