@@ -2,6 +2,7 @@
 //!
 //! | folder | what |
 //! | --- | --- |
+//! | [`color_scale`] | the scale of a transfer function's colours, for pictures |
 //! | [`external_formats`] | nodes of formats that come from outside |
 //! | [`drawing`] | what the nodes that draw share |
 //! | [`files`] | writing whole files |
@@ -9,10 +10,12 @@
 //! | [`surfacing`] | what the nodes that make surfaces share |
 //! | [`relative`] | numbers relative to data: ranges and percentiles |
 
+mod annotation;
 mod bands;
 mod boundary;
 mod calculator;
 mod camera;
+mod color_scale;
 mod composite;
 mod contour;
 mod cull;
@@ -70,6 +73,7 @@ pub static NODES: &[&Node] = &[
     &composite::NODE,
     &renderer::NODE,
     &gpu_renderer::NODE,
+    &annotation::NODE,
     &grid_writer::NODE,
     &image_writer::NODE,
     &report_writer::NODE,

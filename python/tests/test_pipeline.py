@@ -273,3 +273,15 @@ def test_whole_numbers_are_not_rounded(cube, slab):
     for path, value in (("view.size", [2.5, 3]), ("view.size", [8.0, 8.0]), ("picture.segments", 2.5)):
         with pytest.raises(voltet.UsageError, match=path.partition(".")[2]):
             slab.set({path: value})
+
+
+def test_an_annotation_is_written_over_the_last_picture(cube):
+    grid = voltet.Grid(**cube)
+    plain = voltet.scene(grid, size=(200, 150), engine="cpu")
+    annotated = voltet.scene(grid, size=(200, 150), engine="cpu", annotation={"axes": "directions", "unit": "K"})
+    assert "figure" not in plain and list(annotated)[-1] == "figure"
+    # Unnamed, the picture is the one that no other node writes over.
+    drawn = annotated.render()
+    assert np.array_equal(annotated.render("picture"), plain.render())
+    changed = np.any(drawn != plain.render(), axis=2)
+    assert 0.02 < changed.mean() < 0.5 and changed[:, 100:].any() and changed[75:, :60].any()

@@ -27,7 +27,7 @@ class Plotted(Overlay, pv.Actor):
         self._look = look
         self._given = look.grid()
         self.pipeline = scene(
-            self._given, look.scalar, widgets=look.widgets, unit_distance=look.unit_distance, method=method, **options
+            self._given, look.scalar, widgets=look.widgets, unit_distance=look.unit_distance, method=method, annotation=None, **options
         )
         low, high = self._given.bounds
         box = pv.Box(tuple(value for pair in zip(low, high) for value in pair)).outline()

@@ -22,9 +22,10 @@ def scene(
     size: tuple[int, int] = (640, 480),
     method: str | Mapping[str, Any] | None = None,
     unit_distance: float | None = None,
+    annotation: Mapping[str, Any] | None = None,
     **renderer: Any,
 ) -> Pipeline:
-    """A pipeline that draws a grid of yours: nodes `grid`, `gradient`, `look`, `view`, `picture`.
+    """A pipeline that draws a grid of yours: nodes `grid`, `gradient`, `look`, `view`, `picture`, and `figure` with an annotation.
 
     Parameters
     ----------
@@ -43,6 +44,9 @@ def scene(
         The gradient filter, or a mapping of `method` and its parameters.
     unit_distance : float
         The length over which extinction is stated. Default: a hundredth of the grid's diagonal.
+    annotation : mapping
+        Parameters of the node `annotation`, such as `{"title": "…", "axes": "box"}`; `{}` for a colour bar alone. Default: nothing is
+        written over the picture.
     **renderer
         Parameters of the node `renderer`, such as `engine="cpu"`, `integrator`, `light`.
 
@@ -69,7 +73,10 @@ def scene(
     camera = dict(camera or {})
     placed = {"volume": "gradient", "size": list(size)} if "view" in camera else _fitted(about["bounds"], size)
     pipeline.add("view", "camera", **{**placed, **camera})
-    pipeline.add("picture", "renderer", volume="gradient", transfer_function="look", camera="view", **renderer)
+    wires: dict[str, Any] = {"volume": "gradient", "transfer_function": "look", "camera": "view"}
+    pipeline.add("picture", "renderer", **wires, **renderer)
+    if annotation is not None:
+        pipeline.add("figure", "annotation", image="picture", **wires, **annotation)
     return pipeline
 
 

@@ -116,7 +116,8 @@ class Scene(Filter):
         drawing = {key.partition(".")[2]: value for key, value in self._parameters.items() if key.startswith("picture.")}
         method = {key.partition(".")[2]: value for key, value in parameters.items() if key.startswith("gradient.")}
         pipeline = scene(
-            given, scalar, widgets=self._widgets, size=(size[0], size[1]), unit_distance=self._unit_distance, method=method, **drawing
+            given, scalar, widgets=self._widgets, size=(size[0], size[1]), unit_distance=self._unit_distance, method=method,
+            annotation=None, **drawing
         )
         pipeline.set({key: value for key, value in parameters.items() if not key.startswith("gradient.")})
         return pipeline

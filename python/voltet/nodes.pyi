@@ -6,7 +6,7 @@ from typing import Any, Literal
 from ._node import Node
 from ._pipeline import Pipeline
 
-__all__ = ["bands", "calculator", "camera", "composite", "cull", "gpu_renderer", "gradient_magnitude", "grid_writer", "histogram", "image_writer", "multi_gradient", "probe", "project", "reader", "renderer", "report_writer", "sort", "transfer_function", "wavelet"]
+__all__ = ["annotation", "bands", "calculator", "camera", "composite", "cull", "gpu_renderer", "gradient_magnitude", "grid_writer", "histogram", "image_writer", "multi_gradient", "probe", "project", "reader", "renderer", "report_writer", "sort", "transfer_function", "wavelet"]
 
 _Source = str | Node | Sequence[str | Node]
 
@@ -85,7 +85,7 @@ def probe(
     points: Sequence[Sequence[float | str]] | None = None,
     mask: Mapping[str, Any] | None = None,
     fields: Sequence[str] | None = None,
-    color: Sequence[float] | None = None,
+    color: Sequence[float] | str | None = None,
     extinction: float | None = None,
     sigma_scale: float | None = None,
     least_sigma: float | None = None,
@@ -242,6 +242,28 @@ def gpu_renderer(
     planes: int | None = None,
 ) -> Node:
     """Draws a volume on the graphics device, where the grid stays: culls, projects, sorts and composites."""
+def annotation(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    image: _Source | None = None,
+    transfer_function: _Source | None = None,
+    volume: _Source | None = None,
+    camera: _Source | None = None,
+    title: str | None = None,
+    text: str | None = None,
+    bar: Literal["right", "left", "none"] | None = None,
+    bar_title: str | None = None,
+    bar_range: Sequence[float] | None = None,
+    unit: str | None = None,
+    axes: Literal["none", "box", "directions"] | None = None,
+    scale_bar: bool | None = None,
+    length_unit: str | None = None,
+    theme: Literal["dark", "light"] | None = None,
+    scale: float | None = None,
+) -> Node:
+    """Writes a title, the scale of the colours, axes and a scale bar over a picture."""
 def grid_writer(
     pipeline: Pipeline,
     node: str,
@@ -266,7 +288,7 @@ def image_writer(
     image: _Source | None = None,
     path: str | PathLike[str],
     format: Literal["auto", "png", "exr", "tiff", "webp", "jpeg"] | None = None,
-    background: Sequence[float] | None = None,
+    background: Sequence[float] | str | None = None,
     alpha: bool | None = None,
     bits: int | None = None,
     provenance: bool | None = None,

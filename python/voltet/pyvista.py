@@ -84,7 +84,7 @@ class GridAccessor:
         method : str or mapping
             The gradient filter.
         **renderer
-            Parameters of the node `renderer`: `integrator`, `engine`, `light`, ….
+            Parameters of the node `renderer`: `integrator`, `engine`, `light`, …; `annotation` as of `voltet.scene`.
         """
         look = Look(self._data, scalars, preference, clim, cmap, opacity, n_colors, opacity_unit_distance, widgets)
         size = picture_size("window_size", pv.global_theme.window_size if window_size is None else window_size)
@@ -93,7 +93,7 @@ class GridAccessor:
             method=method, **renderer,
         )
         look_from(pipeline, _camera(self._data, camera, size), size)
-        return pipeline.render("picture")
+        return pipeline.render()
 
     def gradient(
         self,

@@ -331,6 +331,9 @@ pub struct Start {
     /// Look at what the boundaries show alone, not at the whole grid.
     #[arg(long)]
     pub fit: bool,
+    /// Leave out colours' scale, axes and title: the picture alone.
+    #[arg(long)]
+    pub plain: bool,
     /// Write over a pipeline file that is there.
     #[arg(long)]
     pub force: bool,

@@ -298,12 +298,24 @@ impl Pipeline {
         Ok(name)
     }
 
-    /// Node of a picture: the named one, else the only one with a picture.
+    /// Node of a picture: the named one, else the only one with a picture that no other node makes another picture of, as `annotation`
+    /// does.
     ///
     /// # Errors
     /// - no such node.
     pub fn picture_node(&self, node: Option<&str>) -> Result<String> {
-        self.only(node, PortType::Image, "picture")
+        let pictures = self.nodes_with_output(PortType::Image);
+        let entries = self.source.nodes.nodes.iter().filter(|entry| pictures.contains(&entry.name));
+        let sources: Vec<&str> =
+            entries.flat_map(|entry| &entry.inputs).filter_map(|link| link.source.text()).collect();
+        let is_taken = |name: &String| {
+            sources.iter().any(|source| {
+                source.strip_prefix(name.as_str()).is_some_and(|rest| matches!(rest, "" | ".image"))
+            })
+        };
+        let last: Vec<&String> = pictures.iter().filter(|name| !is_taken(name)).collect();
+        let only = if let [last] = last[..] { Some(last.as_str()) } else { None };
+        self.only(node.or(only), PortType::Image, "picture")
     }
 
     /// Node of a camera: the named one, else the only one.

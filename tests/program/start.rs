@@ -26,6 +26,8 @@ fn two_commands_give_a_picture_of_boundaries() {
     // The data are named from where the pipeline file is.
     assert!(text.contains("path = \"heat_sink.vtu\"") && text.contains("scalar = \"Temperature\""), "{text}");
     assert_eq!(text.matches("kind = \"gaussian\"").count(), 5, "four boundaries and the haze: {text}");
+    let plain = folder.voltet(&["start", &data, "-o", "-", "--plain"]).ok().stdout;
+    assert!(text.contains("type = \"annotation\"") && !plain.contains("annotation"), "{text}\n{plain}");
     let small = ["run", "results/look.toml", "--set", "view.size=[160, 120]"];
     folder.voltet(&small).ok();
     let picture = image::open(folder.join("results/look.png")).unwrap().to_rgb8();
@@ -229,17 +231,23 @@ fn any_grid_is_seen_whole() {
         }
         let [data, scene, picture] = ["vtu", "toml", "png"].map(|ending| format!("{number}.{ending}"));
         folder.write(&data, random_grid(&mut random));
-        folder.voltet(&["start", &data, "-o", &scene]).ok();
-        let ran =
-            folder.voltet(&["run", &scene, "--set", "view.size=[96, 72]", "--set", "picture.engine=cpu"]);
-        ran.ok();
-        let seen = image::open(folder.join(&picture)).unwrap().to_rgb8();
-        let is_lit = |pixel: &image::Rgb<u8>| pixel.0.iter().any(|&channel| channel > 0);
-        let lit = seen.pixels().filter(|pixel| is_lit(pixel)).count() as f64 / (96.0 * 72.0);
-        assert!((0.1..0.98).contains(&lit), "{data}: {lit} of the picture is lit\n{}", read(&folder, &scene));
-        let at_border = |x: u32, y: u32| x == 0 || y == 0 || x == 95 || y == 71;
-        let cut = seen.enumerate_pixels().filter(|(x, y, pixel)| at_border(*x, *y) && is_lit(pixel)).count();
-        assert_eq!(cut, 0, "{data}: pixels at the border are lit\n{}", read(&folder, &scene));
+        // With what is written over it, and the picture alone.
+        for (options, [width, height]) in
+            [(&["--force"][..], [240, 180]), (&["--force", "--plain"], [96, 72])]
+        {
+            folder.voltet(&[&["start", &data, "-o", &scene], options].concat()).ok();
+            let size = format!("view.size=[{width}, {height}]");
+            folder.voltet(&["run", &scene, "--set", &size, "--set", "picture.engine=cpu"]).ok();
+            let seen = image::open(folder.join(&picture)).unwrap().to_rgb8();
+            let is_lit = |pixel: &image::Rgb<u8>| pixel.0.iter().any(|&channel| channel > 0);
+            let lit = seen.pixels().filter(|pixel| is_lit(pixel)).count() as f64 / f64::from(width * height);
+            let text = || read(&folder, &scene);
+            assert!((0.1..0.98).contains(&lit), "{data}: {lit} of the picture is lit\n{}", text());
+            let at_border = |x: u32, y: u32| x == 0 || y == 0 || x == width - 1 || y == height - 1;
+            let cut =
+                seen.enumerate_pixels().filter(|(x, y, pixel)| at_border(*x, *y) && is_lit(pixel)).count();
+            assert_eq!(cut, 0, "{data}: pixels at the border are lit\n{}", text());
+        }
         for name in [data, scene, picture] {
             std::fs::remove_file(folder.join(&name)).unwrap();
         }

@@ -91,6 +91,8 @@ pub struct ImportStats {
     pub arrays_decoded: u64,
     /// Point arrays that are means of arrays of the file's cells.
     pub arrays_of_cells: Vec<String>,
+    /// The time that the values are of, where the file says it.
+    pub time: Option<f64>,
     /// Warnings for the user, each a sentence.
     pub warnings: Vec<String>,
 }

@@ -12,6 +12,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use voltet_core::arithmetic::decimal;
 use voltet_core::probing::{Axis, Histogram};
+use voltet_figure::ticks::values as ticks;
 use voltet_graph::{ArrayRef, Field, LocatedValue, ParameterValue, find_setting};
 
 /// Largest number of probed values that are drawn one by one.
@@ -112,18 +113,6 @@ pub(super) fn whole(histogram: &Histogram) -> [[f64; 2]; 2] {
     })
 }
 
-/// Round values of an axis, some `count` of them.
-fn ticks([low, high]: [f64; 2], count: f64) -> Vec<f64> {
-    let raw = (high - low) / count;
-    let power = 10f64.powf(raw.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0].map(|k| k * power).into_iter().find(|step| *step >= raw).unwrap_or(raw);
-    if !(step > 0.0 && step.is_finite()) {
-        return Vec::new();
-    }
-    let first = (low / step).ceil();
-    (0..40).map(|i| (first + f64::from(i)) * step).take_while(|x| *x <= high).collect()
-}
-
 pub(super) fn axes(ui: &Ui, plane: Plane, names: [&str; 2]) {
     let dark = ui.visuals().dark_mode;
     let (line, text) = (Stroke::new(1.0, theme::weak(dark).gamma_multiply(0.25)), theme::weak(dark));
@@ -133,8 +122,8 @@ pub(super) fn axes(ui: &Ui, plane: Plane, names: [&str; 2]) {
         names.map(|name| ui.painter().layout_no_wrap(name.into(), FontId::proportional(12.0), text));
     let name_at = rect.right_bottom() + vec2(4.0 - x_name.size().x, 1.0);
     let (across, up) = (
-        ticks(plane.shown[0], f64::from(rect.width()) / 90.0),
-        ticks(plane.shown[1], f64::from(rect.height()) / 45.0),
+        ticks(plane.shown[0], (rect.width() / 75.0) as usize),
+        ticks(plane.shown[1], (rect.height() / 36.0) as usize),
     );
     let step = |ticks: &[f64]| if let [a, b, ..] = ticks { b - a } else { f64::INFINITY };
     for &s in &across {
@@ -415,11 +404,5 @@ mod tests {
             axis = zoomed(axis, 1.5, 4.0);
         }
         assert!(axis[0] < axis[1]);
-    }
-
-    #[test]
-    fn ticks_are_round_and_few() {
-        assert_eq!(ticks([0.0, 10.0], 5.0), [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
-        assert!(ticks([0.0, 0.0], 5.0).is_empty());
     }
 }

@@ -64,8 +64,17 @@ impl RenderRequest {
 
     /// True if the node takes negligible time: the rest of a run is drawing.
     pub(super) fn is_cheap(&self, name: &str) -> bool {
-        const QUICK: [&str; 8] =
-            [CAMERA, "transfer-function", "cull", "sort", "project", "composite", "renderer", "gpu-renderer"];
+        const QUICK: [&str; 9] = [
+            CAMERA,
+            "transfer-function",
+            "cull",
+            "sort",
+            "project",
+            "composite",
+            "renderer",
+            "gpu-renderer",
+            "annotation",
+        ];
         let node = self.nodes.iter().find(|node| node.name == name);
         node.is_none_or(|node| node.node_type.text().is_some_and(|text| QUICK.contains(&text)))
     }

@@ -58,6 +58,10 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     let mut parts = grid::join(loaded)?;
     parts.origin.warnings.extend(dataset.warnings.iter().cloned());
     parts.origin.warnings.extend(external.into_iter().flat_map(|external| external.ready().warnings.clone()));
+    parts.origin.time = match dataset.time_steps.as_slice() {
+        [] => dataset.time,
+        times => Some(times[request.step_index(times)?]),
+    };
     parts.origin.arrays_decoded = choices.len() as u64;
     if request.every_array {
         parts.origin.arrays_decoded += left.arrays.len() as u64;

@@ -107,10 +107,10 @@ pub struct Subjects {
     pub forms: Vec<Box<dyn SegmentEvaluator>>,
     /// Engines that are not judged, with the reason and the remedy.
     pub left_out: Vec<String>,
-    pub(super) renderers: Vec<OpenRenderer>,
+    pub renderers: Vec<OpenRenderer>,
 }
 
-pub(super) struct OpenRenderer {
+pub struct OpenRenderer {
     pub declared: &'static EngineInfo,
     pub engine: Arc<dyn Engine>,
 }

@@ -217,7 +217,7 @@ fn what_is_not_relative_is_not_looked_at() {
 }
 
 /// Three steps; s of step k from 0 to 6 (k + 1).
-fn series(folder: &Path) {
+pub(super) fn series(folder: &Path) {
     let mut collection = String::from("<VTKFile type=\"Collection\"><Collection>");
     for step in 0..3 {
         // Uniform grids have the simplest XML.

@@ -62,6 +62,7 @@ fn pipeline_for(path: &Path, at: &Path, registry: &Registry) -> Result<String> {
         return Ok(Source::read(path)?.text);
     }
     let (data, output) = (path.to_path_buf(), Some(at.to_path_buf()));
-    let arguments = Start { data, output, ..Start::default() };
+    // The editor has the plane of s and g beside the picture.
+    let arguments = Start { data, output, plain: true, ..Start::default() };
     with_bar(true, |_, progress| start::pipeline(&arguments, registry, at, progress)).map(|(text, _)| text)
 }

@@ -40,6 +40,9 @@ const FOV_Y: f64 = 30.0;
 /// Smallest range of values: a thousandth of it has an inverse in 64 bits.
 const MIN_RANGE: f64 = 1e-300;
 
+/// Zoom that leaves labels room beside the box of the data.
+const ZOOM: f64 = 0.8;
+
 /// Width and height of the picture, pixels.
 const PICTURE: [u32; 2] = [1024, 768];
 
@@ -195,6 +198,10 @@ pub fn pipeline(
     } else {
         String::new()
     };
+    let (zoom, figure, shown) = match arguments.plain {
+        true => (String::new(), String::new(), "picture"),
+        false => (format!("zoom = {ZOOM:?}\n"), annotation(), "figure"),
+    };
     let stem = if is_standard_output(output) { arguments.data.file_stem() } else { output.file_stem() };
     let picture = PathBuf::from(stem.unwrap_or_default()).with_extension("png");
     let text = format!(
@@ -221,17 +228,17 @@ unit_distance = {}
 {}
 [nodes.view]
 type = \"camera\"
-{}size = [1024, 768]
+{}{zoom}size = [1024, 768]
 
 [nodes.picture]
 type = \"renderer\"
 inputs = {{ volume = \"gradient\", transfer_function = \"look\", camera = \"view\" }}
-
+{figure}
 [nodes.file]
 type = \"image-writer\"
 path = {}
 background = [0.0, 0.0, 0.0]
-inputs = {{ image = \"picture\" }}
+inputs = {{ image = \"{shown}\" }}
 ",
         name(&named),
         at_g(g_axis.low),
@@ -271,6 +278,18 @@ fn without_volume(arguments: &Start) -> Error {
     Error::run("no cell has a volume, so there is nothing to draw")
         .expected("cells of three dimensions, such as tetrahedra or hexahedra, that are not flat")
         .in_file(&arguments.data)
+}
+
+/// The node that writes the scale of the colours, axes and the file's name over the picture.
+fn annotation() -> String {
+    "
+[nodes.figure]
+type = \"annotation\"
+title = \"{file}\"
+axes = \"box\"
+inputs = { image = \"picture\", volume = \"gradient\", transfer_function = \"look\", camera = \"view\" }
+"
+    .into()
 }
 
 /// The error for an array that is the same everywhere; names those that are not.

@@ -1,0 +1,240 @@
+//! The scale of a picture's colours: a bar along s, or the plane of s and g.
+
+use crate::canvas::{Align, Canvas, LEADING, Rectangle, lines, text_width};
+use crate::ticks::{Ticks, ticks};
+
+/// The side of the picture at which a scale stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// Left.
+    Left,
+    /// Right.
+    Right,
+}
+
+impl Side {
+    /// The side across.
+    pub fn opposite(self) -> Side {
+        if self == Side::Left { Side::Right } else { Side::Left }
+    }
+
+    /// The left end of what is so wide, at this side of the picture.
+    pub(crate) fn left(self, canvas: &Canvas, width: f32) -> f32 {
+        let margin = 0.8 * canvas.font();
+        if self == Side::Left { margin } else { canvas.size()[0] - margin - width }
+    }
+}
+
+/// An axis with its name.
+#[derive(Debug, Clone)]
+pub struct NamedAxis {
+    /// Quantity and unit, as a reader shall see them.
+    pub name: String,
+    /// Its ends, the smaller first.
+    pub range: [f64; 2],
+}
+
+impl NamedAxis {
+    fn share(&self, value: f64) -> f32 {
+        ((value - self.range[0]) / (self.range[1] - self.range[0])) as f32
+    }
+
+    /// As many ticks, at most so many, as have room for their labels along a length; `room`: of a label.
+    fn ticks(&self, length: f32, most: usize, room: impl Fn(&str) -> f32) -> Ticks {
+        let has_room = |ticks: &Ticks| {
+            let widest = ticks.ticks.iter().map(|(_, label)| room(label)).fold(0.0, f32::max);
+            ticks
+                .ticks
+                .windows(2)
+                .all(|pair| length * (self.share(pair[1].0) - self.share(pair[0].0)) >= widest)
+        };
+        (1..=most).rev().map(|most| ticks(self.range, most)).find(has_room).unwrap_or_default()
+    }
+}
+
+/// Look of a range of values: its colour and how dense it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shade {
+    /// Linear RGB; `None` where nothing is drawn.
+    pub color: Option<[f32; 3]>,
+    /// Extinction, in any unit.
+    pub extinction: f64,
+}
+
+/// The least distance of two ticks of an upright axis, in font sizes.
+const ROOM: f32 = 1.8;
+
+/// Extinctions that differ by less, as a share of the largest, are the same.
+const EVEN: f64 = 0.01;
+
+/// Draws a bar whose pixels have the colours of the values that they stand for, with ticks, and the axis' name above it. Row k of n stands
+/// for the values from share k to share k + 1 of the axis. Where extinctions differ, their curve stands to the left of the bar.
+/// `top`: what is above is not for the bar.
+///
+/// Gives the colours' first column and row and their numbers; `None` where there is no room.
+pub fn color_bar(
+    canvas: &mut Canvas,
+    side: Side,
+    top: f32,
+    axis: &NamedAxis,
+    shade: impl Fn([f64; 2]) -> Shade,
+) -> Option<[[usize; 2]; 2]> {
+    let (font, [width, height]) = (canvas.font(), canvas.size());
+    let name = lines(&axis.name, font, 0.45 * width);
+    let room = height - 1.4 * font - top;
+    let length = (0.6 * height).min(room - (name.len() + 1) as f32 * LEADING * font - 0.7 * font).floor();
+    if length < 4.0 * font {
+        return None;
+    }
+    let ticks = axis.ticks(length, 9, |_| ROOM * font);
+    let labels = ticks.ticks.iter().map(|(_, label)| text_width(label, font)).fold(0.0, f32::max);
+    let rows = length as usize;
+    let [low, high] = axis.range;
+    let edge = |row: usize| high - row as f64 / rows as f64 * (high - low);
+    let shades: Vec<Shade> = (0..rows).map(|row| shade([edge(row + 1), edge(row)])).collect();
+    let most = shades.iter().map(|shade| shade.extinction).fold(0.0, f64::max);
+    let is_even = shades.iter().all(|shade| shade.extinction >= (1.0 - EVEN) * most);
+    let curve = if is_even { 0.0 } else { (1.2 * font).round() };
+    let bar = (1.1 * font).round();
+    let content = curve + bar + 0.7 * font + labels;
+    let names = name.iter().chain(&ticks.note).map(|line| text_width(line, font)).fold(0.0, f32::max);
+    let block = content.max(names);
+    let left = side.left(canvas, block);
+    let head = (name.len() + usize::from(ticks.note.is_some())) as f32 * LEADING * font + 0.7 * font;
+    let above = top + 0.5 * (room - head - length) + 0.3 * font;
+    let first = (above + head).round();
+    if !canvas.take([[left, above], [left + block, first + length + 0.65 * font]]) {
+        return None;
+    }
+    let (named_at, align, bar_left) = match side {
+        Side::Left => (left, Align::Start, (left + curve).round()),
+        Side::Right => (left + block, Align::End, (left + block - content + curve).round()),
+    };
+    for (k, line) in name.iter().chain(&ticks.note).enumerate() {
+        canvas.text(line, [named_at, above + (k as f32 + 0.5) * LEADING * font], align);
+    }
+    let ink = canvas.theme().ink;
+    canvas.pixels([(bar_left - curve) as usize, first as usize], [curve as usize, rows], |column, row| {
+        let reach = curve * (shades[row].extinction / most) as f32;
+        let share = 0.6 * (reach - (curve - 1.0 - column as f32)).clamp(0.0, 1.0);
+        [share * ink[0], share * ink[1], share * ink[2], share]
+    });
+    let place = [[bar_left as usize, first as usize], [bar as usize, rows]];
+    canvas
+        .pixels(place[0], place[1], |_, row| shades[row].color.map_or([0.0; 4], |[r, g, b]| [r, g, b, 1.0]));
+    canvas.frame([[bar_left, first], [bar_left + bar, first + length]]);
+    for (value, label) in &ticks.ticks {
+        let y = first + length * (1.0 - axis.share(*value));
+        canvas.line([bar_left + bar, y], [bar_left + bar + 0.4 * font, y]);
+        canvas.text(label, [bar_left + bar + 0.7 * font, y], Align::Start);
+    }
+    Some(place)
+}
+
+/// Draws the plane of s and g in the lower corner of a side, s to the right and g upward, with ticks and names of both axes. `color`: the
+/// premultiplied linear colour of a value of each.
+///
+/// Gives the colours' first column and row and their numbers; `None` where there is no room.
+pub fn plane(
+    canvas: &mut Canvas,
+    side: Side,
+    [s, g]: [&NamedAxis; 2],
+    color: impl Fn([f64; 2]) -> [f32; 4],
+) -> Option<[[usize; 2]; 2]> {
+    let (font, size) = (canvas.font(), canvas.size());
+    let width = (0.3 * size[0]).min(0.45 * size[1]).round();
+    let height = (0.7 * width).round();
+    if height < 4.0 * font {
+        return None;
+    }
+    let along_s = s.ticks(width, 5, |label| text_width(label, font) + 0.8 * font);
+    let along_g = g.ticks(height, 5, |_| ROOM * font);
+    let widest =
+        |ticks: &Ticks| ticks.ticks.iter().map(|(_, label)| text_width(label, font)).fold(0.0, f32::max);
+    // Half of a label may stand out to the right.
+    let block = widest(&along_g).max(0.5 * widest(&along_s)) + 0.7 * font + width + 0.5 * widest(&along_s);
+    let name = |axis: &NamedAxis, ticks: &Ticks| {
+        let note = ticks.note.as_ref().map_or(String::new(), |note| format!("  {note}"));
+        lines(&format!("{}{note}", axis.name), font, block)
+    };
+    let [name_s, name_g] = [name(s, &along_s), name(g, &along_g)];
+    let leading = LEADING * font;
+    let left = side.left(canvas, block);
+    let below = 2.1 * font + name_s.len() as f32 * leading;
+    let bottom = (size[1] - 0.6 * font - below).floor();
+    let (x, y) = ((left + block - 0.5 * widest(&along_s) - width).floor(), bottom - height);
+    let above = y - 0.75 * font - name_g.len() as f32 * leading;
+    let around: Rectangle = [[left, above], [left + block, bottom + below]];
+    if !canvas.take(around) {
+        return None;
+    }
+    let value = |axis: &NamedAxis, share: f64| axis.range[0] + share * (axis.range[1] - axis.range[0]);
+    let share = |k: usize, n: f32| (k as f64 + 0.5) / f64::from(n);
+    let place = [[x as usize, y as usize], [width as usize, height as usize]];
+    canvas.pixels(place[0], place[1], |column, row| {
+        color([value(s, share(column, width)), value(g, 1.0 - share(row, height))])
+    });
+    canvas.frame([[x, y], [x + width, bottom]]);
+    for (value, label) in &along_s.ticks {
+        let at = x + width * s.share(*value);
+        canvas.line([at, bottom], [at, bottom + 0.4 * font]);
+        canvas.text(label, [at, bottom + 1.35 * font], Align::Middle);
+    }
+    for (value, label) in &along_g.ticks {
+        let at = bottom - height * g.share(*value);
+        canvas.line([x - 0.4 * font, at], [x, at]);
+        canvas.text(label, [x - 0.7 * font, at], Align::End);
+    }
+    for (k, line) in name_s.iter().enumerate() {
+        canvas.text(line, [left + block, bottom + 2.1 * font + (k as f32 + 0.5) * leading], Align::End);
+    }
+    for (k, line) in name_g.iter().enumerate() {
+        canvas.text(line, [left, above + (k as f32 + 0.5) * leading], Align::Start);
+    }
+    Some(place)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::canvas::Theme;
+    use voltet_core::picture::Picture;
+
+    fn axis(range: [f64; 2]) -> NamedAxis {
+        NamedAxis { name: "Temperature [°C]".into(), range }
+    }
+
+    /// A measured pixel of the bar has the colour of the value that the ticks give it.
+    #[test]
+    fn a_bars_pixels_are_the_colours_of_their_values() {
+        let mut picture = Picture::transparent(400, 300);
+        let mut canvas = Canvas::new(&mut picture, Theme::DARK, 11.0);
+        let color = |s: f64| [s as f32 / 80.0, 0.0, 0.5];
+        let shade = |[low, high]: [f64; 2]| Shade { color: Some(color(0.5 * (low + high))), extinction: 1.0 };
+        let place = color_bar(&mut canvas, Side::Right, 20.0, &axis([20.0, 80.0]), shade);
+        let [[left, top], [width, rows]] = place.unwrap();
+        for row in 1..rows - 1 {
+            let [r, g, b] = color(80.0 - (row as f64 + 0.5) / rows as f64 * 60.0);
+            let found = picture.pixel(left + width / 2, top + row);
+            assert!(found.iter().zip([r, g, b, 1.0]).all(|(a, b)| (a - b).abs() < 1e-6), "{row} {found:?}");
+        }
+    }
+
+    /// The curve beside the bar is as wide as the extinction is high; an even one has none.
+    #[test]
+    fn extinction_stands_beside_the_bar() {
+        let drawn = |extinction: fn(f64) -> f64| {
+            let mut picture = Picture::transparent(400, 300);
+            let mut canvas = Canvas::new(&mut picture, Theme::DARK, 10.0);
+            let shade = |[low, _]: [f64; 2]| Shade { color: Some([1.0; 3]), extinction: extinction(low) };
+            let place = color_bar(&mut canvas, Side::Right, 0.0, &axis([0.0, 1.0]), shade).unwrap();
+            let [[left, top], [_, rows]] = place;
+            let width =
+                |row: usize| (left - 14..left - 1).map(|i| picture.pixel(i, top + row)[3]).sum::<f32>() / 0.6;
+            [width(rows / 4), width(3 * rows / 4)]
+        };
+        let [high, low] = drawn(|s| s);
+        assert!((high - 8.0).abs() < 1.0 && (low - 2.0).abs() < 1.0, "{high} {low}");
+        assert_eq!(drawn(|_| 3.0), [0.0; 2]);
+    }
+}
