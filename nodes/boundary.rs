@@ -1,6 +1,6 @@
 //! `boundary`: the outer faces of the cells.
 
-use crate::surfacing::{self, SMOOTH, Shape, VolumeQuantities, with_paint};
+use crate::surfacing::{self, SMOOTH, Shape, with_paint};
 use voltet_core::Result;
 use voltet_core::grid::boundary;
 use voltet_graph::{DefaultValue, Node, Outputs, Parameter, RunContext};
@@ -13,6 +13,8 @@ pub const NODE: Node = Node {
     outputs: surfacing::OUTPUTS,
     parameters: &PARAMETERS,
     example: include_str!("examples/boundary.toml"),
+    // Until a node takes surfaces.
+    finds: true,
     check: &surfacing::check,
     demand: &|asking| {
         let p = asking.parameters;
@@ -23,16 +25,15 @@ pub const NODE: Node = Node {
 };
 
 const PARAMETERS: [Parameter; 9] =
-    with_paint([Parameter { default: DefaultValue::Boolean(false), ..SMOOTH }], 0.15, 0.3);
+    with_paint([Parameter { default: DefaultValue::Boolean(false), ..SMOOTH }], "one colour", 0.15, 0.3);
 
 fn run(call: &mut RunContext) -> Result<Outputs> {
     let (p, volume) = (call.parameters, call.volume("volume")?);
     let color_by = surfacing::color_by(p, None);
-    let quantities = VolumeQuantities { volume: &volume, array: "s", color_by };
-    let own = quantities.known(call)?;
+    let own = surfacing::known_of_volume(call, &volume, "s", color_by)?;
     let surface = call.stage("boundary", |progress| boundary(&volume.grid, progress))?;
-    let colors = color_by.map(|name| quantities.values(name)).transpose();
-    let colors = colors.map_err(|error| p.locate("color_by", error))?.map(|values| surface.values(values));
+    let values = color_by.map(|name| surfacing::values(p, "color_by", &volume, name)).transpose()?;
+    let colors = values.map(|values| surface.values(values));
     let shape = Shape::of_grid(surface, &volume.grid.points, colors).smoothed(p)?;
     shape.painted(call, &own, "the grid has no cells with a volume")
 }

@@ -1,8 +1,8 @@
 //! `contour`: surfaces of constant value.
 
-use crate::surfacing::{self, QUANTITY, SMOOTH, Shape, VolumeQuantities, with_paint};
+use crate::surfacing::{self, QUANTITY, SMOOTH, Shape, with_paint};
+use voltet_core::Result;
 use voltet_core::grid::{GridSurface, contour};
-use voltet_core::{Result, agreeing};
 use voltet_graph::{
     AxisRef, DefaultValue, Node, Outputs, Parameter, ParameterType, Range, RelativeNumberType, RunContext,
     StatisticKind,
@@ -16,6 +16,8 @@ pub const NODE: Node = Node {
     outputs: surfacing::OUTPUTS,
     parameters: &PARAMETERS,
     example: include_str!("examples/contour.toml"),
+    // Until a node takes surfaces.
+    finds: true,
     check: &|p| {
         if p.get("values")?.list().is_some_and(<[_]>::is_empty) {
             return Err(p.error("values", "there are no values").got("[]").expected("at least one"));
@@ -50,6 +52,7 @@ const PARAMETERS: [Parameter; 11] = with_paint(
         },
         SMOOTH,
     ],
+    "array",
     1.0,
     0.3,
 );
@@ -58,9 +61,8 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     let (p, volume) = (call.parameters, call.volume("volume")?);
     let array = p.text("array")?;
     let color_by = surfacing::color_by(p, Some(array));
-    let quantities = VolumeQuantities { volume: &volume, array, color_by };
-    let values = quantities.values(array).map_err(|error| p.locate("array", error))?;
-    let own = quantities.known(call)?;
+    let values = surfacing::values(p, "array", &volume, array)?;
+    let own = surfacing::known_of_volume(call, &volume, array, color_by)?;
     let (mut surface, mut levels, mut missed) = (GridSurface::default(), Vec::new(), Vec::new());
     for level in own.numbers("values")? {
         let found = call.stage("contour", |progress| contour(&volume.grid, values, level, progress))?;
@@ -71,8 +73,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
         surface.append(found);
     }
     let why = format!(
-        "no cell reaches the {} {}: {}",
-        agreeing(&missed.len(), "value", "values"),
+        "no cell has values on both sides of {}: {}",
         missed.join(", "),
         surfacing::range_message(array, values)
     );
@@ -83,10 +84,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
         None => None,
         // Exact, where a straight line along an edge may be off by rounding.
         Some(name) if name == array => Some(levels),
-        Some(name) => {
-            let of_points = quantities.values(name).map_err(|error| p.locate("color_by", error))?;
-            Some(surface.values(of_points))
-        }
+        Some(name) => Some(surface.values(surfacing::values(p, "color_by", &volume, name)?)),
     };
     Shape::of_grid(surface, &volume.grid.points, colors).smoothed(p)?.painted(call, &own, &why)
 }

@@ -1,7 +1,7 @@
 //! `slice`: a plane, a sphere or a cylinder through the cells, coloured by what they hold there.
 
 use crate::probe::POSITION;
-use crate::surfacing::{self, Shape, VolumeQuantities, with_paint};
+use crate::surfacing::{self, Shape, with_paint};
 use glam::DVec3;
 use rayon::prelude::*;
 use voltet_core::Result;
@@ -21,6 +21,8 @@ pub const NODE: Node = Node {
     outputs: surfacing::OUTPUTS,
     parameters: &PARAMETERS,
     example: include_str!("examples/slice.toml"),
+    // Until a node takes surfaces.
+    finds: true,
     check: &|p| {
         // Places are those of the data, once these are known.
         distance(&with_placeholders(p)?, DVec3::ZERO).map(drop)?;
@@ -75,6 +77,7 @@ const PARAMETERS: [Parameter; 12] = with_paint(
             help: "radius of the sphere or cylinder; a percentage: of the diagonal of the bounds",
         },
     ],
+    "s",
     1.0,
     1.0,
 );
@@ -94,16 +97,12 @@ fn distance(p: &Parameters, middle: DVec3) -> Result<Distance> {
         return Err(p.error("normal", "the normal has no direction").expected("a vector that is not zero"));
     }
     let axis = (normal / largest).normalize();
+    let shape = p.text("shape")?;
     let radius = || {
-        p.optional_number("radius").ok_or_else(|| {
-            let what = format!(
-                "a {} needs a radius",
-                p.get("shape").map_or("shape", |shape| shape.text().unwrap_or("shape"))
-            );
-            p.error("shape", what).expected("radius = …, above 0")
-        })
+        let error = || p.error("shape", format!("a {shape} needs a radius")).expected("radius = …, above 0");
+        p.optional_number("radius").ok_or_else(error)
     };
-    Ok(match p.text("shape")? {
+    Ok(match shape {
         "sphere" => {
             let radius = radius()?;
             Box::new(move |at| (at - origin).length() - radius)
@@ -124,8 +123,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     let (p, volume) = (call.parameters, call.volume("volume")?);
     let grid = &volume.grid;
     let color_by = surfacing::color_by(p, Some("s"));
-    let quantities = VolumeQuantities { volume: &volume, array: "s", color_by };
-    let own = quantities.known(call)?;
+    let own = surfacing::known_of_volume(call, &volume, "s", color_by)?;
     let [low, high] = grid.bounds().unwrap_or_default();
     let distance = distance(&own, low * 0.5 + high * 0.5)?;
     let distances: Vec<f64> = grid.points.par_iter().map(|&at| distance(at)).collect();
@@ -138,8 +136,8 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
         let turned: Vec<f64> = distances.iter().map(|distance| -distance).collect();
         contour(grid, &turned, 0.0, progress)
     })?;
-    let colors = color_by.map(|name| quantities.values(name)).transpose();
-    let colors = colors.map_err(|error| p.locate("color_by", error))?.map(|values| surface.values(values));
+    let values = color_by.map(|name| surfacing::values(p, "color_by", &volume, name)).transpose()?;
+    let colors = values.map(|values| surface.values(values));
     let why = match range(&distances) {
         Some([low, high]) => {
             format!("no cell reaches the {}: points lie from {low:?} to {high:?} of it", p.text("shape")?)

@@ -15,6 +15,8 @@ pub const NODE: Node = Node {
     outputs: surfacing::OUTPUTS,
     parameters: &PARAMETERS,
     example: include_str!("examples/surface_reader.toml"),
+    // Until a node takes surfaces.
+    finds: true,
     check: &surfacing::check,
     // A source has no inputs to ask.
     demand: &|_| Ok(()),
@@ -39,11 +41,11 @@ const PARAMETERS: [Parameter; 10] = {
                 ..SMOOTH
             },
         ],
+        "one colour",
         1.0,
         0.3,
     );
     all[3] = Parameter {
-        default: DefaultValue::Unset("one colour"),
         help: "colours by values: an array of the file; \"NAME:magnitude\" or \"NAME:0\" for vectors",
         ..all[3]
     };

@@ -16,6 +16,8 @@ pub enum Group {
     Sources,
     /// Filters of grids and volumes.
     Filters,
+    /// Makers of surfaces.
+    Surfaces,
     /// Findings about data: statistics, probes.
     Findings,
     /// Transfer functions.
@@ -44,6 +46,8 @@ impl Group {
             Group::Cameras
         } else if is_stage(PortType::Cells) || is_stage(PortType::Projection) {
             Group::Stages
+        } else if gives(PortType::Surface) {
+            Group::Surfaces
         } else if gives(PortType::Report) || node.finds {
             Group::Findings
         } else if gives(PortType::Image) {
@@ -60,6 +64,7 @@ impl Group {
         match self {
             Group::Sources => "data",
             Group::Filters => "filters",
+            Group::Surfaces => "surfaces",
             Group::TransferFunctions => "transfer functions",
             Group::Cameras => "cameras",
             Group::Drawing => "drawing",

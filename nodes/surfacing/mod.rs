@@ -29,13 +29,14 @@ pub const INPUTS: &[Port] =
 /// Number of the parameters of paint.
 const PAINT_COUNT: usize = 8;
 
-/// A node's own parameters and those of paint. `opacity` and `ambient`: their values where the file sets none.
+/// A node's own parameters and those of paint. `color_by`, `opacity` and `ambient`: what they are where the file sets none.
 pub const fn with_paint<const OWN: usize, const ALL: usize>(
     own: [Parameter; OWN],
+    color_by: &'static str,
     opacity: f64,
     ambient: f64,
 ) -> [Parameter; ALL] {
-    let paint = paint_parameters(opacity, ambient);
+    let paint = paint_parameters(color_by, opacity, ambient);
     assert!(ALL == OWN + PAINT_COUNT);
     let mut all = [paint[0]; ALL];
     let mut place = 0;
@@ -46,21 +47,19 @@ pub const fn with_paint<const OWN: usize, const ALL: usize>(
     all
 }
 
-const fn paint_parameters(opacity: f64, ambient: f64) -> [Parameter; PAINT_COUNT] {
+const fn paint_parameters(color_by: &'static str, opacity: f64, ambient: f64) -> [Parameter; PAINT_COUNT] {
     let [colormap, reversed, steps] = CURVE_PARAMETERS;
     [
         Parameter {
             name: "color",
             parameter_type: ParameterType::Color(Range::at_least(0.0)),
             unit: "linear RGB",
-            default: DefaultValue::Unset(
-                "the map's colours, or a light grey where nothing is named to colour by",
-            ),
+            default: DefaultValue::Unset("colours by value, or else a light grey"),
             help: "one colour for all",
         },
         Parameter {
             name: "color_by",
-            default: DefaultValue::Unset("what the surface is made of"),
+            default: DefaultValue::Unset(color_by),
             help: "colours by values: \"s\", the scalar; \"g\", its gradient magnitude; or a point array",
             ..QUANTITY
         },
@@ -156,58 +155,58 @@ pub fn ask(asking: &mut DemandContext, names: [Option<&str>; 2]) -> Result<()> {
     asking.ask("volume", &relative::demand_for(&quantities))
 }
 
-/// A volume as parameters name its quantities.
-pub struct VolumeQuantities<'a> {
-    /// The volume.
-    pub volume: &'a Volume,
-    /// The quantity of the parameter `array`.
-    pub array: &'a str,
-    /// That of the colours.
-    pub color_by: Option<&'a str>,
+/// Values of a quantity, one a point; an error is at the parameter of this name.
+pub fn values<'a>(p: &Parameters, parameter: &str, volume: &'a Volume, name: &str) -> Result<&'a [f64]> {
+    relative::values(volume, &quantity(name)).map_err(|error| p.locate(parameter, error))
 }
 
-impl VolumeQuantities<'_> {
-    /// Values, one a point, of a quantity that these parameters name.
-    pub fn values(&self, name: &str) -> Result<&[f64]> {
-        relative::values(self.volume, &quantity(name))
-    }
-
-    /// The node's parameters with numbers for those relative to these quantities and to the bounds.
-    pub fn known(&self, call: &mut RunContext) -> Result<Parameters> {
-        known(call, self.color_by.is_some(), |p, progress| {
-            resolved(p, &QuantityStatistics { quantities: self, progress })
-        })
-    }
-}
-
-struct QuantityStatistics<'a> {
-    quantities: &'a VolumeQuantities<'a>,
+/// Statistics of a volume, and of the quantities that the parameters `array` and `color_by` name.
+struct VolumeStatistics<'a> {
+    volume: &'a Volume,
+    array: &'a str,
+    color_by: Option<&'a str>,
     progress: &'a dyn Progress,
 }
 
-impl QuantityStatistics<'_> {
-    fn named(&self, quantity: &ArrayRef) -> Option<&str> {
+impl VolumeStatistics<'_> {
+    fn named(&self, quantity: &ArrayRef) -> Option<ArrayRef> {
         match quantity {
-            ArrayRef::Named("array") => Some(self.quantities.array),
-            ArrayRef::Named("color_by") => self.quantities.color_by,
+            ArrayRef::Named("array") => Some(self::quantity(self.array)),
+            ArrayRef::Named("color_by") => self.color_by.map(self::quantity),
             _ => None,
         }
     }
 }
 
-impl DataStatistics for QuantityStatistics<'_> {
+impl DataStatistics for VolumeStatistics<'_> {
     fn range(&self, quantity: &ArrayRef) -> Result<[f64; 2]> {
         match self.named(quantity) {
-            Some(name) => value_range(self.quantities.values(name)?),
-            None => SpatialRegion::from_grid(&self.quantities.volume.grid)?.range(quantity),
+            Some(named) => value_range(relative::values(self.volume, &named)?),
+            None => SpatialRegion::from_grid(&self.volume.grid)?.range(quantity),
         }
     }
 
     fn percentile(&self, quantity: &ArrayRef, percent: f64) -> Result<f64> {
-        let name = self.named(quantity).unwrap_or(self.quantities.array);
-        let volumes = relative::volumes(self.quantities.volume, &self::quantity(name), self.progress)?;
-        volumes.percentile(percent, self.progress)
+        match self.named(quantity) {
+            Some(named) => {
+                let volumes = relative::volumes(self.volume, &named, self.progress)?;
+                volumes.percentile(percent, self.progress)
+            }
+            None => SpatialRegion::from_grid(&self.volume.grid)?.percentile(quantity, percent),
+        }
     }
+}
+
+/// The parameters of a node that cuts a volume, with numbers for those relative to it.
+pub fn known_of_volume(
+    call: &mut RunContext,
+    volume: &Volume,
+    array: &str,
+    color_by: Option<&str>,
+) -> Result<Parameters> {
+    known(call, color_by.is_some(), |p, progress| {
+        resolved(p, &VolumeStatistics { volume, array, color_by, progress })
+    })
 }
 
 /// The node's parameters with numbers for those relative to data, which are noted; without a range where nothing is coloured by values.

@@ -6,7 +6,7 @@ from typing import Any, Literal
 from ._node import Node
 from ._pipeline import Pipeline
 
-__all__ = ["annotation", "bands", "calculator", "camera", "composite", "cull", "gpu_renderer", "gradient_magnitude", "grid_writer", "histogram", "image_writer", "multi_gradient", "probe", "project", "reader", "renderer", "report_writer", "sort", "transfer_function", "wavelet"]
+__all__ = ["annotation", "bands", "boundary", "calculator", "camera", "composite", "contour", "cull", "gpu_renderer", "gradient_magnitude", "grid_writer", "histogram", "image_writer", "multi_gradient", "probe", "project", "reader", "renderer", "report_writer", "slice", "sort", "surface_reader", "transfer_function", "wavelet"]
 
 _Source = str | Node | Sequence[str | Node]
 
@@ -128,6 +128,79 @@ def bands(
     transfer_function: _Source | None = None,
 ) -> Node:
     """Says how many bands of each wave widget the cells cross: more than one is finer than the grid."""
+def contour(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    volume: _Source | None = None,
+    array: str | None = None,
+    values: Sequence[float | str],
+    smooth: bool | None = None,
+    color: Sequence[float] | str | None = None,
+    color_by: str | None = None,
+    colormap: str | PathLike[str] | None = None,
+    reversed: bool | None = None,
+    steps: int | None = None,
+    range: Sequence[float | str] | None = None,
+    opacity: float | None = None,
+    ambient: float | None = None,
+) -> Node:
+    """Makes surfaces on which a quantity has given values, exact for values that are linear in each cell."""
+def slice(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    volume: _Source | None = None,
+    origin: Sequence[float | str] | None = None,
+    normal: Sequence[float] | None = None,
+    shape: Literal["plane", "sphere", "cylinder"] | None = None,
+    radius: float | str | None = None,
+    color: Sequence[float] | str | None = None,
+    color_by: str | None = None,
+    colormap: str | PathLike[str] | None = None,
+    reversed: bool | None = None,
+    steps: int | None = None,
+    range: Sequence[float | str] | None = None,
+    opacity: float | None = None,
+    ambient: float | None = None,
+) -> Node:
+    """Cuts the cells by a plane, a sphere or a cylinder, and colours the cut by values there."""
+def boundary(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    volume: _Source | None = None,
+    smooth: bool | None = None,
+    color: Sequence[float] | str | None = None,
+    color_by: str | None = None,
+    colormap: str | PathLike[str] | None = None,
+    reversed: bool | None = None,
+    steps: int | None = None,
+    range: Sequence[float | str] | None = None,
+    opacity: float | None = None,
+    ambient: float | None = None,
+) -> Node:
+    """Makes a surface of the faces that one cell alone has: the outside of the grid."""
+def surface_reader(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    path: str | PathLike[str],
+    smooth: bool | None = None,
+    color: Sequence[float] | str | None = None,
+    color_by: str | None = None,
+    colormap: str | PathLike[str] | None = None,
+    reversed: bool | None = None,
+    steps: int | None = None,
+    range: Sequence[float | str] | None = None,
+    opacity: float | None = None,
+    ambient: float | None = None,
+) -> Node:
+    """Reads a surface file: polygons as triangles, their normals, and an array to colour them by."""
 def camera(
     pipeline: Pipeline,
     node: str,

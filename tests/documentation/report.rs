@@ -131,6 +131,7 @@ const COUNTS: &[(&str, &str)] = &[
     ("tiles_lost", "tiles that projected cells drew, as a ray from cell to cell left by an unexpected face"),
     ("tiles_sorted", "tiles whose segments were put in order"),
     ("tiles_stopped", "tiles that were opaque before all their cells were visited"),
+    ("triangles", "triangles of the nodes that make surfaces"),
     ("uploads", "transfers of a grid to the device"),
     ("values_computed", "values of expressions computed"),
 ];

@@ -91,6 +91,12 @@ impl Polygons {
                 counted(crossing, "polygon")
             ));
         }
+        let is_direction = |&p: &u32| normals[p as usize].is_finite() && normals[p as usize] != DVec3::ZERO;
+        let has_directions = normals.is_empty() || triangles.as_flattened().iter().all(is_direction);
+        if !has_directions {
+            warnings.push("some normals of the file are no directions, so that none is used".into());
+        }
+        let normals = if has_directions { normals } else { Vec::new() };
         let surface = SurfaceFile { points, triangles, normals, values: None, warnings };
         Ok(match values {
             None => surface,

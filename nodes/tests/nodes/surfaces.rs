@@ -13,9 +13,12 @@ use voltet_testing::files::surfaces::{ply, stl_text};
 /// Takes a surface, as a node that draws does.
 static TAKER: Node = Node {
     name: "taker",
-    inputs: &[Port { name: "surface", port_type: PortType::Surface, summary: "" }],
+    summary: "Takes a surface.",
+    inputs: &[Port { name: "surface", port_type: PortType::Surface, summary: "the surface" }],
     ..Node::BLANK
 };
+
+type Field = fn([f64; 3]) -> f64;
 
 fn a([x, y, z]: [f64; 3]) -> f64 {
     2.0 * x - 3.0 * y + z + 20.0
@@ -31,7 +34,7 @@ fn folder() -> tempfile::TempDir {
         "# vtk DataFile Version 3.0\ntext\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 6 6 6\nORIGIN 0 0 0\n\
          SPACING 1 1 1\nPOINT_DATA 216\n",
     );
-    let fields: [(&str, fn([f64; 3]) -> f64); 3] = [("a", a), ("b", b), ("unread", |_| f64::NAN)];
+    let fields: [(&str, Field); 3] = [("a", a), ("b", b), ("unread", |_| f64::NAN)];
     for (name, field) in fields {
         write!(text, "SCALARS {name} double 1\nLOOKUP_TABLE default\n").unwrap();
         for i in 0..216 {
@@ -47,11 +50,15 @@ fn folder() -> tempfile::TempDir {
 
 /// A pipeline of a surface; `keys`: the node's type and parameters.
 fn graph(folder: &Path, keys: &str) -> Result<Graph> {
-    let inputs = if keys.contains("surface-reader") { "" } else { "inputs = { volume = \"gradient\" }" };
+    let of_volume = "[nodes.grid]\ntype = \"reader\"\npath = \"a.vtk\"\nscalar = \"a\"\n\
+                     [nodes.gradient]\ntype = \"gradient-magnitude\"\ninputs = { grid = \"grid\" }\n";
+    let (before, inputs) = match keys.contains("surface-reader") {
+        true => ("", ""),
+        false => (of_volume, "inputs = { volume = \"gradient\" }"),
+    };
     let text = format!(
-        "[pipeline]\nformat = 1\n[nodes.grid]\ntype = \"reader\"\npath = \"a.vtk\"\nscalar = \"a\"\n\
-         [nodes.gradient]\ntype = \"gradient-magnitude\"\ninputs = {{ grid = \"grid\" }}\n\
-         [nodes.made]\n{keys}\n{inputs}\n[nodes.taker]\ntype = \"taker\"\ninputs = {{ surface = \"made\" }}\n"
+        "[pipeline]\nformat = 1\n{before}[nodes.made]\n{keys}\n{inputs}\n[nodes.taker]\ntype = \"taker\"\n\
+         inputs = {{ surface = \"made\" }}\n"
     );
     let mut registry = registry()?;
     registry.add(&TAKER)?;
@@ -161,7 +168,7 @@ fn a_slice_has_the_values_of_the_data() {
         "normal = [0, 0, 1]",
         "origin = [\"20 %\", 0, 0]",
     ] {
-        for (by, field) in [("s", a as fn([f64; 3]) -> f64), ("b", b)] {
+        for (by, field) in [("s", a as Field), ("b", b)] {
             let found = surface(&format!("type = \"slice\"\ncolor_by = \"{by}\"\n{keys}"));
             for (at, value) in found.points.iter().zip(mapped(&found).0) {
                 assert!((field(at.to_array()) - value).abs() < 1e-13, "{at}: {value}");
@@ -214,7 +221,7 @@ fn what_is_empty_or_wrong_is_said() {
     for (keys, said) in [
         (
             "type = \"contour\"\nvalues = [3.0, 4]",
-            "the surface is empty: no cell reaches the values 3.0, 4.0: s goes from 5.0 to 35.0",
+            "the surface is empty: no cell has values on both sides of 3.0, 4.0: s goes from 5.0 to 35.0",
         ),
         (
             "type = \"slice\"\norigin = [-1, 0, 0]",
@@ -227,7 +234,7 @@ fn what_is_empty_or_wrong_is_said() {
     }
     let (surface, report) = made("type = \"contour\"\nvalues = [3.0, 12.0]").unwrap();
     assert!(!surface.triangles.is_empty());
-    assert_eq!(report.warnings, ["no cell reaches the value 3.0: s goes from 5.0 to 35.0"]);
+    assert_eq!(report.warnings, ["made: no cell has values on both sides of 3.0: s goes from 5.0 to 35.0"]);
     for (keys, said) in [
         ("type = \"contour\"", "'values' is missing"),
         ("type = \"contour\"\nvalues = []", "there are no values"),

@@ -14,10 +14,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Polygons> {
     let (mut points, mut normals) = (Vec::<DVec3>::new(), Vec::<DVec3>::new());
     let mut corners: Vec<[u32; 2]> = Vec::new();
     let mut polygons = Polygons::default();
-    // A line that ends with a backslash goes on in the next.
-    let joined = bytes.windows(2).any(|pair| pair[0] == b'\\' && pair[1].is_ascii_whitespace());
-    let text = if joined { without_line_joints(bytes) } else { bytes.to_vec() };
-    for (line, text) in text.split(|&byte| byte == b'\n').enumerate() {
+    for (line, text) in bytes.split(|&byte| byte == b'\n').enumerate() {
         let mut words = words(text);
         let of_line = || {
             match words.next() {
@@ -54,24 +51,6 @@ pub(super) fn read(bytes: &[u8]) -> Result<Polygons> {
         polygons.corners.push(number);
     }
     Ok(polygons)
-}
-
-/// The text with a space for each joint, and the line breaks behind it.
-fn without_line_joints(bytes: &[u8]) -> Vec<u8> {
-    let (mut text, mut pending) = (Vec::with_capacity(bytes.len()), 0);
-    let mut bytes = bytes.iter().copied().peekable();
-    while let Some(byte) = bytes.next() {
-        match byte {
-            b'\\' if bytes.peek().is_some_and(u8::is_ascii_whitespace) => {
-                bytes.next_if_eq(&b'\r');
-                text.push(b' ');
-                pending += usize::from(bytes.next_if_eq(&b'\n').is_some());
-            }
-            b'\n' => text.extend(std::iter::repeat_n(b'\n', 1 + std::mem::take(&mut pending))),
-            _ => text.push(byte),
-        }
-    }
-    text
 }
 
 /// The first three numbers: some writers add a weight or a colour.
