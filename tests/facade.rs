@@ -219,3 +219,18 @@ fn a_pipeline_is_changed_and_run() -> Result<()> {
     pipeline.set("picture.silhouette=1")?;
     Ok(())
 }
+
+/// Unnamed, a picture is the one that no other node writes over; of two that stand side by side one must be named.
+#[test]
+fn the_picture_that_is_not_named_is_the_last() {
+    let annotated = std::fs::read_to_string("pipelines/annotated.toml").unwrap();
+    let histogram = "[nodes.distribution]\ntype = \"histogram\"\ninputs = { volume = \"grid\" }\n";
+    let node = |text: &str| Pipeline::parse(text, "pipelines").unwrap().picture_node(None);
+    assert_eq!(node(&annotated).unwrap(), "figure");
+    assert_eq!(
+        node(&annotated.replace("image = \"picture\",", "image = \"picture.image\",")).unwrap(),
+        "figure"
+    );
+    let error = node(&format!("{annotated}\n{histogram}")).unwrap_err().to_string();
+    assert!(error.contains("several nodes that give a picture") && error.contains("figure"), "{error}");
+}

@@ -263,13 +263,10 @@ fn fitted([width, height]: [u32; 2], room: [u32; 2]) -> [u32; 2] {
     [width, height].map(|side| ((f64::from(side) * scale).round() as u32).max(1))
 }
 
-/// The background that a writer puts behind the picture of a node.
+/// The background that a writer puts behind the picture of a node, or behind what another makes of it.
 fn background(nodes: &[NodeEntry], node: &str) -> [f64; 3] {
     let writes = |entry: &&NodeEntry| {
-        entry.node_type.text() == Some("image-writer")
-            && entry.inputs.iter().any(|link| {
-                link.source.text().is_some_and(|text| text == node || text.split('.').next() == Some(node))
-            })
+        entry.node_type.text() == Some("image-writer") && upstream(nodes, &entry.name).contains(node)
     };
     let stated = nodes.iter().find(writes).and_then(|writer| writer.setting("background"));
     stated.and_then(|stated| stated.color()).unwrap_or([0.0; 3])

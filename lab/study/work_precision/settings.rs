@@ -409,11 +409,16 @@ fn sorting_node(graph: &Graph, place: usize) -> Option<String> {
 
 /// The background of the first PNG that shows the picture; black where there is none.
 fn background(graph: &Graph, place: usize) -> [f64; 3] {
-    let shows = |node: &&GraphNode| {
-        node.node.name == "image-writer" && node.inputs.iter().any(|edge| edge.node == place)
-    };
-    let given = graph.nodes.iter().filter(shows).find(|node| node.parameters.is_set("background"));
+    let writers = graph.nodes.iter().filter(|node| node.node.name == "image-writer");
+    let given =
+        writers.filter(|node| shows(graph, node, place)).find(|node| node.parameters.is_set("background"));
     given.and_then(|node| node.parameters.color("background").ok()).unwrap_or([0.0; 3])
+}
+
+/// True if a node takes the picture of another, or what a third made of it.
+fn shows(graph: &Graph, node: &GraphNode, place: usize) -> bool {
+    let mut pictures = node.inputs.iter().filter(|edge| edge.name == "image");
+    pictures.any(|edge| edge.node == place || shows(graph, &graph.nodes[edge.node], place))
 }
 
 /// True for all integrators but the reference, with which the others are compared.
