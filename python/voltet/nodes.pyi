@@ -69,7 +69,7 @@ def probe(
     points: Sequence[Sequence[float | str]] | None = None,
     mask: Mapping[str, Any] | None = None,
     fields: Sequence[str] | None = None,
-    color: Sequence[float] | None = None,
+    color: Sequence[float] | str | None = None,
     extinction: float | None = None,
     sigma_scale: float | None = None,
     least_sigma: float | None = None,

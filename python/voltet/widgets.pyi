@@ -3,18 +3,18 @@ from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import Any, Literal
 
-__all__ = ["gaussian", "gaussian_nd", "piecewise_linear", "sine_wave", "table", "triangle_wave", "triangular_gaussian", "triangular_gaussian_nd", "uniform"]
+__all__ = ["colormap", "gaussian", "gaussian_nd", "piecewise_linear", "sine_wave", "table", "triangle_wave", "triangular_gaussian", "triangular_gaussian_nd", "uniform"]
 
 def uniform(
     *,
-    color: Sequence[float],
+    color: Sequence[float] | str,
     extinction: float,
     region: Mapping[str, Any],
 ) -> dict[str, Any]:
     """The same extinction everywhere in its region."""
 def gaussian(
     *,
-    color: Sequence[float],
+    color: Sequence[float] | str,
     extinction: float,
     centre: Sequence[float | str],
     sigma: Sequence[float | str] | None = None,
@@ -24,7 +24,7 @@ def gaussian(
     """A Gaussian over the scalar and its gradient magnitude."""
 def gaussian_nd(
     *,
-    color: Sequence[float],
+    color: Sequence[float] | str,
     extinction: float,
     fields: Sequence[str],
     centre: Sequence[float | str],
@@ -35,7 +35,7 @@ def gaussian_nd(
     """A Gaussian over one to eight point arrays."""
 def triangular_gaussian(
     *,
-    color: Sequence[float],
+    color: Sequence[float] | str,
     extinction: float,
     centre: float | str,
     sigma: float | str,
@@ -44,7 +44,7 @@ def triangular_gaussian(
     """exp(-((s - centre) / (sigma g))²): a Gaussian in s that widens with the gradient magnitude."""
 def triangular_gaussian_nd(
     *,
-    color: Sequence[float],
+    color: Sequence[float] | str,
     extinction: float,
     fields: Sequence[str],
     magnitude: str | None = None,
@@ -56,7 +56,7 @@ def triangular_gaussian_nd(
     """A Gaussian over one to seven point arrays that widens with the magnitude of all their gradients."""
 def triangle_wave(
     *,
-    color: Sequence[float],
+    color: Sequence[float] | str,
     extinction: float,
     origin: Sequence[float | str] | None = None,
     angle: float | None = None,
@@ -68,7 +68,7 @@ def triangle_wave(
     """Bands with straight flanks."""
 def sine_wave(
     *,
-    color: Sequence[float],
+    color: Sequence[float] | str,
     extinction: float,
     origin: Sequence[float | str] | None = None,
     angle: float | None = None,
@@ -84,9 +84,23 @@ def piecewise_linear(
     region: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
     """Colour and extinction linear between control points in s, constant beyond the ends."""
+def colormap(
+    *,
+    colormap: str | PathLike[str] | None = None,
+    range: Sequence[float | str] | None = None,
+    centre: float | str | None = None,
+    extinction: float | None = None,
+    opacity: str | Sequence[Sequence[float]] | None = None,
+    reversed: bool | None = None,
+    steps: int | None = None,
+    below: Sequence[float] | str | None = None,
+    above: Sequence[float] | str | None = None,
+    region: Mapping[str, Any] | None = None,
+) -> dict[str, Any]:
+    """A colour map along s, and an opacity curve over it: a piecewise-linear function of s."""
 def table(
     *,
-    color: Sequence[float] | None = None,
+    color: Sequence[float] | str | None = None,
     extinction: float,
     image: str | PathLike[str],
     s: Sequence[float | str],

@@ -113,7 +113,20 @@ fn every_text_and_every_three_numbers_are_told_apart() {
     plain.sort();
     assert_eq!(
         plain,
-        ["adapter", "centre", "direction", "eye", "high", "low", "name", "resolution", "target", "up"]
+        [
+            "adapter",
+            "centre",
+            "direction",
+            "eye",
+            "high",
+            "low",
+            "name",
+            "normal",
+            "origin",
+            "resolution",
+            "target",
+            "up"
+        ]
     );
 }
 
