@@ -115,16 +115,23 @@ fn every_text_and_every_three_numbers_are_told_apart() {
         plain,
         [
             "adapter",
+            "bar_title",
             "centre",
             "direction",
             "expression",
             "eye",
             "high",
+            "length_unit",
             "low",
             "name",
+            "normal",
+            "origin",
             "resolution",
             "target",
-            "up"
+            "text",
+            "title",
+            "unit",
+            "up",
         ]
     );
 }

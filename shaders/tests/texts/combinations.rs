@@ -338,6 +338,7 @@ fn every_piece_is_used_by_some_scene() {
         "compositor/outline",
         "compositor/pixels",
         "compositor/raster",
+        "compositor/segments_",
         "compositor/shade",
         "compositor/silhouette",
         "compositor/tiles",
