@@ -12,9 +12,7 @@ pub const NODE: Node = Node {
     inputs: surfacing::INPUTS,
     outputs: surfacing::OUTPUTS,
     parameters: &PARAMETERS,
-    example: include_str!("examples/boundary.toml"),
-    // Until a node takes surfaces.
-    finds: true,
+    example: include_str!("examples/surfaces.toml"),
     check: &surfacing::check,
     demand: &|asking| {
         let p = asking.parameters;

@@ -15,9 +15,7 @@ pub const NODE: Node = Node {
     inputs: surfacing::INPUTS,
     outputs: surfacing::OUTPUTS,
     parameters: &PARAMETERS,
-    example: include_str!("examples/contour.toml"),
-    // Until a node takes surfaces.
-    finds: true,
+    example: include_str!("examples/surfaces.toml"),
     check: &|p| {
         if p.get("values")?.list().is_some_and(<[_]>::is_empty) {
             return Err(p.error("values", "there are no values").got("[]").expected("at least one"));

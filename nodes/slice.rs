@@ -20,9 +20,7 @@ pub const NODE: Node = Node {
     inputs: surfacing::INPUTS,
     outputs: surfacing::OUTPUTS,
     parameters: &PARAMETERS,
-    example: include_str!("examples/slice.toml"),
-    // Until a node takes surfaces.
-    finds: true,
+    example: include_str!("examples/surfaces.toml"),
     check: &|p| {
         // Places are those of the data, once these are known.
         distance(&with_placeholders(p)?, DVec3::ZERO).map(drop)?;

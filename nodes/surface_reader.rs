@@ -15,8 +15,6 @@ pub const NODE: Node = Node {
     outputs: surfacing::OUTPUTS,
     parameters: &PARAMETERS,
     example: include_str!("examples/surface_reader.toml"),
-    // Until a node takes surfaces.
-    finds: true,
     check: &surfacing::check,
     // A source has no inputs to ask.
     demand: &|_| Ok(()),

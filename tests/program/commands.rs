@@ -151,7 +151,7 @@ fn a_name_that_is_wrong_is_answered_with_those_that_are_right_the_nearest_first(
         (vec!["draw"], "one of run, check, explain"),
         (vec!["help", "rendrer"], "'renderer', the nearest name, or one of renderer, "),
         (vec!["help", "least"], "'least-squares', the nearest name, or one of least-squares, "),
-        (vec!["nodes", "rendrer"], "'renderer', the nearest name, or one of reader, "),
+        (vec!["nodes", "rendrer"], "'renderer', the nearest name, or one of renderer, "),
         (vec!["run", "slab.tml"], "'slab.toml'"),
         (vec!["info", "cub.vtu"], "a file that is there, such as 'cube.vtu' beside it"),
         (vec!["start", "cub.vtu", "-o", "new.toml"], "a file that is there, such as 'cube.vtu' beside it"),

@@ -276,6 +276,9 @@ fn every_node_that_ships_does_everything_where_nothing_may_be_left_out() {
     let folder = Folder::new();
     let cube = cube_of(4, "temperature", |x| 300.0 + 100.0 * x * x);
     folder.write("data.vtu", cube.replace("\"layer\"", "\"zone\"").replace("\"y\"", "\"humidity\""));
+    let facet =
+        "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n";
+    folder.write("part.stl", format!("solid part\n{facet}endsolid part\n"));
     let registry = voltet::registry().unwrap();
     for node in registry.iter() {
         let smaller = node.example.replace("[1024, 768]", "[32, 24]").replace("[512, 512]", "[32, 32]");
