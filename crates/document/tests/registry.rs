@@ -94,7 +94,10 @@ fn every_node_type_has_its_group_and_is_found_by_words() {
     let fitting = |all: Vec<voltet_document::Fitting>| -> Vec<(&str, &str)> {
         all.iter().map(|fitting| (fitting.node.name, fitting.port.name)).collect()
     };
-    assert_eq!(fitting(taking(&registry, PortType::Image)), [("image-writer", "image")]);
+    assert_eq!(
+        fitting(taking(&registry, PortType::Image)),
+        [("annotation", "image"), ("image-writer", "image")]
+    );
     assert!(
         fitting(taking(&registry, PortType::Grid)).contains(&("renderer", "volume")),
         "a grid serves as a volume"

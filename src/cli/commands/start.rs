@@ -148,7 +148,8 @@ pub fn pipeline(
     };
     let none =
         || Error::run("no cell has an extent, so there is nothing to look at").in_file(&arguments.data);
-    let view = view(&points).ok_or_else(none)?;
+    let boxed = !(arguments.plain || arguments.fit);
+    let view = view(&points, boxed).ok_or_else(none)?;
     let chord = if view.chord > 0.0 { view.chord } else { length };
     let unit = one_digit(chord / 5.0);
     let text = |text: &str| ParameterValue::Text(text.into()).to_string();
@@ -200,7 +201,7 @@ pub fn pipeline(
     };
     let (zoom, figure, shown) = match arguments.plain {
         true => (String::new(), String::new(), "picture"),
-        false => (format!("zoom = {ZOOM:?}\n"), annotation(), "figure"),
+        false => (format!("zoom = {ZOOM:?}\n"), annotation(boxed && !view.leans), "figure"),
     };
     let stem = if is_standard_output(output) { arguments.data.file_stem() } else { output.file_stem() };
     let picture = PathBuf::from(stem.unwrap_or_default()).with_extension("png");
@@ -281,15 +282,19 @@ fn without_volume(arguments: &Start) -> Error {
 }
 
 /// The node that writes the scale of the colours, axes and the file's name over the picture.
-fn annotation() -> String {
-    "
+///
+/// `boxed`: true where the picture holds the box of the data along the axes.
+fn annotation(boxed: bool) -> String {
+    let axes = if boxed { "box" } else { "directions" };
+    format!(
+        "
 [nodes.figure]
 type = \"annotation\"
-title = \"{file}\"
-axes = \"box\"
-inputs = { image = \"picture\", volume = \"gradient\", transfer_function = \"look\", camera = \"view\" }
+title = \"{{file}}\"
+axes = \"{axes}\"
+inputs = {{ image = \"picture\", volume = \"gradient\", transfer_function = \"look\", camera = \"view\" }}
 "
-    .into()
+    )
 }
 
 /// The error for an array that is the same everywhere; names those that are not.
@@ -402,14 +407,16 @@ struct FirstView {
     chord: f64,
     /// Share of the picture that the box fills.
     filled: f64,
+    /// True if it is along the axes of a box that leans.
+    leans: bool,
     /// Distance of the nearest point along the view.
     nearest: f64,
 }
 
 /// A view of all points: along the axes, or along those of a box that leans where what it holds would fill too little of the picture.
-fn view(points: &[DVec3]) -> Option<FirstView> {
+fn view(points: &[DVec3], boxed: bool) -> Option<FirstView> {
     let [low, high] = bounds(points)?;
-    let upright = upright_view(points)?;
+    let upright = upright_view(points, boxed)?;
     let middle = 0.5 * low + 0.5 * high;
     let Some(axes) = leaning_axes(points, middle, high - low) else {
         return Some(upright);
@@ -422,10 +429,14 @@ fn view(points: &[DVec3]) -> Option<FirstView> {
     if filled >= FILLED {
         return Some(FirstView { chord, filled, ..upright });
     }
-    let leaning = upright_view(&turned)?;
+    let leaning = upright_view(&turned, false)?;
     let Camera { eye, target, up, .. } = leaning.camera;
     let [eye, target] = [eye, target].map(|place| middle + axes * place);
-    Some(FirstView { camera: Camera { eye, target, up: axes * up, ..leaning.camera }, ..leaning })
+    Some(FirstView {
+        camera: Camera { eye, target, up: axes * up, ..leaning.camera },
+        leans: true,
+        ..leaning
+    })
 }
 
 /// Axes of a box that is much smaller than the upright one, as of a rod along a diagonal: the principal components of the points in the
@@ -453,7 +464,8 @@ fn leaning_axes(points: &[DVec3], middle: DVec3, size: DVec3) -> Option<DMat3> {
 }
 
 /// A view of all points, mostly along the shortest side of their box; along another where that leaves the picture empty, as of a rod.
-fn upright_view(points: &[DVec3]) -> Option<FirstView> {
+/// `boxed`: holds their box, too.
+fn upright_view(points: &[DVec3], boxed: bool) -> Option<FirstView> {
     let [low, high] = bounds(points)?;
     let largest = (high - low).max_element().max(f64::MIN_POSITIVE);
     let size = (high - low).max(DVec3::splat(1e-9 * largest));
@@ -471,7 +483,7 @@ fn upright_view(points: &[DVec3]) -> Option<FirstView> {
             (best, filled) = if other > filled { (towards, other) } else { (best, filled) };
         }
     }
-    seen(best, points)
+    if boxed { seen(best, &corners(ends)) } else { seen(best, points) }
 }
 
 impl FirstView {
@@ -485,7 +497,7 @@ impl FirstView {
         let forward = camera.frame().ok()?.forward;
         let depths = points.iter().map(|point| (*point - camera.eye).dot(forward));
         let nearest = depths.filter(|depth| depth.is_finite()).fold(f64::INFINITY, f64::min);
-        Some(FirstView { camera, chord, filled, nearest })
+        Some(FirstView { camera, chord, filled, nearest, leans: false })
     }
 
     /// Its keys in a pipeline file.
