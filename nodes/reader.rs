@@ -205,7 +205,9 @@ pub(crate) fn request(p: &Parameters, chosen: Option<SelectedArrays>) -> Result<
         _ => CellValues::Average,
     };
     let time_step = match (p.is_set("time_step"), p.optional_number("time")) {
-        (true, Some(_)) => return Err(p.error("time", "'time' and 'time_step' exclude each other")),
+        (true, Some(_)) => {
+            return Err(p.error("time", "'time' and 'time_step' exclude each other").expected("one of them"));
+        }
         (true, None) => Some(TimeStep::Index(p.integer("time_step")? as usize)),
         (false, time) => time.map(TimeStep::Time),
     };

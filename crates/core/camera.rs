@@ -79,7 +79,9 @@ impl Camera {
         let view = self.target - self.eye;
         let forward = direction(view);
         if forward == DVec3::ZERO {
-            return Err(Error::usage("the camera's eye and target are the same point").got(self.eye));
+            return Err(Error::usage("the camera's eye and target are the same point")
+                .got(self.eye)
+                .expected("a target apart from the eye"));
         }
         let side = forward.cross(direction(self.up));
         if side.length() < 1e-12 {

@@ -96,7 +96,8 @@ impl Grid {
         let fitting = self.point_arrays.iter().filter(|(_, array)| fits(array));
         let names: Vec<&str> = fitting.map(|(name, _)| name.as_str()).collect();
         let accepted = match names.is_empty() {
-            true => format!("{of}, and there is none"),
+            // Others of the file are not read.
+            true => of,
             false => format!("{of}: {}", suggest(name, names)),
         };
         match self.point_arrays.get(name) {

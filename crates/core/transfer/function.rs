@@ -264,7 +264,9 @@ fn polygon(p: &Parameters) -> Result<Region> {
         return Ok(Region::rectangle(limits("s")?, limits("g")?));
     }
     if p.optional("s").is_some() || p.optional("g").is_some() {
-        return Err(p.error("polygon", "'polygon' and the ranges 's' and 'g' exclude each other"));
+        return Err(p
+            .error("polygon", "'polygon' and the ranges 's' and 'g' exclude each other")
+            .expected("one of them"));
     }
     let corners: Vec<[f64; 2]> = p.rows("polygon")?.iter().map(|row| [row[0], row[1]]).collect();
     let region = Region { corners };

@@ -144,8 +144,11 @@ fn what_no_widget_can_be_is_refused() {
         assert!(message.contains(wanted), "{keys}: {message}");
     }
     for (keys, wanted) in [
-        ("centre = [0, 0]\nsigma = [1, 1]\nmatrix = [[1, 0], [0, 1]]", "exclude each other"),
-        ("centre = [0, 0]", "needs 'sigma' or 'matrix'"),
+        (
+            "centre = [0, 0]\nsigma = [1, 1]\nmatrix = [[1, 0], [0, 1]]",
+            "exclude each other; expected one of them",
+        ),
+        ("centre = [0, 0]", "needs 'sigma' or 'matrix'; expected sigma"),
         ("centre = [0, 0]\nmatrix = [[1, 0]]", "wrong size: found 1 × 2; expected 2 × 2"),
         ("centre = [0, 0]\nsigma = [1e-310, 1]", "inverse is not finite"),
     ] {

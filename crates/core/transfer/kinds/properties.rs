@@ -302,8 +302,14 @@ pub(super) fn fields_of(p: &Parameters, most: usize, per_width: f64) -> Result<F
 /// K from `matrix`, or diag(1/(`per_width` σ)) from `sigma`: n rows of n.
 pub(super) fn kernel(p: &Parameters, n: usize, per_width: f64) -> Result<Vec<Vec<f64>>> {
     let rows = match (p.optional("sigma"), p.optional("matrix")) {
-        (Some(_), Some(_)) => return Err(p.error("matrix", "'sigma' and 'matrix' exclude each other")),
-        (None, None) => return Err(p.error("sigma", "the widget needs 'sigma' or 'matrix'")),
+        (Some(_), Some(_)) => {
+            return Err(p.error("matrix", "'sigma' and 'matrix' exclude each other").expected("one of them"));
+        }
+        (None, None) => {
+            return Err(p
+                .error("sigma", "the widget needs 'sigma' or 'matrix'")
+                .expected("sigma, its widths along the axes, or matrix"));
+        }
         (Some(_), None) => {
             let sigma = p.numbers("sigma")?;
             let inverse = |i: usize| 1.0 / (per_width * sigma[i]);

@@ -35,8 +35,10 @@ impl Element {
 
     /// The value of an attribute that must be there.
     pub fn required(&self, name: &str) -> Result<&str> {
-        self.attribute(name)
-            .ok_or_else(|| Error::run(format!("the element <{}> lacks its attribute {name}", self.tag)))
+        self.attribute(name).ok_or_else(|| {
+            let what = format!("the element <{}> lacks its attribute {name}", self.tag);
+            Error::run(what).expected(format_args!("<{} {name}=\"…\">", self.tag))
+        })
     }
 
     /// An attribute as a number; an error where it is there and is none.
@@ -109,7 +111,12 @@ pub(super) fn read(source: &Arc<Source>) -> Result<(Element, Option<Appended>)> 
             Ok(event) => event,
             Err(error) => {
                 let line = line_of(source, place(reader.error_position()).max(start));
-                return Err(Error::run("the XML is damaged").got(error).at_line(line));
+                return Err(Error::run("the XML is damaged")
+                    .got(error)
+                    .expected(
+                        "XML in the encoding that the first line declares; UTF-8, where it declares none",
+                    )
+                    .at_line(line));
             }
         };
         let failed = |error: Error| error.at_line(line_of(source, start));
@@ -154,7 +161,8 @@ pub(super) fn read(source: &Arc<Source>) -> Result<(Element, Option<Appended>)> 
     }
     if open.len() > 1 {
         let tag = open.pop().map(|element| element.tag).unwrap_or_default();
-        return Err(Error::run("the file ends early").got(format_args!("no end of <{tag}>")));
+        let error = Error::run("the file ends early").got(format_args!("no end of <{tag}>"));
+        return Err(error.expected("a file that was written to its end"));
     }
     root(open).map(|root| (root, None))
 }
@@ -183,7 +191,8 @@ fn element(tag: &BytesStart) -> Result<Element> {
     let mut attributes = Vec::new();
     for attribute in tag.attributes() {
         let wrong = |reason: String| {
-            Error::run(format!("an attribute of <{}> is damaged", tag.name().as_ref())).got(reason)
+            let error = Error::run(format!("an attribute of <{}> is damaged", tag.name().as_ref()));
+            error.got(reason).expected("NAME=\"VALUE\", in which & is written as &amp;")
         };
         let attribute = attribute.map_err(|error| wrong(error.to_string()))?;
         let value = attribute

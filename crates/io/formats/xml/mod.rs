@@ -67,7 +67,9 @@ fn open_step(
 ) -> Result<Dataset> {
     match root.required("type")? {
         kind if kind == SERIES || !may_have_pieces && names_pieces(kind) => {
-            Err(Error::run("a file names another of a kind that cannot stand there").got(kind))
+            let error = Error::run("a file names another of a kind that cannot stand there").got(kind);
+            let expected = if may_have_pieces { "files of data" } else { "files of data in one part" };
+            Err(error.expected(expected))
         }
         kind if names_pieces(kind) => open_parallel(&source, root, request),
         _ => open_serial(source, root, appended, request),
@@ -147,7 +149,9 @@ fn add(by: &Source, name: &str, request: &Request, may_have_pieces: bool, to: &m
 
 /// The times of all steps, and the files of that asked for.
 fn step<'a>(root: &'a Element, request: &Request) -> Result<(Vec<f64>, Vec<&'a str>)> {
-    let collection = root.child(SERIES).ok_or_else(|| Error::run("the file holds no <Collection>"))?;
+    let collection = root.child(SERIES).ok_or_else(|| {
+        Error::run("the file holds no <Collection>").expected("<Collection> of <DataSet file=\"…\">")
+    })?;
     let mut entries = Vec::new();
     for element in collection.children_of("DataSet") {
         let time = element.number::<f64>("timestep")?.unwrap_or(0.0);
@@ -272,8 +276,9 @@ pub(super) fn is_before(version: &str, other: [u32; 2]) -> bool {
 
 /// Finds `<Points>` and its array.
 fn points(context: &Context, piece: &Element, count: u64) -> Result<Stored> {
-    let section = piece.child("Points").ok_or_else(|| Error::run("the piece holds no <Points>"))?;
-    let array = context.arrays(section).next().ok_or_else(|| Error::run("<Points> holds no array"))?;
+    let lacks = |what: &str| Error::run(what).expected("<Points> of one <DataArray> of three components");
+    let section = piece.child("Points").ok_or_else(|| lacks("the piece holds no <Points>"))?;
+    let array = context.arrays(section).next().ok_or_else(|| lacks("<Points> holds no array"))?;
     let mut stored = context.stored(array, Some(count))?;
     if stored.component_count != 3 {
         // Points always have three coordinates; some writers leave the attribute out.
@@ -297,7 +302,9 @@ fn unstructured(context: &Context, _grid: &Element, element: &Element) -> Result
         Ok(element.number(name)?.unwrap_or(0))
     };
     let (point_count, cell_count) = (count("NumberOfPoints")?, count("NumberOfCells")?);
-    let section = element.child("Cells").ok_or_else(|| Error::run("the piece holds no <Cells>"))?;
+    let section = element.child("Cells").ok_or_else(|| {
+        Error::run("the piece holds no <Cells>").expected("<Cells> of connectivity, offsets and types")
+    })?;
     let faces = faces(context, section, cell_count)?;
     let cells = StoredCells::Offsets {
         connectivity: context.required(section, "connectivity", None)?,
@@ -498,8 +505,10 @@ impl Context {
 
     /// Finds an array that must be there.
     fn required(&self, section: &Element, name: &str, tuple_count: Option<u64>) -> Result<Stored> {
-        self.named(section, name, tuple_count)?
-            .ok_or_else(|| Error::run(format!("<{}> lacks its array '{name}'", section.tag)))
+        self.named(section, name, tuple_count)?.ok_or_else(|| {
+            let error = Error::run(format!("<{}> lacks its array '{name}'", section.tag));
+            error.expected(format_args!("<DataArray Name=\"{name}\">"))
+        })
     }
 
     /// The arrays of `<PointData>` or `<CellData>`; arrays of text are not among them.

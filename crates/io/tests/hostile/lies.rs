@@ -132,10 +132,13 @@ fn what_is_no_data_file_says_what_would_be() {
     );
     expect(
         &message("a.vtu", b"<VTKFile type=\"UnstructuredGrid\">", &Request::default()),
-        &["ends early", "VTKFile"],
+        &["ends early", "VTKFile", "written to its end"],
     );
-    expect(&message("a.vtu", b"<VTKFile>\n<a></b>", &Request::default()), &["XML is damaged", "a.vtu:2"]);
-    expect(&message("a.pvtu", b"<VTKFile type=\"PUnstructuredGrid\"><PUnstructuredGrid><Piece Source=\"a.pvtu\"/></PUnstructuredGrid></VTKFile>", &Request::default()), &["cannot stand there"]);
+    expect(
+        &message("a.vtu", b"<VTKFile>\n<a></b>", &Request::default()),
+        &["XML is damaged", "a.vtu:2", "the first line declares"],
+    );
+    expect(&message("a.pvtu", b"<VTKFile type=\"PUnstructuredGrid\"><PUnstructuredGrid><Piece Source=\"a.pvtu\"/></PUnstructuredGrid></VTKFile>", &Request::default()), &["cannot stand there", "in one part"]);
     let missing = read(std::path::Path::new("no/such.vtu"), &Request::default(), &NoProgress).unwrap_err();
     expect(&missing.to_string(), &["no such file", "no/such.vtu"]);
     let folder = tempfile::tempdir().unwrap();
