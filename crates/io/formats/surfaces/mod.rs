@@ -5,7 +5,7 @@
 //! | .stl (ASCII and binary) | [`stl`] |
 //! | .ply (ASCII and binary) | [`ply`] |
 //! | .obj | [`obj`] |
-//! | .vtp | [`poly_data`](super::xml::poly_data) |
+//! | .vtp | `super::xml::poly_data` |
 //!
 //! STL and OBJ are read here and not through crates: stl_io 0.11 drops all solids but the first in silence, and takes binary files whose
 //! header begins with "solid" for text; tobj 4.0 panics on some numbers of normals.
