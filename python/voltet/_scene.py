@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ._errors import picture_size, usage
+from ._errors import picture_size, usage, warn
 from ._grid import Grid
 from ._pipeline import Pipeline
 
@@ -66,6 +66,8 @@ def scene(
     method = {"method": method} if isinstance(method, str) else dict(method or {})
     pipeline.add("gradient", "gradient-magnitude", grid="grid", **method)
     pipeline.give(grid, "grid")
+    # Before anything is drawn, since a volume that is plotted may never be.
+    warn(about["warnings"])
     if widgets is None:
         widgets = [{"kind": "colormap", "extinction": 0.08}]
     # By which numbers may be relative to the data.
