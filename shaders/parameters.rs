@@ -7,9 +7,10 @@ use crate::resources::Places;
 use crate::shader_key::{Combine, ShaderKey, WgslCall, registered};
 use crate::writer::{Axis, WidgetRecord, Writer, finite};
 use bytemuck::{Pod, Zeroable};
+use voltet_core::arithmetic::unit_vector;
 use voltet_core::transfer::{TransferFunction, Widget};
 use voltet_core::{Error, Result};
-use voltet_optics::shading::{Shading, unit_vector};
+use voltet_optics::shading::Shading;
 use voltet_simd::limits::{LENGTHS, MAX_ORDERED_DEPTH, MAX_PIECES};
 
 /// Head of `Scene` in `scene.wgsl`, before the widgets.

@@ -1,11 +1,19 @@
 //! Arithmetic that keeps the digits which plain sums of products lose.
 
+use glam::DVec3;
+
 /// p q − r s with one rounding of each product's error kept (Kahan; Jeannerod et al. 2013: within 1.5 ulp).
 #[inline]
 pub fn difference_of_products(p: f64, q: f64, r: f64, s: f64) -> f64 {
     let rs = r * s;
     let error = (-r).mul_add(s, rs);
     p.mul_add(q, -rs) + error
+}
+
+/// v / |v| for any magnitude of v; zero where v is, or is not finite.
+pub fn unit_vector(v: DVec3) -> DVec3 {
+    let largest = v.abs().max_element();
+    if largest > 0.0 && largest.is_finite() { (v / largest).normalize() } else { DVec3::ZERO }
 }
 
 /// The number with the fewest decimal places that is as near as half of `step`: written in full, it comes back as it is.

@@ -3,6 +3,7 @@
 //! Right-handed. Pixel (i, j) of a W × H picture, row 0 at the top, is seen along the ray through its centre
 //! (i + ½, j + ½). Distances along a ray are Euclidean, not depth.
 
+use crate::arithmetic::unit_vector;
 use crate::grid::extent::{bounds, diagonal};
 use crate::{Error, Result};
 use glam::{DQuat, DVec3};
@@ -77,13 +78,13 @@ impl Camera {
             return Err(Error::usage("the camera's eye, target and up must be finite numbers"));
         }
         let view = self.target - self.eye;
-        let forward = direction(view);
+        let forward = unit_vector(view);
         if forward == DVec3::ZERO {
             return Err(Error::usage("the camera's eye and target are the same point")
                 .got(self.eye)
                 .expected("a target apart from the eye"));
         }
-        let side = forward.cross(direction(self.up));
+        let side = forward.cross(unit_vector(self.up));
         if side.length() < 1e-12 {
             return Err(Error::usage("the camera's up is zero or parallel to the view direction")
                 .got(self.up)
@@ -117,13 +118,13 @@ impl Camera {
         self.frame()?;
         // An angle of 0 leaves every bit.
         if azimuth != 0.0 {
-            self.eye = self.target + turn(direction(self.up), azimuth) * (self.eye - self.target);
+            self.eye = self.target + turn(unit_vector(self.up), azimuth) * (self.eye - self.target);
         }
         if elevation != 0.0 {
             self.eye = self.target + turn(-self.frame()?.right, elevation) * (self.eye - self.target);
         }
         if roll != 0.0 {
-            self.up = turn(self.frame()?.forward, roll) * direction(self.up);
+            self.up = turn(self.frame()?.forward, roll) * unit_vector(self.up);
         }
         self.frame().map(|_| self)
     }
@@ -193,13 +194,6 @@ impl Camera {
         const STEP: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
         (0..count).map(|k| STEP.map(|step| (0.5 + step * f64::from(k)).fract() - 0.5)).collect()
     }
-}
-
-/// Unit vector along a vector; 0 for 0.
-fn direction(v: DVec3) -> DVec3 {
-    // Scaled first: squares of 1e-200 or 1e200 leave the range of f64.
-    let largest = v.abs().max_element();
-    if largest > 0.0 { (v / largest).normalize() } else { DVec3::ZERO }
 }
 
 /// Refuses a value out of its range.

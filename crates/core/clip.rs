@@ -1,6 +1,7 @@
 //! Clips: parts of space in which a volume is drawn. Rays are cut where they enter and leave them, so that the cut is exact whatever
 //! the cells are.
 
+use crate::arithmetic::unit_vector;
 use crate::{Error, Result};
 use glam::DVec3;
 
@@ -109,7 +110,7 @@ impl ClipShape {
             }
             ClipShape::Sphere { centre, radius } => within(origin - centre, direction, radius),
             ClipShape::Cylinder { from, to, radius } => {
-                let axis = (to - from).normalize();
+                let axis = unit_vector(to - from);
                 let (o, d) = (origin - from, direction);
                 let across = |v: DVec3| v - axis * v.dot(axis);
                 let between = above(o.dot(axis), d.dot(axis));

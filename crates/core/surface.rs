@@ -1,5 +1,6 @@
 //! Surfaces that are drawn in a volume: triangles of one colour, or coloured by values through a colour map.
 
+use crate::arithmetic::unit_vector;
 use crate::colormap::ColorCurve;
 use crate::{Error, Result};
 use glam::DVec3;
@@ -99,11 +100,9 @@ impl Surface {
                     let [a, b, c] = corners.map(|p| self.points[p]);
                     (b - a).cross(c - a)
                 }
-                false => {
-                    weights.iter().zip(corners).map(|(w, p)| *w * self.normals[p].normalize_or_zero()).sum()
-                }
+                false => weights.iter().zip(corners).map(|(w, p)| *w * unit_vector(self.normals[p])).sum(),
             };
-            ambient + diffuse * normal.normalize_or_zero().dot(direction).abs()
+            ambient + diffuse * unit_vector(normal).dot(direction).abs()
         });
         let [r, g, b] = color.map(|c| c * lit * self.opacity);
         [r, g, b, self.opacity]

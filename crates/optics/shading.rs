@@ -113,12 +113,6 @@ pub struct Light {
     pub diffuse: f64,
 }
 
-/// v / |v| for any magnitude of v; zero where v is, or is not finite.
-pub fn unit_vector(v: glam::DVec3) -> glam::DVec3 {
-    let largest = v.abs().max_element();
-    if largest > 0.0 && largest.is_finite() { (v / largest).normalize() } else { glam::DVec3::ZERO }
-}
-
 /// Integrator, blending of widgets, silhouettes and light: closed forms without silhouettes and light unless stated.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Shading {

@@ -7,7 +7,8 @@
 use crate::fragments::batch::Batch;
 use crate::tile::TILE;
 use crate::view::View;
-use voltet_optics::shading::{Light, Shading, unit_vector};
+use voltet_core::arithmetic::unit_vector;
+use voltet_optics::shading::{Light, Shading};
 use voltet_simd::optics::elementary::power;
 use voltet_simd::{Float, Lanes, Mask, Unsigned, array};
 
