@@ -56,7 +56,7 @@ impl FrameRenderer<'_> {
     /// Like [`FrameRenderer::composite`], with the surfaces and clips of a scene, for which the cells must be in the exact order, and with
     /// rays that end, as at opaque surfaces of another renderer. `depth_limit`: for each pixel, row by row from the top, the depth of its
     /// ray's end along the view direction (world units); infinite where nothing ends it. Errors: another number of pixels, a depth that
-    /// is not a number; those of [`Scene::events`].
+    /// is not a number; those of [`Scene::ray_event_source`].
     pub fn composite_scene(
         &self,
         scene: &Scene,
@@ -150,6 +150,7 @@ impl FrameRenderer<'_> {
         if let Some(limits) = inputs.depth_limit {
             check_depth_limit(limits, [width, height])?;
         }
+        let event_source = scene.map_or(Ok(None), Scene::ray_event_source)?;
         let mut picture = Picture::transparent(width, height);
         let (cells_projected, table_bytes) = (projection.cells_projected().unwrap_or(0), *table_bytes);
         let mut counts = Counts { cells_projected, table_bytes, ..Counts::default() };
@@ -168,7 +169,8 @@ impl FrameRenderer<'_> {
                     &further
                 }
             };
-            let mut events = scene.map_or(Ok(None), |scene| scene.events(offset, progress))?;
+            let events = event_source.as_ref().map(|source| source.events(offset, progress));
+            let mut events = events.transpose()?;
             if let (Some(events), Some(limits)) = (&mut events, inputs.depth_limit) {
                 events.end_at(limits);
             }

@@ -211,10 +211,8 @@ impl NativeVolume {
         let projection = project(&cells, transfer_function, camera, false, progress)?;
         let renderer = prepare(&projection, transfer_function, shading)?;
         timer.end(Stage::SetUp);
-        let (picture, counts) = {
-            let inputs = RayInputs { cache: Some(segments), ..RayInputs::default() };
-            renderer.draw(inputs, None, progress)?
-        };
+        let inputs = RayInputs { cache: Some(segments), ..RayInputs::default() };
+        let (picture, counts) = renderer.draw(inputs, None, progress)?;
         timer.end(Stage::Composite);
         let mut drawn = RenderOutput { is_preview: true, ..RenderOutput::new(picture, timer.stages) };
         let why = "the segments of this view were kept when its widgets changed";

@@ -42,26 +42,50 @@ pub struct RayEvents {
 /// Rows of pixels that a thread takes at a time.
 const BAND: usize = 16;
 
-impl RayEvents {
-    /// The events of a view whose samples lie `offset` off the pixels' centres; none where there are no surfaces and no clips.
+/// Surfaces and clips as a camera sees them, for the events of each of its samples.
+pub struct RayEventSource<'a> {
+    frame: Frame,
+    camera: &'a Camera,
+    clips: &'a [Clip],
+    /// With their points from the eye: right, up, forward.
+    surfaces: Vec<(&'a Surface, Vec<DVec3>)>,
+}
+
+impl<'a> RayEventSource<'a> {
+    /// The source of a view; none where there are no surfaces and no clips.
     ///
     /// # Errors
-    /// - a surface or a clip with a number out of range; more than 2³² events; a stopped run.
+    /// - a surface, a clip or a camera with a number out of range.
     pub fn new(
-        surfaces: &[Arc<Surface>],
-        clips: &[Clip],
-        camera: &Camera,
-        offset: [f64; 2],
-        progress: &dyn Progress,
-    ) -> Result<Option<RayEvents>> {
+        surfaces: &'a [Arc<Surface>],
+        clips: &'a [Clip],
+        camera: &'a Camera,
+    ) -> Result<Option<RayEventSource<'a>>> {
         if surfaces.is_empty() && clips.is_empty() {
             return Ok(None);
         }
         surfaces.iter().try_for_each(|surface| surface.check())?;
         clips.iter().try_for_each(|clip| clip.shape.check())?;
-        let rays = Rays { frame: camera.frame()?, camera, offset };
+        let frame = camera.frame()?;
+        let Frame { right, up, forward, .. } = frame;
+        let seen = |p: &DVec3| {
+            let q = *p - camera.eye;
+            DVec3::new(q.dot(right), q.dot(up), q.dot(forward))
+        };
+        let surfaces =
+            surfaces.iter().map(|surface| (&**surface, surface.points.par_iter().map(seen).collect()));
+        Ok(Some(RayEventSource { frame, camera, clips, surfaces: surfaces.collect() }))
+    }
+
+    /// The events of the samples that lie `offset` off the pixels' centres.
+    ///
+    /// # Errors
+    /// - more than 2³² events; a stopped run.
+    pub fn events(&self, offset: [f64; 2], progress: &dyn Progress) -> Result<RayEvents> {
+        let RayEventSource { frame, camera, clips, surfaces } = self;
+        let rays = Rays { frame: *frame, camera, offset };
         let seen: Vec<ScreenSurface<'_>> =
-            surfaces.iter().map(|surface| ScreenSurface::new(surface, &rays)).collect();
+            surfaces.iter().map(|(surface, points)| ScreenSurface::new(surface, points, &rays)).collect();
         let [width, height] = camera.size.map(|n| n as usize);
         let band = |number: usize| {
             let rows = number * BAND..((number + 1) * BAND).min(height);
@@ -102,9 +126,11 @@ impl RayEvents {
             }
         }
         first.push(events.len() as u32);
-        Ok(Some(RayEvents { size: [width, height], first, events }))
+        Ok(RayEvents { size: [width, height], first, events })
     }
+}
 
+impl RayEvents {
     /// Range of a pixel's events among [`RayEvents::all`].
     pub fn range_of(&self, i: usize, j: usize) -> [u32; 2] {
         let pixel = j * self.size[0] + i;
@@ -206,19 +232,13 @@ impl Rays<'_> {
 struct ScreenSurface<'a> {
     surface: &'a Surface,
     /// Points from the eye: right, up, forward.
-    points: Vec<DVec3>,
+    points: &'a [DVec3],
     /// Triangles that may be met in each band, with the pixels that they may cover: columns and rows from … to before.
     bands: Vec<Vec<(u32, [u16; 4])>>,
 }
 
 impl<'a> ScreenSurface<'a> {
-    fn new(surface: &'a Surface, rays: &Rays<'_>) -> ScreenSurface<'a> {
-        let Frame { right, up, forward, .. } = rays.frame;
-        let seen = |p: &DVec3| {
-            let q = *p - rays.camera.eye;
-            DVec3::new(q.dot(right), q.dot(up), q.dot(forward))
-        };
-        let points: Vec<DVec3> = surface.points.par_iter().map(seen).collect();
+    fn new(surface: &'a Surface, points: &'a [DVec3], rays: &Rays<'_>) -> ScreenSurface<'a> {
         let bounds: Vec<_> = surface
             .triangles
             .par_iter()

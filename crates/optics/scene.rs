@@ -1,11 +1,10 @@
 //! Scene: volume, transfer function, camera, shading, surfaces and clips, as every engine takes them.
 
-use crate::ray_events::RayEvents;
+use crate::ray_events::RayEventSource;
 use crate::shading::{Ordering, Shading, VisibilityOrder};
 use std::sync::Arc;
 use voltet_core::camera::Camera;
 use voltet_core::clip::Clip;
-use voltet_core::progress::Progress;
 use voltet_core::surface::Surface;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
@@ -59,15 +58,15 @@ impl Scene {
         !(self.surfaces.is_empty() && self.clips.is_empty())
     }
 
-    /// Events of rays through samples `offset` off the pixels' centres. Errors: those of [`RayEvents::new`]; another order
-    /// than the exact one, in which nothing has its place.
-    pub fn events(&self, offset: [f64; 2], progress: &dyn Progress) -> Result<Option<RayEvents>> {
+    /// Source of the rays' events; none where rays meet nothing but cells. Errors: those of [`RayEventSource::new`]; another order than
+    /// the exact one, in which nothing has its place.
+    pub fn ray_event_source(&self) -> Result<Option<RayEventSource<'_>>> {
         if self.has_events() && self.order != VisibilityOrder::Exact {
             return Err(Error::usage("surfaces and clips have their places in the exact order alone")
                 .got(format!("order = \"{}\"", self.order))
                 .expected("order = \"exact\""));
         }
-        RayEvents::new(&self.surfaces, &self.clips, &self.camera, offset, progress)
+        RayEventSource::new(&self.surfaces, &self.clips, &self.camera)
     }
 }
 

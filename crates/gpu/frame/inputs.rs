@@ -121,10 +121,10 @@ pub(crate) fn inputs<'a>(
     let samples: Vec<ViewRecord> = camera.sample_offsets().iter().map(sample).collect::<Result<_>>()?;
     samples.iter().take(1).try_for_each(|view| grid.flat_cells.check(volume, transfer_function, view))?;
     let mut events = Vec::new();
-    for (offset, view) in camera.sample_offsets().into_iter().zip(&samples).filter(|_| scene.has_events()) {
-        events.extend(
-            scene.events(offset, progress)?.map(|events| stored(&events, grid.length, view.distance)),
-        );
+    if let Some(source) = scene.ray_event_source()? {
+        for (offset, view) in camera.sample_offsets().into_iter().zip(&samples) {
+            events.push(stored(&source.events(offset, progress)?, grid.length, view.distance));
+        }
     }
     let shader = compose(&shader_key);
     let by_tiles = compositing == Compositor::Tiles;
