@@ -149,16 +149,7 @@ pub const PARAMETERS: &[Parameter] = &[
         name: "sphere",
         parameter_type: ParameterType::Table(&[
             Parameter { name: "centre", help: "its centre", ..POSITION },
-            Parameter {
-                name: "radius",
-                parameter_type: ParameterType::Measured(&RelativeNumberType {
-                    plain: ParameterType::Number(Range::above(0.0)),
-                    statistic: StatisticKind::Width,
-                    axis: AxisRef::Every("diagonal"),
-                }),
-                help: "its radius; a percentage: of the diagonal of the bounds",
-                ..POSITION
-            },
+            Parameter { help: "its radius; a percentage: of the diagonal of the bounds", ..RADIUS },
         ]),
         unit: "world units",
         default: DefaultValue::Unset("another region"),
@@ -240,6 +231,17 @@ pub const PARAMETERS: &[Parameter] = &[
         help: "true: a full matrix, tilted as the fields vary together; false: along the axes",
     },
 ];
+
+/// A radius, also as a share of the diagonal of the bounds.
+pub(crate) const RADIUS: Parameter = Parameter {
+    name: "radius",
+    parameter_type: ParameterType::Measured(&RelativeNumberType {
+        plain: ParameterType::Number(Range::above(0.0)),
+        statistic: StatisticKind::Width,
+        axis: AxisRef::Every("diagonal"),
+    }),
+    ..POSITION
+};
 
 /// A place, also by shares of the bounds.
 pub(crate) const POSITION: Parameter = Parameter {

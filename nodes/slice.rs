@@ -1,17 +1,15 @@
 //! `slice`: a plane, a sphere or a cylinder through the cells, coloured by what they hold there.
 
-use crate::probe::POSITION;
+use crate::probe::{POSITION, RADIUS};
 use crate::surfacing::{self, Shape, with_paint};
 use glam::DVec3;
 use rayon::prelude::*;
 use voltet_core::Result;
+use voltet_core::arithmetic::unit_vector;
 use voltet_core::grid::contour;
 use voltet_core::grid::extent::range;
 use voltet_core::transfer::with_placeholders;
-use voltet_graph::{
-    AxisRef, DefaultValue, Node, Outputs, Parameter, ParameterType, Parameters, Range, RelativeNumberType,
-    RunContext, StatisticKind,
-};
+use voltet_graph::{DefaultValue, Node, Outputs, Parameter, ParameterType, Parameters, Range, RunContext};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -64,15 +62,9 @@ const PARAMETERS: [Parameter; 12] = with_paint(
             help: "what the cells are cut by",
         },
         Parameter {
-            name: "radius",
-            parameter_type: ParameterType::Measured(&RelativeNumberType {
-                plain: ParameterType::Number(Range::above(0.0)),
-                statistic: StatisticKind::Width,
-                axis: AxisRef::Every("diagonal"),
-            }),
-            unit: "world units",
             default: DefaultValue::Unset("none: a plane"),
             help: "radius of the sphere or cylinder; a percentage: of the diagonal of the bounds",
+            ..RADIUS
         },
     ],
     "s",
@@ -90,11 +82,10 @@ fn distance(p: &Parameters, middle: DVec3) -> Result<Distance> {
         None => middle,
     };
     let normal: DVec3 = p.vector("normal")?.into();
-    let largest = normal.abs().max_element();
-    if largest == 0.0 {
+    let axis = unit_vector(normal);
+    if axis == DVec3::ZERO {
         return Err(p.error("normal", "the normal has no direction").expected("a vector that is not zero"));
     }
-    let axis = (normal / largest).normalize();
     let shape = p.text("shape")?;
     let radius = || {
         let error = || p.error("shape", format!("a {shape} needs a radius")).expected("radius = …, above 0");

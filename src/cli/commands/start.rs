@@ -5,6 +5,7 @@ use crate::cli::arguments::{DataOptions, Start};
 use crate::cli::present::{name, say};
 use crate::core::arithmetic::decimal;
 use crate::core::camera::{Camera, Projection};
+use crate::core::clip::ClipShape;
 use crate::core::field::{LeastSquares, Method, magnitude};
 use crate::core::grid::Grid;
 use crate::core::grid::extent::{bounds, corners, range, scene_length};
@@ -518,6 +519,7 @@ impl FirstView {
 fn rays(camera: &Camera, [low, high]: [DVec3; 2]) -> Option<(f64, f64)> {
     const RAYS: [usize; 2] = [64, 48];
     let frame = camera.frame().ok()?;
+    let seen = ClipShape::Box { low, high };
     let half = PICTURE.map(|side| 0.5 * f64::from(side) * frame.pixel);
     let (mut sum, mut met) = (0.0, 0_u32);
     for ray in 0..RAYS[0] * RAYS[1] {
@@ -525,10 +527,10 @@ fn rays(camera: &Camera, [low, high]: [DVec3; 2]) -> Option<(f64, f64)> {
         let x = (2.0 * x / RAYS[0] as f64 - 1.0) * half[0];
         let y = (2.0 * y / RAYS[1] as f64 - 1.0) * half[1];
         let direction = (x * frame.right + y * frame.up + frame.forward).normalize();
-        let (a, b) = ((low - camera.eye) / direction, (high - camera.eye) / direction);
-        let (enter, leave) = (a.min(b).max_element().max(0.0), a.max(b).min_element());
-        if leave > enter {
-            (sum, met) = (sum + (leave - enter), met + 1);
+        if let Some([enter, leave]) = seen.inside(camera.eye, direction)
+            && leave > enter.max(0.0)
+        {
+            (sum, met) = (sum + (leave - enter.max(0.0)), met + 1);
         }
     }
     Some((sum / f64::from(met.max(1)), f64::from(met) / (RAYS[0] * RAYS[1]) as f64))
