@@ -126,7 +126,8 @@ fn look(
     let widget =
         Widget { profile, color: p.color("color")?, extinction: p.number("extinction")?, region: None };
     let model = OpticalModel::DensityEmitter;
-    let transfer_function = TransferFunction { model, unit_distance: 1.0, widgets: vec![widget] };
+    let transfer_function =
+        TransferFunction { model, unit_distance: 1.0, widgets: vec![widget], axes: Default::default() };
     Ok(vec![Value::TransferFunction(Arc::new(TransferFunctionSpec {
         transfer_function,
         auto_unit_distance: true,

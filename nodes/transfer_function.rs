@@ -155,7 +155,8 @@ fn look(p: &Parameters, widgets: &relative::Widgets, files: &dyn LoadFiles) -> R
     };
     let unit = p.optional_number("unit_distance");
     let widgets = widgets.iter().map(|(kind, keys)| read(kind, keys, files)).collect::<Result<_>>()?;
-    let transfer_function = TransferFunction { model, unit_distance: unit.unwrap_or(1.0), widgets };
+    let transfer_function =
+        TransferFunction { model, unit_distance: unit.unwrap_or(1.0), widgets, axes: Default::default() };
     Ok(TransferFunctionSpec { transfer_function, auto_unit_distance: unit.is_none() })
 }
 

@@ -214,7 +214,8 @@ mod tests {
 
     fn answer(integrator: Integrator, widgets: Vec<Widget>, values: &[f64]) -> Result<()> {
         let model = OpticalModel::ConstantEmitter { cutoff: 1e-3 };
-        let transfer_function = TransferFunction { model, unit_distance: 1.0, widgets };
+        let transfer_function =
+            TransferFunction { model, unit_distance: 1.0, widgets, axes: Default::default() };
         let shading = Shading { integrator, overlap: WidgetBlend::Exact, silhouette: None, light: None };
         let shader_key =
             ShaderKey::new(&transfer_function, &shading, CompositorProgram::None).expect("has pieces");

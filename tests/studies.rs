@@ -167,7 +167,12 @@ fn smooth_subject() -> Subject {
     let (integrator, overlap) = (Integrator::ANALYTIC, WidgetBlend::Exact);
     let scene = Scene::new(
         volume,
-        Arc::new(TransferFunction { model, unit_distance: 1.0, widgets: vec![widget] }),
+        Arc::new(TransferFunction {
+            model,
+            unit_distance: 1.0,
+            widgets: vec![widget],
+            axes: Default::default(),
+        }),
         Camera {
             eye: DVec3::new(-0.9, -1.1, 1.4),
             target: DVec3::splat(0.5),

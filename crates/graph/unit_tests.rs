@@ -99,7 +99,8 @@ const LOOK: Node = Node {
         count("look");
         let unit_distance = call.parameters.number("unit")?;
         let model = OpticalModel::DensityEmitter;
-        let transfer_function = TransferFunction { model, unit_distance, widgets: Vec::new() };
+        let transfer_function =
+            TransferFunction { model, unit_distance, widgets: Vec::new(), axes: Default::default() };
         Ok(vec![Value::TransferFunction(Arc::new(TransferFunctionSpec {
             transfer_function,
             auto_unit_distance: false,

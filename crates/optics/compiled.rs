@@ -1,6 +1,7 @@
 //! Compiled transfer functions, for integrating many segments.
 
 use super::clip::ClippedSpan;
+use super::curved_axes::CurvedAxes;
 use super::kinds::{CompiledProfile, Cutoff, Path, WidgetLight, WidgetPart};
 use super::overlap::{Glow, Member, Ordered, Quadrature, ordered};
 use super::special::{mean_transmittance, opacity};
@@ -16,6 +17,7 @@ pub struct CompiledTransferFunction {
     cutoff: Option<Cutoff>,
     unit_distance: f64,
     widgets: Vec<PreparedWidget>,
+    curved_axes: Option<CurvedAxes>,
 }
 
 #[derive(Debug, Clone)]
@@ -55,7 +57,36 @@ impl CompiledTransferFunction {
             });
         }
         let cutoff = transfer_function.model.cutoff().map(|share| Cutoff { share, level: -share.ln() });
-        Ok(CompiledTransferFunction { cutoff, unit_distance: transfer_function.unit_distance, widgets })
+        let curved_axes = CurvedAxes::new(transfer_function);
+        let unit_distance = transfer_function.unit_distance;
+        Ok(CompiledTransferFunction { cutoff, unit_distance, widgets, curved_axes })
+    }
+
+    /// The contribution of a cell's crossing, whose values, not positions, vary linearly from front to back.
+    pub fn integrate_values(&self, crossing: &Segment, overlap: WidgetBlend) -> Contribution {
+        let Some(axes) = &self.curved_axes else { return self.integrate(crossing, overlap) };
+        let mut sum = Contribution::default();
+        axes.cut(crossing.front, crossing.back, &mut Vec::new(), |piece| {
+            let [from, to] = piece.shares;
+            let fields = piece.shares.map(|share| {
+                let ends = crossing.fields_front.iter().zip(crossing.fields_back);
+                ends.map(|(front, back)| front + share * (back - front)).collect::<Vec<f64>>()
+            });
+            let part = self.integrate(
+                &Segment {
+                    length: crossing.length * (to - from),
+                    front: piece.ends[0],
+                    back: piece.ends[1],
+                    fields_front: &fields[0],
+                    fields_back: &fields[1],
+                },
+                overlap,
+            );
+            let light = (-sum.optical_depth).exp();
+            sum.color.iter_mut().zip(part.color).for_each(|(sum, color)| *sum += light * color);
+            sum.optical_depth += part.optical_depth;
+        });
+        Contribution { opacity: opacity(sum.optical_depth), ..sum }
     }
 
     /// T of the segment: the sum of the widgets' closed forms.

@@ -20,7 +20,7 @@ proptest! {
         let look = TransferFunction {
             model: OpticalModel::DensityEmitter,
             unit_distance: 1.0,
-            widgets: vec![widget],
+            widgets: vec![widget], axes: Default::default(),
         };
         let all: Vec<f64> = look.fields().into_iter().map(value).collect();
         let segment = Segment { length: 1.0, front: v, back: v, fields_front: &all, fields_back: &all };

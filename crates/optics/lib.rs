@@ -6,6 +6,7 @@
 pub mod clip;
 mod compiled;
 pub mod compositing;
+pub mod curved_axes;
 pub mod engine;
 pub mod integrators;
 pub mod kinds;
@@ -21,7 +22,8 @@ pub mod track;
 
 pub use compiled::CompiledTransferFunction;
 
-/// One ray segment: the crossing of one cell. Values vary linearly from front to back.
+/// One ray segment: the crossing of one cell. Values vary linearly from front to back. For the closed forms these are positions on the axes
+/// of the transfer function: where one is logarithmic, a crossing is several segments ([`curved_axes`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment<'a> {
     /// D, Euclidean length in world units, ≥ 0.

@@ -15,7 +15,7 @@ fn gaussian(sigma: f64) -> Widget {
 /// Bound of a widget of extinction 1, which is that of its profile.
 fn profile_bound(widget: &Widget, s: [f64; 4], g: [f64; 4]) -> f64 {
     let (model, widgets) = (OpticalModel::DensityEmitter, vec![widget.clone()]);
-    let look = TransferFunction { model, unit_distance: 1.0, widgets };
+    let look = TransferFunction { model, unit_distance: 1.0, widgets, axes: Default::default() };
     Support::new(&look).expect("a valid widget").bound(&Corners { s: &s, g: &g, fields: &[] })
 }
 
@@ -73,7 +73,12 @@ fn widgets_that_are_too_thin_alone_count_together() {
     let wide = Profile::Gaussian { centre: [0.5; 2], matrix: [[1e-3, 0.0], [0.0, 1e-3]] };
     for profile in [Profile::Uniform, wide] {
         let widgets = vec![thin(profile); 3];
-        let look = TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets };
+        let look = TransferFunction {
+            model: OpticalModel::DensityEmitter,
+            unit_distance: 1.0,
+            widgets,
+            axes: Default::default(),
+        };
         let support = Support::new(&look).expect("valid");
         let touches = |least| touches(&support, &EVEN, least);
         assert!(touches(3e-7) && touches(5.9e-7) && !touches(6.1e-7));
@@ -86,7 +91,12 @@ fn answers_stay_while_an_extinction_moves_between_two_steps() {
     let least = 1e-7;
     let of = |extinction: f64, color: [f64; 3], model| {
         let widget = Widget { extinction, color, ..gaussian(0.01) };
-        let look = TransferFunction { model, unit_distance: 1.0, widgets: vec![widget.clone(), widget] };
+        let look = TransferFunction {
+            model,
+            unit_distance: 1.0,
+            widgets: vec![widget.clone(), widget],
+            axes: Default::default(),
+        };
         Support::new(&look).expect("valid").in_steps(least)
     };
     let density = OpticalModel::DensityEmitter;
@@ -111,14 +121,19 @@ fn answers_stay_while_an_extinction_moves_between_two_steps() {
 fn widgets_without_extinction_touch_no_cell() {
     let model = OpticalModel::DensityEmitter;
     let none = Widget { extinction: 0.0, ..gaussian(0.1) };
-    let look = TransferFunction { model, unit_distance: 1.0, widgets: vec![none] };
+    let look = TransferFunction { model, unit_distance: 1.0, widgets: vec![none], axes: Default::default() };
     assert!(!touches(&Support::new(&look).expect("valid"), &EVEN, 1e-7));
 }
 
 #[test]
 fn intervals_of_s_hold_what_widgets_reach() {
     let of = |widgets: Vec<Widget>| {
-        let look = TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets };
+        let look = TransferFunction {
+            model: OpticalModel::DensityEmitter,
+            unit_distance: 1.0,
+            widgets,
+            axes: Default::default(),
+        };
         look.intervals_of_s(1.0, 1e-8)
     };
     assert_eq!(of(vec![]), [[0.0; 2]; 0]);
@@ -160,7 +175,7 @@ proptest! {
         } else {
             OpticalModel::DensityEmitter
         };
-        let transfer_function = TransferFunction { model, unit_distance: 1.0, widgets: vec![widget] };
+        let transfer_function = TransferFunction { model, unit_distance: 1.0, widgets: vec![widget], axes: Default::default() };
         let s = s.map(|x| 0.5 + size * (x - 0.5));
         let g = g.map(|x| 0.5 + size * (x - 0.5));
         let mix = |weights: [f64; 4], values: [f64; 4]| {

@@ -189,7 +189,7 @@ proptest! {
         let of = |profile| TransferFunction {
             model,
             unit_distance: 1.0,
-            widgets: vec![Widget { profile, color: [1.0, 0.5, 0.2], extinction: 3.0, region: None }],
+            widgets: vec![Widget { profile, color: [1.0, 0.5, 0.2], extinction: 3.0, region: None }], axes: Default::default(),
         };
         let plane = integrate(&of(Profile::TriangularGaussian { centre, sigma }), &segment);
         let (fields_front, fields_back) = (&segment.front, &segment.back);
@@ -211,7 +211,7 @@ proptest! {
         widget in widget(), segment in segment(), constant in any::<bool>(),
     ) {
         let model = OpticalModel::DensityEmitter;
-        let mut twice = TransferFunction { model, unit_distance: 1.0, widgets: vec![widget.clone(), widget] };
+        let mut twice = TransferFunction { model, unit_distance: 1.0, widgets: vec![widget.clone(), widget], axes: Default::default() };
         let mut once = twice.clone();
         once.widgets.truncate(1);
         let double = &mut once.widgets[0];
@@ -267,7 +267,12 @@ fn a_wrong_number_is_refused_with_its_place() {
     let widget = Widget { profile: Profile::Uniform, color: [1.0, -0.1, 0.0], extinction: 1.0, region: None };
     let region = Some(Region::rectangle([0.0, 1.0], [0.0, 1.0]));
     let model = OpticalModel::DensityEmitter;
-    let of = |widget: Widget| TransferFunction { model, unit_distance: 1.0, widgets: vec![widget] };
+    let of = |widget: Widget| TransferFunction {
+        model,
+        unit_distance: 1.0,
+        widgets: vec![widget],
+        axes: Default::default(),
+    };
     let message = |t: &TransferFunction| CompiledTransferFunction::new(t).expect_err("refused").to_string();
     let negative = message(&of(widget.clone()));
     assert!(negative.contains("colour") && negative.contains("widgets[0]"), "{negative}");

@@ -192,6 +192,7 @@ pub fn classified<'a>(
             unit_distance: transfer_function.unit_distance,
             // Of two colours: segments are taken in order.
             widgets: vec![widget([brightest; 3]), widget([0.0; 3])],
+            axes: Default::default(),
         },
     })
 }

@@ -122,7 +122,8 @@ impl SegmentEvaluator for LaneEvaluator {
         let profile = Profile::PiecewiseLinear { points };
         let widgets = vec![Widget { profile, color: [0.0; 3], extinction: 0.0, region: None }];
         let model = OpticalModel::ConstantEmitter { cutoff: 0.0 };
-        let transfer_function = TransferFunction { model, unit_distance: 1.0, widgets };
+        let transfer_function =
+            TransferFunction { model, unit_distance: 1.0, widgets, axes: Default::default() };
         let (front, back) = ([0.0; 2], [1.0, 0.0]);
         let segment = Segment { length: 1.0, front, back, fields_front: &[], fields_back: &[] };
         let IntegratedSegment { contribution, fallback } =

@@ -353,7 +353,7 @@ fn transfer_function<'de, D: Deserializer<'de>>(input: D) -> Read<'de, TransferF
         Model::Constant => OpticalModel::ConstantEmitter { cutoff: cutoff.unwrap_or(1.0 / 255.0) },
     };
     let widgets = widgets.into_iter().map(widget).collect::<Read<'de, _, D>>()?;
-    Ok(TransferFunction { model, unit_distance, widgets })
+    Ok(TransferFunction { model, unit_distance, widgets, axes: Default::default() })
 }
 
 /// 1,519 cases, computed with 90 digits and checked by a second route.

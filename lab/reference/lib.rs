@@ -7,6 +7,7 @@
 
 #![allow(missing_docs, reason = "unpublished: names say what fields and short functions are")]
 
+mod curved_axes;
 mod features;
 mod linear_on_segment;
 mod part;
@@ -14,6 +15,7 @@ mod renderer;
 mod segment;
 mod term;
 
+pub use curved_axes::CurvedQuadrature;
 pub use renderer::{ENGINE, Reference, draw, draw_further, tracer};
 pub use segment::{Integrand, PICTURE_TOLERANCE, SEGMENT_TOLERANCE, Workspace};
 

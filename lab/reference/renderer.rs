@@ -1,5 +1,6 @@
 //! Quadrature of segments behind the traits of integrators, of the ray tracer and of engines.
 
+use crate::curved_axes::CurvedQuadrature;
 use crate::segment::{Integrand, PICTURE_TOLERANCE, Workspace};
 use std::any::Any;
 use std::cell::RefCell;
@@ -158,6 +159,9 @@ impl PreparedVolume for ReferenceRenderer {
 
 /// Ray tracer of a scene. Errors: arrays that are missing, numbers out of range.
 pub fn tracer(scene: &Scene) -> Result<Tracer<'_>> {
+    if scene.transfer_function.has_curved_axes() {
+        return Tracer::new(scene, Box::new(CurvedQuadrature::new(&scene.transfer_function)?));
+    }
     let integrand = Integrand::new(&scene.transfer_function, scene.shading.overlap, PICTURE_TOLERANCE)?;
     Tracer::new(scene, Box::new(integrand))
 }

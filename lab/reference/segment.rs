@@ -113,7 +113,7 @@ impl Integrand {
     /// Errors: those of [`TransferFunction::check`].
     pub fn new(transfer_function: &TransferFunction, overlap: WidgetBlend, tolerance: f64) -> Result<Self> {
         transfer_function.check()?;
-        let &TransferFunction { model, unit_distance, ref widgets } = transfer_function;
+        let &TransferFunction { model, unit_distance, ref widgets, .. } = transfer_function;
         let fields = transfer_function.fields();
         let of = |widgets: &[Widget]| {
             let terms: Vec<Term> = widgets.iter().map(|w| Term::new(w, unit_distance, &fields)).collect();

@@ -143,8 +143,14 @@ pub fn transfer_function() -> impl Strategy<Value = TransferFunction> {
         prop_oneof![Just(1.0 / 255.0), 1e-6..0.5_f64]
             .prop_map(|cutoff| OpticalModel::ConstantEmitter { cutoff }),
     ];
-    (model, 0.1..2.0_f64, proptest::collection::vec(widget(), 1..4))
-        .prop_map(|(model, unit_distance, widgets)| TransferFunction { model, unit_distance, widgets })
+    (model, 0.1..2.0_f64, proptest::collection::vec(widget(), 1..4)).prop_map(
+        |(model, unit_distance, widgets)| TransferFunction {
+            model,
+            unit_distance,
+            widgets,
+            axes: Default::default(),
+        },
+    )
 }
 
 /// Values of the three further fields, kept for as long as the tests run.

@@ -51,7 +51,7 @@ pub fn widget(profile: Profile, color: [f64; 3], extinction: f64) -> Widget {
 
 /// Widgets whose extinctions are those of a unit of length.
 pub fn look(model: OpticalModel, widgets: Vec<Widget>) -> TransferFunction {
-    TransferFunction { model, unit_distance: 1.0, widgets }
+    TransferFunction { model, unit_distance: 1.0, widgets, axes: Default::default() }
 }
 
 /// A table widget of any texels.

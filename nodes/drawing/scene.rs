@@ -335,7 +335,8 @@ mod tests {
 
     fn look(widgets: Vec<Widget>) -> TransferFunctionSpec {
         let model = OpticalModel::DensityEmitter;
-        let transfer_function = TransferFunction { model, unit_distance: 1.0, widgets };
+        let transfer_function =
+            TransferFunction { model, unit_distance: 1.0, widgets, axes: Default::default() };
         TransferFunctionSpec { transfer_function, auto_unit_distance: false }
     }
 

@@ -87,7 +87,7 @@ impl RelativeNumberType {
     }
 
     /// Array that the number at a position refers to; `None` where it cannot be relative.
-    pub(super) fn quantity(
+    pub(crate) fn quantity(
         &self,
         place: usize,
         beside: &dyn Fn(&str) -> Option<LocatedValue>,

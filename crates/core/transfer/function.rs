@@ -1,5 +1,6 @@
 //! Transfer functions and widgets: their checks, and a widget from the keys of a pipeline file (docs/src/explanation/optics.md, section 5).
 
+use super::axis::AxisScale;
 use super::kinds::properties::not_negative;
 use super::kinds::{AxisOrigin, ColorSource, DECLARED, LoadFiles, Profile, WIDGET_KINDS};
 use super::region::{Convex, HalfPlane, Region};
@@ -15,6 +16,8 @@ pub struct TransferFunction {
     pub unit_distance: f64,
     /// The widgets; none at all draws nothing.
     pub widgets: Vec<Widget>,
+    /// Scales of s and g, at whose positions the widgets stand.
+    pub axes: [AxisScale; 2],
 }
 
 /// The optical model (docs/src/explanation/optics.md, section 6).
@@ -114,10 +117,37 @@ impl TransferFunction {
         {
             return Err(Error::usage("the cutoff is out of range").got(cutoff).expected("0 ≤ cutoff < 1"));
         }
+        for (axis, name) in self.axes.iter().zip(["s", "g"]) {
+            axis.check(name)?;
+        }
         for (i, widget) in self.widgets.iter().enumerate() {
-            check(widget).map_err(|e| e.at_item(format!("widgets[{i}]")))?;
+            let checked = check(widget).and_then(|()| self.check_axes(widget));
+            checked.map_err(|e| e.at_item(format!("widgets[{i}]")))?;
         }
         Ok(())
+    }
+}
+
+impl TransferFunction {
+    /// Scales of s and g; linear for a g that no widget reads.
+    pub fn axes_read(&self) -> [AxisScale; 2] {
+        [self.axes[0], if self.uses_gradient_magnitude() { self.axes[1] } else { AxisScale::Linear }]
+    }
+
+    /// True if an axis is logarithmic.
+    pub fn has_curved_axes(&self) -> bool {
+        self.axes_read().iter().any(|axis| axis.is_curved())
+    }
+
+    /// Refuses a widget that means nothing on curved axes.
+    fn check_axes(&self, widget: &Widget) -> Result<()> {
+        match &widget.profile {
+            Profile::TriangularGaussian { .. } if self.has_curved_axes() => Err(Error::usage(
+                "the width of a triangular Gaussian is in proportion to g, which no logarithmic axis shows",
+            )
+            .expected("linear axes of s and g, or a gaussian")),
+            _ => Ok(()),
+        }
     }
 }
 

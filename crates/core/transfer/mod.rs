@@ -1,11 +1,13 @@
 //! Transfer functions: widgets over the (s, g) plane (docs/src/explanation/optics.md, section 5).
 //!
 //! Symbols: s the scalar, g the gradient magnitude, v = (s, g); ρ the extinction coefficient (1/L) =
-//! extinction / unit distance × the widget's profile (peak 1); c the widget's linear RGB colour.
+//! extinction / unit distance × the widget's profile (peak 1); c the widget's linear RGB colour. Where an axis is logarithmic, widgets stand
+//! at log₁₀ of s or g.
 //!
 //! What a widget is stands in one file a kind, in `kinds`: its keys in a pipeline file, its checks, its properties, where
 //! its support lies. How it is integrated is said by each engine.
 
+mod axis;
 mod function;
 mod hull;
 mod kinds;
@@ -13,6 +15,7 @@ mod region;
 mod relative;
 mod support;
 
+pub use axis::{AxisScale, DECADES, on_axes};
 pub use function::{OpticalModel, TransferFunction, Widget, read};
 pub use hull::Corners;
 pub(crate) use hull::meets;

@@ -1,5 +1,6 @@
 //! Widgets whose numbers are relative to data: their values once the data are known, and placeholders before.
 
+use super::axis::AxisScale;
 use super::kinds::ACROSS;
 use crate::parameters::{
     ArrayRef, LocatedValue, ParameterType, ParameterValue, Parameters, Relative, RelativeNumber,
@@ -36,6 +37,10 @@ pub trait DataStatistics {
     fn range(&self, quantity: &ArrayRef) -> Result<[f64; 2]>;
     /// The value that a quantity has or falls below in so many percent of the volume.
     fn percentile(&self, quantity: &ArrayRef, percent: f64) -> Result<f64>;
+    /// Scale of the quantity's axis, on which shares are counted and widths are lengths.
+    fn scale(&self, _quantity: &ArrayRef) -> AxisScale {
+        AxisScale::Linear
+    }
 }
 
 /// The parameters of a widget with every relative number replaced by what it is on these scales.
@@ -81,7 +86,8 @@ fn value(
     match (number.relative, number.is) {
         (Relative::Percentile(percent), _) => scales.percentile(&number.quantity, percent),
         (Relative::Share(share), StatisticKind::Value | StatisticKind::Place) => {
-            Ok(Relative::at_share(share, scales.range(&number.quantity)?))
+            let scale = scales.scale(&number.quantity);
+            Ok(scale.value(Relative::at_share(share, scale.positions(scales.range(&number.quantity)?))))
         }
         (Relative::Share(share), StatisticKind::Width) => Ok(share * length()?),
         (Relative::Share(share), StatisticKind::Factor) => Ok(1.0 / (share * length()?)),
@@ -93,7 +99,7 @@ fn length(quantity: &ArrayRef, scales: &dyn DataStatistics) -> Result<f64> {
     if let ArrayRef::Per(one, other) = quantity {
         return Ok(length(one, scales)? / length(other, scales)?);
     }
-    let [low, high] = scales.range(quantity)?;
+    let [low, high] = scales.scale(quantity).positions(scales.range(quantity)?);
     match high - low {
         length if length > 0.0 => Ok(length),
         _ => {

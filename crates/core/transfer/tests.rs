@@ -7,7 +7,12 @@ fn widget(profile: Profile, color: [f64; 3], extinction: f64) -> Widget {
 }
 
 fn of(widgets: Vec<Widget>) -> TransferFunction {
-    TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets }
+    TransferFunction {
+        model: OpticalModel::DensityEmitter,
+        unit_distance: 1.0,
+        widgets,
+        axes: Default::default(),
+    }
 }
 
 fn gaussian(color: [f64; 3], extinction: f64) -> Widget {

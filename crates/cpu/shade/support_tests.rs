@@ -77,6 +77,7 @@ fn what_no_widget_is_asked_of_is_less_than_may_be_left_out() {
                 model: OpticalModel::DensityEmitter,
                 unit_distance: 1.0,
                 widgets: vec![widget],
+                axes: Default::default(),
             };
             let exact = CompiledTransferFunction::new(&look).expect("valid");
             let (mut state, mut passed) = (number as u64 + 1, 0);

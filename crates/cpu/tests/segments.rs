@@ -83,7 +83,12 @@ fn no_segment_depends_on_its_neighbours() {
         })
         .collect();
     for (number, widgets) in scenes.into_iter().enumerate() {
-        let look = TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets };
+        let look = TransferFunction {
+            model: OpticalModel::DensityEmitter,
+            unit_distance: 1.0,
+            widgets,
+            axes: Default::default(),
+        };
         for lanes in lane_sets() {
             let draw =
                 |list: &[Segment]| integrate_segments(lanes, &look, &shading, false, list).expect("draws");

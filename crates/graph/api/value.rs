@@ -231,8 +231,12 @@ mod tests {
 
     #[test]
     fn an_automatic_unit_distance_is_a_hundredth_of_the_diagonal_at_any_scale() {
-        let transfer_function =
-            TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets: Vec::new() };
+        let transfer_function = TransferFunction {
+            model: OpticalModel::DensityEmitter,
+            unit_distance: 1.0,
+            widgets: Vec::new(),
+            axes: Default::default(),
+        };
         let look = TransferFunctionSpec { transfer_function, auto_unit_distance: true };
         for scale in [1.0, 1e-200, 1e200] {
             let points = [DVec3::new(1.0, 1.0, 1.0) * scale, DVec3::new(4.0, 5.0, 13.0) * scale];

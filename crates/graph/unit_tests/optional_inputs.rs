@@ -63,7 +63,8 @@ const SHOW: Node = Node {
 
 fn look(unit_distance: f64) -> Value {
     let model = OpticalModel::DensityEmitter;
-    let transfer_function = TransferFunction { model, unit_distance, widgets: Vec::new() };
+    let transfer_function =
+        TransferFunction { model, unit_distance, widgets: Vec::new(), axes: Default::default() };
     Value::TransferFunction(Arc::new(TransferFunctionSpec { transfer_function, auto_unit_distance: false }))
 }
 

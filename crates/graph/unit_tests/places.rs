@@ -5,7 +5,8 @@ use voltet_core::transfer::{OpticalModel, TransferFunction};
 
 fn look(unit_distance: f64) -> Arc<TransferFunctionSpec> {
     let model = OpticalModel::DensityEmitter;
-    let transfer_function = TransferFunction { model, unit_distance, widgets: Vec::new() };
+    let transfer_function =
+        TransferFunction { model, unit_distance, widgets: Vec::new(), axes: Default::default() };
     Arc::new(TransferFunctionSpec { transfer_function, auto_unit_distance: false })
 }
 

@@ -64,7 +64,7 @@ impl SegmentIntegral for CompiledTransferFunction {
             fields_front: &front[2..],
             fields_back: &back[2..],
         };
-        Ok(self.integrate(&segment, WidgetBlend::Exact))
+        Ok(self.integrate_values(&segment, WidgetBlend::Exact))
     }
 }
 

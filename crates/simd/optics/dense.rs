@@ -220,7 +220,12 @@ mod tests {
             region: (i == 3).then(|| Region::rectangle([-9.0, 0.6], [-1.0, 1.0])),
         });
         let model = OpticalModel::DensityEmitter;
-        let look = TransferFunction { model, unit_distance: 1.0, widgets: widgets.collect() };
+        let look = TransferFunction {
+            model,
+            unit_distance: 1.0,
+            widgets: widgets.collect(),
+            axes: Default::default(),
+        };
         let [front, back] = case.ends.map(|s| [f64::from(s), 0.0]);
         let segment = Segment { length: 1.0, front, back, fields_front: &[], fields_back: &[] };
         let found = CompiledTransferFunction::new(&look)

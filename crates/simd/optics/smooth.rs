@@ -279,7 +279,7 @@ pub(super) mod tests {
             let is_smooth = lane(F::select(sums.is_smooth(&terms), splat(1.0), splat(0.0))) == 1.0;
             smooth_count += u32::from(is_smooth);
             let model = OpticalModel::DensityEmitter;
-            let function = TransferFunction { model, unit_distance: 1.0, widgets };
+            let function = TransferFunction { model, unit_distance: 1.0, widgets, axes: Default::default() };
             let segment = Segment { length: 1.0, front, back, fields_front: &[], fields_back: &[] };
             let truth = CompiledTransferFunction::new(&function)
                 .expect("three Gaussians")

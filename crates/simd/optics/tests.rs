@@ -233,7 +233,7 @@ fn several(model: OpticalModel) -> TransferFunction {
         color: [0.2 * i as f64, 1.0 - 0.1 * i as f64, 0.3],
         extinction: 1.0 + i as f64,
     });
-    TransferFunction { model, unit_distance: 1.0, widgets: widgets.collect() }
+    TransferFunction { model, unit_distance: 1.0, widgets: widgets.collect(), axes: Default::default() }
 }
 
 /// The light of one widget of colour 1, walked in panels, and [`UNSEEN`].

@@ -276,7 +276,7 @@ mod tests {
                 Widget { profile: Profile::Uniform, color: colors[1], extinction: even, region },
             ];
             let model = OpticalModel::DensityEmitter;
-            let function = TransferFunction { model, unit_distance: 1.0, widgets };
+            let function = TransferFunction { model, unit_distance: 1.0, widgets, axes: Default::default() };
             let segment = Segment {
                 length: 1.0,
                 front: [front, 0.0],

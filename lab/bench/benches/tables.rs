@@ -66,7 +66,7 @@ fn piecewise_linear(model: OpticalModel) -> TransferFunction {
     ];
     let profile = Profile::PiecewiseLinear { points };
     let widget = Widget { profile, color: [0.0; 3], extinction: 6.0, region: None };
-    TransferFunction { model, unit_distance: 1.0, widgets: vec![widget] }
+    TransferFunction { model, unit_distance: 1.0, widgets: vec![widget], axes: Default::default() }
 }
 
 fn gaussians(model: OpticalModel) -> TransferFunction {
@@ -80,7 +80,7 @@ fn gaussians(model: OpticalModel) -> TransferFunction {
         gaussian([0.4, 0.5], [[5.0, 0.0], [0.0, 2.0]], [1.0, 0.5, 0.1]),
         gaussian([0.55, 0.6], [[4.0, 1.5], [-1.0, 3.0]], [0.1, 0.5, 1.0]),
     ];
-    TransferFunction { model, unit_distance: 1.0, widgets }
+    TransferFunction { model, unit_distance: 1.0, widgets, axes: Default::default() }
 }
 
 fn milliseconds<T>(make: impl FnOnce() -> T) -> (f64, T) {

@@ -31,7 +31,12 @@ fn uniform(extinction: f64) -> Widget {
 }
 
 fn look(widgets: Vec<Widget>) -> TransferFunction {
-    TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets }
+    TransferFunction {
+        model: OpticalModel::DensityEmitter,
+        unit_distance: 1.0,
+        widgets,
+        axes: Default::default(),
+    }
 }
 
 fn segment(length: f64, front: f64, back: f64) -> Segment<'static> {

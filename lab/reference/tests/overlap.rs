@@ -15,7 +15,12 @@ fn places_within_a_hundred_millionth_are_told_apart() {
     };
     let widgets =
         vec![widget(profile, [1.0, 0.0, 0.0], &behind), widget(Profile::Uniform, [0.0, 1.0, 0.0], &behind)];
-    let look = TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets };
+    let look = TransferFunction {
+        model: OpticalModel::DensityEmitter,
+        unit_distance: 1.0,
+        widgets,
+        axes: Default::default(),
+    };
     let (front, back) = ([0.0; 2], [1.0, 0.0]);
     let segment = Segment { length: 1.0, front, back, fields_front: &[], fields_back: &[] };
     let found = CompiledTransferFunction::new(&look).expect("valid").integrate(&segment, WidgetBlend::Exact);

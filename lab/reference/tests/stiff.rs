@@ -45,7 +45,7 @@ fn kinds(width: f64, extinction: f64) -> Vec<Widget> {
 }
 
 fn look(model: OpticalModel, widgets: Vec<Widget>) -> TransferFunction {
-    TransferFunction { model, unit_distance: 1.0, widgets }
+    TransferFunction { model, unit_distance: 1.0, widgets, axes: Default::default() }
 }
 
 /// s from a to b, g = ¼, the field p like s.

@@ -25,7 +25,7 @@ fn uniform(s: [f64; 2], color: [f64; 3], extinction: f64) -> Widget {
 }
 
 fn look(model: OpticalModel, widgets: Vec<Widget>) -> Arc<TransferFunction> {
-    Arc::new(TransferFunction { model, unit_distance: 1.0, widgets })
+    Arc::new(TransferFunction { model, unit_distance: 1.0, widgets, axes: Default::default() })
 }
 
 /// Two cells that share the face z = 1, with apexes at z = 0 and 3, and s = z. At height z the one is the triangle x, y ≥ −1,

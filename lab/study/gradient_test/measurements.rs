@@ -407,7 +407,7 @@ impl TestRenderer<'_> {
         let light = Light { ambient: 0.4, diffuse: 0.6, direction: DVec3::new(-1.0, -1.5, 2.0).normalize() };
         let scene = Scene::new(
             volume.clone(),
-            Arc::new(TransferFunction { model, unit_distance: 1.0, widgets }),
+            Arc::new(TransferFunction { model, unit_distance: 1.0, widgets, axes: Default::default() }),
             Camera {
                 eye: DVec3::new(1.7, -1.3, 1.5),
                 target: DVec3::new(0.46, 0.54, 0.55),

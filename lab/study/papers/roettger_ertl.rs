@@ -418,7 +418,7 @@ mod tests {
         let profile = Profile::PiecewiseLinear { points };
         let widgets = vec![Widget { profile, color: [0.0; 3], extinction: 0.0, region: None }];
         let model = OpticalModel::DensityEmitter;
-        let look = TransferFunction { model, unit_distance: 1.0, widgets };
+        let look = TransferFunction { model, unit_distance: 1.0, widgets, axes: Default::default() };
         let ramp = Ramp::new(&look, 17, 2, &Extent { scalar: [0.0, 1.0], longest: 2.0 }).unwrap();
         let mut slices = [vec![[0.0; 4]; 17 * 17], vec![[0.0; 4]; 17 * 17]];
         ramp.fill(0.7, &mut slices[0]);

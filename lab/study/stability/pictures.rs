@@ -208,7 +208,12 @@ fn two_gaussians() -> TransferFunction {
 }
 
 fn density(widgets: Vec<Widget>) -> TransferFunction {
-    TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets }
+    TransferFunction {
+        model: OpticalModel::DensityEmitter,
+        unit_distance: 1.0,
+        widgets,
+        axes: Default::default(),
+    }
 }
 
 fn cube(counts: [usize; 3], jitter: f64) -> Grid {

@@ -191,7 +191,7 @@ fn white(model: OpticalModel, profile: Profile, extinction: f64) -> TransferFunc
     // A uniform widget needs a region; this one holds every segment below.
     let region = profile.properties().needs_region.then(|| rectangle([-1.0, 2.0]));
     let widget = Widget { profile, color: [1.0; 3], extinction, region };
-    TransferFunction { model, unit_distance: 1.0, widgets: vec![widget] }
+    TransferFunction { model, unit_distance: 1.0, widgets: vec![widget], axes: Default::default() }
 }
 
 /// All g of a range of s.
@@ -471,7 +471,12 @@ fn mix() -> Result<Vec<FormulaRow>> {
             Widget { profile: Profile::Uniform, color, extinction: peak, region }
         };
         let widgets = vec![half(0.0, [1.0, 0.0, 0.0]), half(0.5, [0.0, 0.0, 1.0])];
-        let function = TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets };
+        let function = TransferFunction {
+            model: OpticalModel::DensityEmitter,
+            unit_distance: 1.0,
+            widgets,
+            axes: Default::default(),
+        };
         let ends = [[0.0; 2], [1.0, 0.0]];
         let compiled = CompiledTransferFunction::new(&function)?;
         let mixed = compiled.integrate(&between(ends), WidgetBlend::Mix).color[2];

@@ -381,7 +381,12 @@ mod tests {
     use voltet_core::grid::tetrahedron_volume;
 
     fn smooth() -> TransferFunction {
-        TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets: Vec::new() }
+        TransferFunction {
+            model: OpticalModel::DensityEmitter,
+            unit_distance: 1.0,
+            widgets: Vec::new(),
+            axes: Default::default(),
+        }
     }
 
     #[test]

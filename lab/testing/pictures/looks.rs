@@ -8,7 +8,12 @@ const INFINITE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 /// Density-emitter, unit distance 1.
 pub fn look(widgets: Vec<Widget>) -> TransferFunction {
-    TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets }
+    TransferFunction {
+        model: OpticalModel::DensityEmitter,
+        unit_distance: 1.0,
+        widgets,
+        axes: Default::default(),
+    }
 }
 
 /// An axis-aligned Gaussian; `sigma[1]` may be infinite.

@@ -53,7 +53,7 @@ fn camera() -> Camera {
 }
 
 fn scene(widgets: Vec<Widget>, model: OpticalModel) -> NamedScene {
-    let look = TransferFunction { model, unit_distance: 2.0, widgets };
+    let look = TransferFunction { model, unit_distance: 2.0, widgets, axes: Default::default() };
     NamedScene { name: "one cell".into(), volume: cell(), look, camera: camera() }
 }
 

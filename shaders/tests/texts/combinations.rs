@@ -103,7 +103,7 @@ fn shadings() -> Vec<Shading> {
 }
 
 fn scene(model: OpticalModel, widgets: Vec<Widget>) -> TransferFunction {
-    TransferFunction { model, unit_distance: 1.0, widgets }
+    TransferFunction { model, unit_distance: 1.0, widgets, axes: Default::default() }
 }
 
 /// Every set of kinds of the sizes given, each under every region and model.

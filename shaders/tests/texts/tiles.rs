@@ -57,8 +57,14 @@ fn scenes() -> Vec<TransferFunction> {
         }
     }
     let models = [OpticalModel::DensityEmitter, OpticalModel::ConstantEmitter { cutoff: 0.01 }];
-    let of =
-        |model| lists.iter().map(move |w| TransferFunction { model, unit_distance: 1.0, widgets: w.clone() });
+    let of = |model| {
+        lists.iter().map(move |w| TransferFunction {
+            model,
+            unit_distance: 1.0,
+            widgets: w.clone(),
+            axes: Default::default(),
+        })
+    };
     models.into_iter().flat_map(of).collect()
 }
 

@@ -57,6 +57,7 @@ fn bell(profile: Profile) -> String {
         model: OpticalModel::ConstantEmitter { cutoff: CUTOFF },
         unit_distance: 1.0,
         widgets: vec![Widget { profile, color: [1.0; 3], extinction: 1.0, region: None }],
+        axes: Default::default(),
     };
     let shading = Shading {
         integrator: Integrator::ANALYTIC,

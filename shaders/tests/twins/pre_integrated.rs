@@ -31,7 +31,12 @@ fn scene(model: OpticalModel) -> TransferFunction {
     let linear = Profile::PiecewiseLinear { points };
     let gaussian = Profile::Gaussian { centre: [0.5, 0.0], matrix: [[8.0, 0.0], [0.0, 0.0]] };
     let widget = |profile, extinction| Widget { profile, color: [0.5, 1.0, 0.25], extinction, region: None };
-    TransferFunction { model, unit_distance: 1.0, widgets: vec![widget(linear, 0.0), widget(gaussian, 4.0)] }
+    TransferFunction {
+        model,
+        unit_distance: 1.0,
+        widgets: vec![widget(linear, 0.0), widget(gaussian, 4.0)],
+        axes: Default::default(),
+    }
 }
 
 /// Seconds of `run`, and what it gives.

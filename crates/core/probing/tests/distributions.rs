@@ -138,7 +138,8 @@ fn bands_are_counted_by_cell() {
     let widget = |profile, region| Widget { profile, color: [1.0; 3], extinction: 1.0, region };
     let of = |widgets| {
         let model = OpticalModel::DensityEmitter;
-        bands(&volume, &TransferFunction { model, unit_distance: 1.0, widgets }).unwrap()
+        bands(&volume, &TransferFunction { model, unit_distance: 1.0, widgets, axes: Default::default() })
+            .unwrap()
     };
     let found = of(vec![
         widget(Profile::Uniform, Some(Region::rectangle([0.0, 1.0], [0.0, 1.0]))),

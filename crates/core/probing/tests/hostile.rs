@@ -137,8 +137,11 @@ fn flat_and_missing_cells_make_no_numbers_up() {
     };
     let model = OpticalModel::DensityEmitter;
     assert!(
-        bands(&volume, &TransferFunction { model, unit_distance: 1.0, widgets: Vec::new() })
-            .unwrap()
-            .is_empty()
+        bands(
+            &volume,
+            &TransferFunction { model, unit_distance: 1.0, widgets: Vec::new(), axes: Default::default() }
+        )
+        .unwrap()
+        .is_empty()
     );
 }

@@ -165,6 +165,25 @@ impl Profile {
         }
     }
 
+    /// Length along an axis (0: s, 1: g) over which it is smooth, beside its jumps and control points; infinite where it does not change.
+    pub fn width(&self, axis: usize) -> f64 {
+        match self {
+            Profile::Gaussian { matrix, .. } => 1.0 / matrix[0][axis].hypot(matrix[1][axis]),
+            Profile::TriangleWave(wave) | Profile::SineWave(wave) => {
+                0.05 * wave.band_width / wave.step()[axis].abs()
+            }
+            Profile::Table(table) => {
+                let ([low, high], count) = [(table.s, table.width), (table.g, table.height)][axis.min(1)];
+                (high - low) / count as f64
+            }
+            Profile::Uniform
+            | Profile::GaussianNd { .. }
+            | Profile::TriangularGaussian { .. }
+            | Profile::TriangularGaussianNd { .. }
+            | Profile::PiecewiseLinear { .. } => f64::INFINITY,
+        }
+    }
+
     /// As of [`Widget::scalar_range`](super::Widget::scalar_range), without the region.
     pub(super) fn scalar_range(&self) -> [f64; 2] {
         const EVERYWHERE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];

@@ -21,7 +21,7 @@ fn smooth(model: OpticalModel) -> TransferFunction {
         region: None,
     };
     let widgets = vec![gaussian(0.3, [1.0, 0.2, 0.0]), gaussian(0.7, [0.0, 0.5, 1.2])];
-    TransferFunction { model, unit_distance: 1.0, widgets }
+    TransferFunction { model, unit_distance: 1.0, widgets, axes: Default::default() }
 }
 
 fn largest_error(a: &Contribution, b: &Contribution) -> f64 {
@@ -89,7 +89,12 @@ fn piecewise() -> TransferFunction {
         extinction: 0.0,
         region: None,
     };
-    TransferFunction { model: OpticalModel::DensityEmitter, unit_distance: 1.0, widgets: vec![widget] }
+    TransferFunction {
+        model: OpticalModel::DensityEmitter,
+        unit_distance: 1.0,
+        widgets: vec![widget],
+        axes: Default::default(),
+    }
 }
 
 #[test]

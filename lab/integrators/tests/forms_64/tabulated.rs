@@ -10,7 +10,7 @@ fn gaussian(sigma: f64, extinction: f64, color: [f64; 3]) -> Widget {
 }
 
 fn look(model: OpticalModel, widgets: Vec<Widget>) -> TransferFunction {
-    TransferFunction { model, unit_distance: 1.0, widgets }
+    TransferFunction { model, unit_distance: 1.0, widgets, axes: Default::default() }
 }
 
 /// The largest error of (C, A) on paths all over the range, against the closed forms mixed alike.

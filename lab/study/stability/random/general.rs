@@ -295,7 +295,7 @@ fn look(rng: &mut Rng, volume: &Volume, size: f64) -> TransferFunction {
     let g = volume.gradient_magnitude.as_deref().map_or(&[][..], |g| g);
     let axes = [Axis::new(&volume.scalar), Axis::new(g)];
     let widgets = (0..1 + rng.pick(3)).map(|_| widget(rng, volume, &axes)).collect();
-    TransferFunction { model, unit_distance: size * rng.power(-2.0, 0.3), widgets }
+    TransferFunction { model, unit_distance: size * rng.power(-2.0, 0.3), widgets, axes: Default::default() }
 }
 
 fn widget(rng: &mut Rng, volume: &Volume, axes: &[Axis; 2]) -> Widget {

@@ -1,0 +1,262 @@
+//! Segments along curved axes: cut into pieces on which positions are as good as linear.
+//!
+//! On a ray's way through a cell s and g are linear in t, so that their positions on a logarithmic axis are u(t) = log₁₀(s_f + t (s_b − s_f)),
+//! which the closed forms along straight paths do not hold for. A piece of ratio r = s₁/s₀ is replaced by two straight ones of half its
+//! length, with their common end so that the mean of u over both is that of u(t) by Simpson's rule. What is left is within h²/24 of u,
+//! h = ln r, and of mean 0: a profile that is linear over the piece is integrated exactly, and one of width w to a share of some
+//! (h²/50 w)² of its peak. So h is a share of √w. Where a profile jumps on an axis, a piece ends.
+
+use voltet_core::transfer::{
+    AxisScale, ColorSource, ControlPoint, DECADES, Region, TransferFunction, Widget,
+};
+
+/// h/√w: errors of a segment stay below 1e-4 of its light, and mostly below 1e-5.
+const STEP: f64 = 0.25;
+
+/// Steps by which edges of what glows evenly, which lie anywhere, are met more sharply.
+const STEP_AT_CUTOFFS: f64 = 0.04;
+
+/// Share of a step over which one straight piece is as good.
+const STRAIGHT: f64 = 0.03;
+
+/// Change of slope, in shares of the peak a decade, that needs no end of a piece.
+const SLIGHT_BEND: f64 = 0.2;
+
+/// The widest that counts as a width, and the narrowest, in decades.
+const WIDTHS: [f64; 2] = [1e-6, 3.0];
+
+/// A straight piece of a segment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StraightPiece {
+    /// Shares of the segment's length at which it begins and ends.
+    pub shares: [f64; 2],
+    /// Positions of s and g at its front and its back.
+    pub ends: [[f64; 2]; 2],
+}
+
+/// Curved axes of a transfer function.
+#[derive(Debug, Clone)]
+pub struct CurvedAxes {
+    axes: [CurvedAxis; 2],
+}
+
+#[derive(Debug, Clone)]
+struct CurvedAxis {
+    scale: AxisScale,
+    /// Longest step of a pair of pieces, in positions.
+    step: f64,
+    /// Values at which profiles jump, and their positions, ascending.
+    jumps: Vec<[f64; 2]>,
+}
+
+impl CurvedAxes {
+    /// Axes of a transfer function; none where they are straight.
+    pub fn new(transfer_function: &TransferFunction) -> Option<CurvedAxes> {
+        let axis = |number: usize| {
+            let scale = transfer_function.axes_read()[number];
+            let widths = transfer_function.widgets.iter().map(|widget| width(widget, number));
+            let width = widths.fold(WIDTHS[1], f64::min).max(WIDTHS[0]);
+            let mut positions: Vec<f64> =
+                transfer_function.widgets.iter().flat_map(|widget| jumps(widget, number)).collect();
+            positions.sort_by(f64::total_cmp);
+            positions.dedup();
+            // The step is a share of √(w ln 10) in natural logarithms.
+            let ten = std::f64::consts::LN_10;
+            let jumps = positions.into_iter().map(|u| [scale.value(u), u]).collect();
+            let share = if transfer_function.model.cutoff().is_some() { STEP_AT_CUTOFFS } else { STEP };
+            CurvedAxis { scale, step: share * (width * ten).sqrt() / ten, jumps }
+        };
+        transfer_function.has_curved_axes().then(|| CurvedAxes { axes: [axis(0), axis(1)] })
+    }
+
+    /// Scale of an axis.
+    pub fn scale(&self, axis: usize) -> AxisScale {
+        self.axes[axis].scale
+    }
+
+    /// Calls `put` with the pieces of a segment, front to back; parts without a position are left out. `front`, `back`: s and g. `cuts`:
+    /// scratch memory.
+    pub fn cut(
+        &self,
+        front: [f64; 2],
+        back: [f64; 2],
+        cuts: &mut Vec<Cut>,
+        mut put: impl FnMut(StraightPiece),
+    ) {
+        let mut range = [0.0, 1.0];
+        for (axis, ends) in self.axes.iter().zip([[front[0], back[0]], [front[1], back[1]]]) {
+            axis.limit(ends, &mut range);
+        }
+        let [from, to] = range;
+        if !(from < to) {
+            return;
+        }
+        cuts.clear();
+        let line = |share: f64, axis: usize| front[axis] + share * (back[axis] - front[axis]);
+        for (number, axis) in self.axes.iter().enumerate() {
+            axis.add_cuts(number, [front[number], back[number]], range, cuts);
+        }
+        cuts.sort_by(|a, b| a.share.total_cmp(&b.share));
+        // Where a range begins or ends at the least position, its value may have been rounded below.
+        let least = [0, 1].map(|axis| self.axes[axis].least_position(front[axis].max(back[axis])));
+        let end_at = |share: f64| {
+            [0, 1].map(|axis| self.axes[axis].scale.position(line(share, axis)).max(least[axis]))
+        };
+        let mut begin = Cut { share: from, axis: 2, position: 0.0 };
+        let mut first = end_at(from);
+        cuts.push(Cut { share: to, axis: 2, position: 0.0 });
+        for &cut in cuts.iter() {
+            let mut last = end_at(cut.share);
+            if let Some(position) = last.get_mut(cut.axis) {
+                *position = cut.position;
+            }
+            if begin.share < cut.share {
+                self.pair([begin.share, cut.share], [first, last], line, &mut put);
+            }
+            (begin, first) = (cut, last);
+        }
+    }
+
+    /// One straight piece, or two.
+    fn pair(
+        &self,
+        [from, to]: [f64; 2],
+        [first, last]: [[f64; 2]; 2],
+        line: impl Fn(f64, usize) -> f64,
+        put: &mut impl FnMut(StraightPiece),
+    ) {
+        let is_short = |axis: usize| (last[axis] - first[axis]).abs() <= STRAIGHT * self.axes[axis].step;
+        if is_short(0) && is_short(1) {
+            return put(StraightPiece { shares: [from, to], ends: [first, last] });
+        }
+        let middle = 0.5 * (from + to);
+        let between = [0, 1].map(|axis| match self.axes[axis].scale {
+            AxisScale::Linear => 0.5 * (first[axis] + last[axis]),
+            scale => {
+                let u = scale.position(line(middle, axis));
+                u + (2.0 * u - first[axis] - last[axis]) / 6.0
+            }
+        });
+        put(StraightPiece { shares: [from, middle], ends: [first, between] });
+        put(StraightPiece { shares: [middle, to], ends: [between, last] });
+    }
+}
+
+/// Cut of a segment at which a position is known.
+#[derive(Debug, Clone, Copy)]
+pub struct Cut {
+    share: f64,
+    /// The axis of the position; another number: none.
+    axis: usize,
+    position: f64,
+}
+
+impl CurvedAxis {
+    /// The least position that counts beside a value.
+    fn least_position(&self, largest: f64) -> f64 {
+        match self.scale {
+            AxisScale::Log => self.scale.position(largest) - DECADES,
+            _ => f64::NEG_INFINITY,
+        }
+    }
+
+    /// Narrows the shares of a segment to those at which the axis has positions. `ends`: values at its front and back.
+    fn limit(&self, [front, back]: [f64; 2], range: &mut [f64; 2]) {
+        if self.scale != AxisScale::Log {
+            return;
+        }
+        let least = 10f64.powf(-DECADES) * front.max(back);
+        if !(least > 0.0) {
+            *range = [1.0, 0.0];
+        } else if front < least {
+            range[0] = range[0].max((least - front) / (back - front));
+        } else if back < least {
+            range[1] = range[1].min((front - least) / (front - back));
+        }
+    }
+
+    /// Adds the cuts within a range of shares: at jumps, and so that no step is longer than allowed.
+    fn add_cuts(&self, axis: usize, [front, back]: [f64; 2], [from, to]: [f64; 2], cuts: &mut Vec<Cut>) {
+        let share_at = |value: f64| (value - front) / (back - front);
+        let mut add = |value: f64, position: f64| {
+            let share = share_at(value);
+            if from < share && share < to {
+                cuts.push(Cut { share, axis, position });
+            }
+        };
+        if self.scale == AxisScale::Linear {
+            return;
+        }
+        let (low, high) = (front.min(back), front.max(back));
+        let first = self.jumps.partition_point(|jump| jump[0] <= low);
+        for [value, position] in self.jumps[first..].iter().take_while(|jump| jump[0] < high) {
+            add(*value, *position);
+        }
+        let least = self.least_position(high);
+        let ends = [from, to].map(|share| self.scale.position(front + share * (back - front)).max(least));
+        let count = ((ends[1] - ends[0]).abs() / self.step).ceil();
+        for k in 1..count as usize {
+            let position = ends[0] + (ends[1] - ends[0]) * (k as f64 / count);
+            add(self.scale.value(position), position);
+        }
+    }
+}
+
+/// Width of a widget's profile along an axis, in positions: over which it changes by about its peak.
+fn width(widget: &Widget, axis: usize) -> f64 {
+    let properties = widget.profile.properties();
+    let of_region = match &widget.region {
+        // Edges aslant are met where straight pieces have them.
+        Some(region) if !region.is_rectangle() => 0.05 * spread(region, axis),
+        _ => f64::INFINITY,
+    };
+    of_region.min(widget.profile.width(axis)).min(match properties.color {
+        ColorSource::Widget | ColorSource::Texels(_) => f64::INFINITY,
+        ColorSource::Points(points) if axis == 0 => {
+            let slopes = slopes(points).into_iter().flatten().filter(|slope| slope.is_finite());
+            0.4 / slopes.map(f64::abs).fold(0.0, f64::max)
+        }
+        ColorSource::Points(_) => f64::INFINITY,
+    })
+}
+
+fn spread(region: &Region, axis: usize) -> f64 {
+    let [low, high] = region.limits(axis);
+    high - low
+}
+
+/// Rise of a piecewise-linear function per unit of s: of extinction, and of colours, by their largest.
+fn slopes(points: &[ControlPoint]) -> Vec<[f64; 4]> {
+    let most = |of: &dyn Fn(&ControlPoint) -> f64| points.iter().map(of).fold(f64::MIN_POSITIVE, f64::max);
+    let densest = most(&|point| point.extinction);
+    let brightest = most(&|point| point.color.into_iter().fold(0.0, f64::max));
+    let slope = |pair: &[ControlPoint]| {
+        let along = pair[1].s - pair[0].s;
+        let color = |k: usize| (pair[1].color[k] - pair[0].color[k]) / brightest / along;
+        [(pair[1].extinction - pair[0].extinction) / densest / along, color(0), color(1), color(2)]
+    };
+    points.windows(2).map(slope).collect()
+}
+
+/// Control points at which the function jumps or bends so much that a straight piece must end there.
+fn bends(points: &[ControlPoint]) -> Vec<f64> {
+    let mut slopes = slopes(points);
+    slopes.insert(0, [0.0; 4]);
+    slopes.push([0.0; 4]);
+    let bend = |pair: &[[f64; 4]]| (0..4).map(|k| (pair[1][k] - pair[0][k]).abs()).fold(0.0, f64::max);
+    let found = points.iter().zip(slopes.windows(2));
+    // No number where two points have one place.
+    found.filter(|(_, pair)| !(bend(pair) < SLIGHT_BEND)).map(|(point, _)| point.s).collect()
+}
+
+/// Positions on an axis at which a widget jumps, or bends sharply.
+fn jumps(widget: &Widget, axis: usize) -> Vec<f64> {
+    let properties = widget.profile.properties();
+    let limits = |region: &Region| region.limits(axis);
+    let mut found: Vec<f64> =
+        widget.region.iter().chain(&properties.range).flat_map(limits).filter(|u| u.is_finite()).collect();
+    if let (ColorSource::Points(points), 0) = (properties.color, axis) {
+        found.extend(bends(points));
+    }
+    found
+}
