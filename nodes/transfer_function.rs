@@ -4,7 +4,9 @@ use crate::relative;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::colormap::ColorCurve;
-use voltet_core::transfer::{LoadFiles, OpticalModel, TransferFunction, UnreadFiles, WIDGET_KINDS, read};
+use voltet_core::transfer::{
+    AxisScale, LoadFiles, OpticalModel, TransferFunction, UnreadFiles, WIDGET_KINDS, read,
+};
 use voltet_core::{Error, Result};
 use voltet_graph::{
     DefaultValue, NamedStub, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range,
@@ -58,6 +60,18 @@ pub const NODE: Node = Node {
             help: "the length over which extinction is stated; \"auto\": a hundredth of the data's diagonal",
         },
         Parameter {
+            name: "s_scale",
+            help: "scale of the scalar: widgets have values as positions, and decades as widths",
+            ..SCALE
+        },
+        Parameter {
+            name: "s_linear_below",
+            help: "\"symlog\" of the scalar: about linear up to this value",
+            ..LINEAR_BELOW
+        },
+        Parameter { name: "g_scale", help: "scale of the gradient magnitude", ..SCALE },
+        Parameter { name: "g_linear_below", help: "\"symlog\" of the gradient magnitude", ..LINEAR_BELOW },
+        Parameter {
             name: "relative_to",
             parameter_type: ParameterType::Choice(&[
                 ("step", "the volume that is wired in"),
@@ -77,7 +91,7 @@ pub const NODE: Node = Node {
     ],
     example: include_str!("examples/stages.toml"),
     early: true,
-    check: &|parameters| look(parameters, &relative::stood_in(parameters)?, &UnreadFiles).map(drop),
+    check: &|parameters| stood_in(parameters).map(drop),
     outline: &outline,
     demand: &|asking| {
         let asked = asking.asked.clone();
@@ -87,6 +101,43 @@ pub const NODE: Node = Node {
     run: &run,
     ..Node::BLANK
 };
+
+const SCALE: Parameter = Parameter {
+    name: "",
+    parameter_type: ParameterType::Choice(&[
+        ("linear", "the value itself"),
+        ("log", "log10 of the value; what is 0 or less is not drawn"),
+        ("symlog", "sign(x) log10(1 + |x|/linear_below), for values of both signs"),
+    ]),
+    unit: "",
+    default: DefaultValue::Text("linear"),
+    help: "",
+};
+
+const LINEAR_BELOW: Parameter = Parameter {
+    name: "",
+    parameter_type: ParameterType::Number(Range::above(0.0)),
+    unit: "units of the axis",
+    default: DefaultValue::Unset("needed by \"symlog\" alone"),
+    help: "",
+};
+
+/// Scales of s and g.
+pub(crate) fn axes(p: &Parameters) -> Result<[AxisScale; 2]> {
+    let axis = |scale: &str, linear_below: &str| match (p.text(scale)?, p.optional_number(linear_below)) {
+        ("symlog", Some(linear_below)) => Ok(AxisScale::SymLog { linear_below }),
+        ("symlog", None) => Err(p
+            .error(scale, format!("\"symlog\" needs '{linear_below}'"))
+            .expected(format!("{linear_below} = a value of the axis, from which on decades count"))),
+        (_, Some(found)) => Err(p
+            .error(linear_below, format!("'{linear_below}' belongs to \"symlog\" alone"))
+            .got(found)
+            .expected(format!("{scale} = \"symlog\", or no '{linear_below}'"))),
+        ("log", None) => Ok(AxisScale::Log),
+        _ => Ok(AxisScale::Linear),
+    };
+    Ok([axis("s_scale", "s_linear_below")?, axis("g_scale", "g_linear_below")?])
+}
 
 /// Files of widgets, found by a function; only the run touches them.
 pub(crate) struct FilesFrom<'a>(pub &'a dyn Fn(&str) -> PathBuf);
@@ -101,9 +152,14 @@ impl LoadFiles for FilesFrom<'_> {
     }
 }
 
+/// The transfer function before any data are known.
+fn stood_in(p: &Parameters) -> Result<TransferFunctionSpec> {
+    look(p, &relative::stood_in(p, &axes(p)?)?, &UnreadFiles)
+}
+
 /// Stub of the output while planning, from the stubs of its inputs.
 fn outline(parameters: &Parameters, inputs: &[NamedStub]) -> Result<Outputs> {
-    let mut look = look(parameters, &relative::stood_in(parameters)?, &UnreadFiles)?;
+    let mut look = stood_in(parameters)?;
     for (_, input) in inputs.iter().filter(|(port, _)| *port == "widgets") {
         let Some(Value::TransferFunction(other)) = input else { return Ok(Vec::new()) };
         add(parameters, &mut look, other)?;
@@ -123,13 +179,20 @@ fn add(p: &Parameters, look: &mut TransferFunctionSpec, other: &TransferFunction
             return Err(error.got(found).expected("a number here too, so that they can be converted"));
         }
     };
+    let [own, others] = [&look.transfer_function, &other.transfer_function].map(|function| function.axes);
+    if own != others {
+        let error = Error::usage("widgets are wired in that stand on axes of other scales than these");
+        return Err(error
+            .got(format!("{others:?} there, {own:?} here"))
+            .expected("the same scales of s and g"));
+    }
     let widgets = other.transfer_function.widgets.iter();
     look.transfer_function.widgets.extend(widgets.map(|widget| widget.with_extinction_times(factor)));
     Ok(())
 }
 
 fn run(call: &mut RunContext) -> Result<Outputs> {
-    let widgets = relative::known(call)?;
+    let widgets = relative::known(call, &axes(call.parameters)?)?;
     let mut look = look(call.parameters, &widgets, &FilesFrom(&|path| call.resolve(path)))?;
     for other in call.looks("widgets")? {
         add(call.parameters, &mut look, &other)?;
@@ -154,9 +217,9 @@ fn look(p: &Parameters, widgets: &relative::Widgets, files: &dyn LoadFiles) -> R
         _ => OpticalModel::DensityEmitter,
     };
     let unit = p.optional_number("unit_distance");
+    let axes = axes(p)?;
     let widgets = widgets.iter().map(|(kind, keys)| read(kind, keys, files)).collect::<Result<_>>()?;
-    let transfer_function =
-        TransferFunction { model, unit_distance: unit.unwrap_or(1.0), widgets, axes: Default::default() };
+    let transfer_function = TransferFunction { model, unit_distance: unit.unwrap_or(1.0), widgets, axes };
     Ok(TransferFunctionSpec { transfer_function, auto_unit_distance: unit.is_none() })
 }
 

@@ -149,6 +149,10 @@ impl ShaderKey {
         compositor: CompositorProgram,
     ) -> Result<ShaderKey> {
         can_serve(&shading.integrator, transfer_function)?;
+        if transfer_function.has_curved_axes() {
+            return Err(Error::usage("logarithmic axes have no shader: the CPU draws them")
+                .expected("engine = \"cpu\" or \"auto\", or linear axes"));
+        }
         let method = method_of(&shading.integrator).ok_or_else(|| {
             Error::usage("the integrator has no shader: the CPU draws it")
                 .got(shading.integrator.name())

@@ -64,10 +64,15 @@ pub(crate) fn attributes_of<'a>(
         let origin = if cells.centered_ranges { None } else { active.axis_origin(axis) };
         origin.map(|centre| (centre, has_edges))
     };
-    let mut attributes = vec![attribute(&volume.scalar, cells.ranges[0], about(0))];
+    let axes = transfer_function.axes_read();
+    let on_axis = |number: usize, values| match axes[number].is_curved() {
+        true => from_zero(values, cells.ranges[number]),
+        false => attribute(values, cells.ranges[number], about(number)),
+    };
+    let mut attributes = vec![on_axis(0, &volume.scalar)];
     if transfer_function.uses_gradient_magnitude() || !fields.is_empty() {
         match &volume.gradient_magnitude {
-            Some(g) => attributes.push(attribute(g, cells.ranges[1], about(1))),
+            Some(g) => attributes.push(on_axis(1, g)),
             None if transfer_function.uses_gradient_magnitude() => {
                 return Err(Error::usage(
                     "the transfer function reads the gradient magnitude, and the volume has none",
@@ -83,6 +88,33 @@ pub(crate) fn attributes_of<'a>(
         attributes.push(attribute(values, extent::range(values).unwrap_or_default(), about(2 + i)));
     }
     Ok(attributes)
+}
+
+/// Attributes as widgets see them: s and g as positions, where their axes are curved.
+pub(crate) fn on_axes<'a>(
+    attributes: &[Attribute<'a>],
+    transfer_function: &TransferFunction,
+) -> Vec<Attribute<'a>> {
+    let axes = transfer_function.axes_read();
+    let has_edges = transfer_function.widgets.iter().any(|widget| widget.region.is_some());
+    let mut found = attributes.to_vec();
+    for (number, (own, scale)) in
+        found.iter_mut().zip(axes).enumerate().filter(|(_, (_, scale))| scale.is_curved())
+    {
+        let range = scale.positions(own.range);
+        // Nothing is drawn of values none of which has a position.
+        let range = if range.iter().all(|u| u.is_finite()) { range } else { [0.0, 1.0] };
+        let about = transfer_function.axis_origin(number).map(|centre| (centre, has_edges));
+        *own = attribute(own.values, range, about);
+    }
+    found
+}
+
+/// Values of a curved axis: counted from 0, since small ones matter.
+fn from_zero(values: &[f64], [low, high]: [f64; 2]) -> Attribute<'_> {
+    let largest = low.abs().max(high.abs());
+    let scale = if largest > 0.0 { largest.log2().ceil().clamp(-1022.0, 1023.0).exp2() } else { 1.0 };
+    Attribute { values, stride: 1, offset: 0.0, scale, range: [low, high] }
 }
 
 /// Components of the gradient as attributes, for light and silhouettes: no offset and one scale, so that small

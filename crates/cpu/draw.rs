@@ -1,8 +1,9 @@
 //! The stages end to end: project, composite, and the one-call form.
 
-use crate::attribute::{attributes_of, gradient_attributes};
+use crate::attribute::{attributes_of, gradient_attributes, on_axes};
 use crate::cast::RayCastPolicy;
 use crate::cells::Cells;
+use crate::composite::segment_parts::LaneAxes;
 use crate::counts::Counts;
 use crate::frame_renderer::FrameRenderer;
 use crate::memory::drawing_bytes_of;
@@ -137,14 +138,16 @@ pub(crate) fn prepare_in_order<'a>(
         return Err(Error::usage("the cells were projected for another transfer function")
             .expected("the transfer function that the cull stage of the same pipeline has"));
     }
+    shading.check(transfer_function)?;
     integrators::can_serve(&shading.integrator, transfer_function)?;
     let active = cells.active_widgets(transfer_function);
-    let extent = extent(cells, &shading.integrator);
+    let extent = extent(cells, transfer_function, &shading.integrator);
     // Lanes leave over no segment of a table over lengths: it is filled once, by them.
     let by_lanes = in_lanes_alone(&shading.integrator);
     let exact = if by_lanes { None } else { Some(integrator(cells, &active, shading)?) };
+    let shaded = on_axes(&attributes, &active);
     let scene = ShaderContext {
-        attributes: &attributes,
+        attributes: &shaded,
         length: cells.length,
         ordered,
         leave_out: !cells.exhaustive,
@@ -153,7 +156,8 @@ pub(crate) fn prepare_in_order<'a>(
     };
     let shader = Shader::new(&active, shading, exact, scene, surface)?;
     let table_bytes = shader.table_bytes() as u64;
-    Ok(FrameRenderer { projection, attributes, shader, table_bytes })
+    let axes = LaneAxes::new(&active, &attributes, &shaded);
+    Ok(FrameRenderer { projection, attributes, shader, axes, table_bytes })
 }
 
 /// Integrates and composites every pixel's segments: [`prepare`] and [`FrameRenderer::composite`].
@@ -203,14 +207,15 @@ pub fn integrator(
             .got("stages or segments of a scene by themselves")
             .expected("a node of type renderer, or another integrator"));
     }
-    let extent = extent(cells, &shading.integrator);
+    let extent = extent(cells, transfer_function, &shading.integrator);
     integrators::new(&shading.integrator, shading.overlap, transfer_function, &extent)
 }
 
 /// Extent of the segments, for the integrator's tables: no segment inside a cell is longer than its
 /// longest edge.
-fn extent(cells: &CellSelection, integrator: &Integrator) -> Extent {
-    let full = Extent { scalar: cells.ranges[0], longest: cells.length };
+fn extent(cells: &CellSelection, transfer_function: &TransferFunction, integrator: &Integrator) -> Extent {
+    let scalar = transfer_function.axes_read()[0].positions(cells.ranges[0]);
+    let full = Extent { scalar, longest: cells.length };
     if !integrator.has_table_of_lengths() || cells.ids.is_empty() {
         return full;
     }

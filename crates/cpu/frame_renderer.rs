@@ -2,6 +2,7 @@
 
 use crate::attribute::{Attribute, gradient_attributes};
 use crate::composite::frame::{FrameContext, SegmentSource};
+use crate::composite::segment_parts::LaneAxes;
 use crate::composite::worker::{Worker, WorkerOutput};
 use crate::counts::Counts;
 use crate::projection::{Projection, SubpixelView};
@@ -22,6 +23,8 @@ pub struct FrameRenderer<'a> {
     pub(crate) projection: &'a Projection,
     pub(crate) attributes: Vec<Attribute<'a>>,
     pub(crate) shader: Shader,
+    /// Curved axes of s and g.
+    pub(crate) axes: Option<LaneAxes>,
     pub(crate) table_bytes: u64,
 }
 
@@ -115,6 +118,7 @@ impl FrameRenderer<'_> {
             exhaustive: cells.exhaustive,
             depth_limit,
             events,
+            axes: self.axes.as_ref(),
             buffers: &cells.buffers,
         }
     }

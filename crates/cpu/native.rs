@@ -171,6 +171,7 @@ impl NativeVolume {
             && matches!(scene.ordering(false), Ordering::Independent | Ordering::PerPixel)
             && camera.samples == 1
             && !scene.has_events()
+            && !transfer_function.has_curved_axes()
             // Tables extend to the longest of the drawn cells.
             && !shading.integrator.has_table_of_lengths()
             && !needs_gradient(shading);

@@ -207,7 +207,7 @@ fn width(widget: &Widget, axis: usize) -> f64 {
     let properties = widget.profile.properties();
     let of_region = match &widget.region {
         // Edges aslant are met where straight pieces have them.
-        Some(region) if !region.is_rectangle() => 0.05 * spread(region, axis),
+        Some(region) if !region.is_rectangle() => 0.005 * spread(region, axis),
         _ => f64::INFINITY,
     };
     of_region.min(widget.profile.width(axis)).min(match properties.color {

@@ -127,6 +127,36 @@ pub struct Shading {
 }
 
 impl Shading {
+    /// Refuses what is said of segments as a whole where these are cut into pieces along logarithmic axes.
+    pub fn check(&self, transfer_function: &TransferFunction) -> Result<()> {
+        if !transfer_function.has_curved_axes() {
+            return Ok(());
+        }
+        let refused = |what: &str, expected: &str| {
+            Err(Error::usage(format!(
+                "{what} along a logarithmic axis, where a cell's segment has many pieces"
+            ))
+            .expected(format!("{expected}, or linear axes")))
+        };
+        if self.silhouette.is_some_and(|exponent| exponent != 0.0) {
+            return refused("silhouettes weight whole segments and mean nothing", "no silhouette");
+        }
+        if self.overlap == WidgetBlend::Mix && transfer_function.widgets.len() > 1 {
+            return refused(
+                "mixed widgets are averaged over whole segments, which mean nothing",
+                "overlap = \"exact\"",
+            );
+        }
+        if self.integrator.kind().scene_preparation().is_some() {
+            let what = format!(
+                "the integrator '{}' samples points of the grid, which mean nothing",
+                self.integrator.name()
+            );
+            return refused(&what, "integrator = \"analytic\"");
+        }
+        Ok(())
+    }
+
     /// The one colour of all that is seen, if there is one: then a pixel's colour is that times its opacity, and no order
     /// is needed. `None` under the constant-emitter, where several colours are drawn, and where light falls at an angle.
     pub fn one_color(&self, transfer_function: &TransferFunction) -> Option<[f64; 3]> {

@@ -32,6 +32,9 @@ const SHORTEST: f64 = 1e-13;
 /// Distance of the cuts that every segment has along its axes, in decades.
 const DECADE_SHARE: f64 = 0.125;
 
+/// Samples between two cuts, in search of edges aslant.
+const EDGE_SAMPLES: u32 = 8;
+
 /// Quadrature along curved axes.
 pub struct CurvedQuadrature {
     transfer_function: TransferFunction,
@@ -131,7 +134,61 @@ impl CurvedQuadrature {
         cuts.retain(|share| (0.0..=1.0).contains(share));
         cuts.sort_by(f64::total_cmp);
         cuts.dedup();
+        let edges = self.crossed_edges(front, back, &cuts);
+        cuts.extend(edges);
+        cuts.sort_by(f64::total_cmp);
         cuts
+    }
+
+    /// Shares at which the path passes edges of regions that lie aslant, or cutoffs: between two samples of different sides, halved.
+    fn crossed_edges(&self, front: &[f64], back: &[f64], cuts: &[f64]) -> Vec<f64> {
+        let TransferFunction { model, widgets, .. } = &self.transfer_function;
+        let axes = self.transfer_function.axes_read();
+        let values = |share: f64| -> Vec<f64> {
+            front.iter().zip(back).map(|(front, back)| front + share * (back - front)).collect()
+        };
+        let place = |values: &[f64]| [0, 1].map(|axis| axes[axis].position(values[axis]));
+        let mut found = Vec::new();
+        for plane in widgets.iter().flat_map(Widget::half_planes).filter(|plane| !plane.normal.contains(&0.0))
+        {
+            let is_inside = |share: f64| {
+                let at = place(&values(share));
+                (0..2).map(|axis| plane.normal[axis] * (at[axis] - plane.corner[axis])).sum::<f64>() >= 0.0
+            };
+            add_changes(cuts, &is_inside, &mut found);
+        }
+        for (widget, fields) in widgets.iter().zip(&self.fields) {
+            let Some(cutoff) = model.cutoff() else { break };
+            let glows = |share: f64| {
+                let values = values(share);
+                let own: Vec<f64> = fields.iter().map(|k| values[*k]).collect();
+                widget.weight_at(place(&values), &own) > cutoff
+            };
+            add_changes(cuts, &glows, &mut found);
+        }
+        found
+    }
+}
+
+/// Adds the shares at which a property changes, as far as samples between cuts show it.
+fn add_changes(cuts: &[f64], property: &dyn Fn(f64) -> bool, found: &mut Vec<f64>) {
+    for pair in cuts.windows(2) {
+        let at = |k: u32| pair[0] + (pair[1] - pair[0]) * f64::from(k) / f64::from(EDGE_SAMPLES);
+        for k in 0..EDGE_SAMPLES {
+            let (mut low, mut high) = (at(k), at(k + 1));
+            let first = property(low);
+            if property(high) == first {
+                continue;
+            }
+            loop {
+                let middle = 0.5 * (low + high);
+                if !(low < middle && middle < high) {
+                    break;
+                }
+                if property(middle) == first { low = middle } else { high = middle }
+            }
+            found.push(high);
+        }
     }
 }
 

@@ -162,7 +162,9 @@ pub fn warnings(scene: &Scene, counts: &RenderStats, picture: &Picture) -> Vec<S
 fn beside_values(scene: &Scene) -> Option<String> {
     let scalar = &scene.volume.scalar;
     let drawn = scene.transfer_function.widgets.iter().filter(|widget| widget.is_drawn());
-    let ranges: Vec<[f64; 2]> = drawn.map(Widget::scalar_range).collect();
+    let axis = scene.transfer_function.axes[0];
+    let values = |widget: &Widget| widget.scalar_range().map(|position| axis.value(position));
+    let ranges: Vec<[f64; 2]> = drawn.map(values).collect();
     // The first values tell that a widget is not: all are looked at only where it is.
     let some = |holds: &dyn Fn(f64) -> bool| scalar.iter().any(|&s| s.is_finite() && holds(s));
     let is_beside = |&[first, last]: &[f64; 2]| !(some(&|s| s <= last) && some(&|s| first <= s));

@@ -11,7 +11,7 @@ use std::sync::{Mutex, PoisonError};
 use voltet_core::probing::{Volumes, value_range};
 use voltet_core::progress::Progress;
 use voltet_core::transfer::{
-    DataStatistics, StatisticsRequest, resolved, statistics_request, with_placeholders,
+    AxisScale, DataStatistics, StatisticsRequest, on_axes, resolved, statistics_request, with_placeholders,
 };
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result, counted};
@@ -20,9 +20,10 @@ use voltet_graph::{ArrayRef, Demand, DemandContext, Diagnostics, ParameterValue,
 /// Widgets: their kinds and keys.
 pub(crate) type Widgets = Vec<(&'static str, Parameters)>;
 
-/// The widgets before any data are known.
-pub(crate) fn stood_in(p: &Parameters) -> Result<Widgets> {
-    p.kinds("widgets")?.into_iter().map(|(kind, keys)| Ok((kind, with_placeholders(&keys)?))).collect()
+/// The widgets at their positions on the axes, before any data are known.
+pub(crate) fn stood_in(p: &Parameters, axes: &[AxisScale; 2]) -> Result<Widgets> {
+    let widget = |(kind, keys): (_, Parameters)| Ok((kind, with_placeholders(&on_axes(&keys, axes)?)?));
+    p.kinds("widgets")?.into_iter().map(widget).collect()
 }
 
 /// Statistics that the widgets' numbers refer to.
@@ -62,8 +63,14 @@ fn unwired(widgets: &Widgets) -> Error {
     }
 }
 
-/// The widgets with numbers for those that were relative to data, each noted.
-pub(crate) fn known(call: &mut RunContext) -> Result<Widgets> {
+/// The widgets at their positions on the axes, with numbers for those that were relative to data, each noted.
+pub(crate) fn known(call: &mut RunContext, axes: &[AxisScale; 2]) -> Result<Widgets> {
+    let placed = |(kind, keys): (_, Parameters)| Ok((kind, on_axes(&keys, axes)?));
+    known_values(call, axes)?.into_iter().map(placed).collect()
+}
+
+/// The widgets with numbers for those that were relative to data.
+fn known_values(call: &mut RunContext, axes: &[AxisScale; 2]) -> Result<Widgets> {
     let widgets = call.parameters.kinds("widgets")?;
     let request = wanted_of(&widgets);
     if request.is_empty() {
@@ -73,7 +80,7 @@ pub(crate) fn known(call: &mut RunContext) -> Result<Widgets> {
         return Err(unwired(&widgets));
     }
     let of_series = call.parameters.text("relative_to")? == "series";
-    let found = found(call, &request, of_series)?;
+    let found = FoundStatistics { axes: *axes, ..found(call, &request, of_series)? };
     let over = match of_series {
         true => format!("over {}", counted(call.step_count("volume")?, "time step")),
         false => "over the volume".to_string(),
@@ -155,9 +162,19 @@ struct FoundStatistics {
     ranges: BTreeMap<ArrayRef, [f64; 2]>,
     /// Each percentile, by the bits of its percentage.
     percentiles: BTreeMap<(ArrayRef, u64), f64>,
+    /// Scales of s and g.
+    axes: [AxisScale; 2],
 }
 
 impl DataStatistics for FoundStatistics {
+    fn scale(&self, quantity: &ArrayRef) -> AxisScale {
+        match quantity {
+            ArrayRef::Named("s") => self.axes[0],
+            ArrayRef::Named("g") => self.axes[1],
+            _ => AxisScale::Linear,
+        }
+    }
+
     fn range(&self, quantity: &ArrayRef) -> Result<[f64; 2]> {
         self.ranges.get(quantity).copied().ok_or_else(|| not_found(quantity))
     }

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 use voltet_core::Result;
 pub use voltet_core::colormap::Colormap;
+pub use voltet_core::transfer::AxisScale;
 use voltet_core::transfer::{
     ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction as ScaledTransferFunction, Wave,
     Widget,
@@ -32,6 +33,8 @@ pub struct TransferFunction {
     pub model: OpticalModel,
     /// Length over which extinction is stated.
     pub unit_distance: UnitDistance,
+    /// Scales of s and g, at whose positions the widgets stand: on a logarithmic axis at log₁₀ of values, with widths in decades.
+    pub axes: [AxisScale; 2],
 }
 
 impl TransferFunction {
@@ -60,6 +63,11 @@ impl TransferFunction {
         TransferFunction { model, ..self }
     }
 
+    /// Sets the scales of s and g.
+    pub fn axes(self, s: AxisScale, g: AxisScale) -> Self {
+        TransferFunction { axes: [s, g], ..self }
+    }
+
     /// Sets the length over which extinction is stated (world units).
     pub fn unit_distance(self, length: f64) -> Self {
         TransferFunction { unit_distance: UnitDistance::Length(length), ..self }
@@ -75,7 +83,7 @@ impl TransferFunction {
             UnitDistance::Length(length) => length,
         };
         let widgets = self.widgets.clone();
-        let scaled = ScaledTransferFunction { model: self.model, unit_distance, widgets };
+        let scaled = ScaledTransferFunction { model: self.model, unit_distance, widgets, axes: self.axes };
         scaled.check()?;
         Ok(scaled)
     }

@@ -1,11 +1,11 @@
-//! Surfaces and clips, by rays that go from cell to cell and by projected cells.
+//! Surfaces, clips and logarithmic axes, by rays that go from cell to cell and by projected cells.
 
 use voltet_core::Result;
 use voltet_core::picture::Picture;
 use voltet_core::progress::NoProgress;
 use voltet_cpu::{self as engine, Traversal};
 use voltet_optics::scene::Scene;
-use voltet_testing::pictures::surfaces;
+use voltet_testing::pictures::{curved_axes, surfaces};
 
 fn draw(scene: &Scene, traversal: Traversal) -> Picture {
     let Scene { volume, transfer_function, camera, shading, .. } = scene;
@@ -21,18 +21,26 @@ fn draw(scene: &Scene, traversal: Traversal) -> Picture {
 }
 
 macro_rules! tests {
-    (mod $module:ident, $traversal:expr, $($name:ident),*) => {
+    (mod $module:ident, $traversal:expr, $($from:ident::$name:ident),*) => {
         mod $module {
             $(#[test]
             fn $name() {
-                super::surfaces::$name(&|scene| Some(super::draw(scene, $traversal)));
+                super::$from::$name(&|scene| Some(super::draw(scene, $traversal)));
             })*
         }
     };
-    ($($name:ident),*) => {
-        tests!(mod by_rays, super::Traversal::RayCast, $($name),*);
-        tests!(mod by_cells, super::Traversal::Project, $($name),*);
+    ($($from:ident::$name:ident),*) => {
+        tests!(mod by_rays, super::Traversal::RayCast, $($from::$name),*);
+        tests!(mod by_cells, super::Traversal::Project, $($from::$name),*);
     };
 }
 
-tests!(fifty_surfaces, surfaces_in_faces_of_cells, surfaces_without_cells, clips, deep_pixels);
+tests!(
+    surfaces::fifty_surfaces,
+    surfaces::surfaces_in_faces_of_cells,
+    surfaces::surfaces_without_cells,
+    surfaces::clips,
+    surfaces::deep_pixels,
+    curved_axes::fields_over_decades,
+    curved_axes::decades_lit_and_cut
+);

@@ -211,7 +211,7 @@ impl TransferFunction {
                 _ => disjoint.push([low, high]),
             }
         }
-        disjoint
+        disjoint.into_iter().map(|interval| interval.map(|u| self.axes[0].value(u))).collect()
     }
 }
 

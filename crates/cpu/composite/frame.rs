@@ -3,6 +3,7 @@
 use crate::cache::FreeList;
 use crate::cast::RayCaster;
 use crate::composite::fragment_lists::FragmentLists;
+use crate::composite::segment_parts::LaneAxes;
 use crate::fragments::batch::{Batch, DepthLimits};
 use crate::fragments::crossing::Near;
 use crate::project::cells::Input;
@@ -56,6 +57,8 @@ pub(crate) struct FrameContext<'a> {
     pub depth_limit: Option<&'a [f32]>,
     /// Surfaces and clips among the segments.
     pub events: Option<&'a RayEvents>,
+    /// Curved axes of s and g, on which segments are cut into straight pieces.
+    pub axes: Option<&'a LaneAxes>,
     pub buffers: &'a BufferPool,
 }
 

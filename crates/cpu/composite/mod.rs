@@ -2,12 +2,12 @@
 
 pub(crate) mod accumulators;
 mod deferred_shading;
-pub(crate) mod event_cursor;
 pub(crate) mod fragment_lists;
 #[cfg(test)]
 mod fragment_lists_tests;
 pub(crate) mod frame;
 pub(crate) mod projected_cells;
 pub(crate) mod row_shader;
+pub(crate) mod segment_parts;
 mod tile;
 pub(crate) mod worker;

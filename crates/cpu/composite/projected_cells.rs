@@ -3,10 +3,11 @@
 //! ([`super::fragment_lists`]) or, shaded as they come, to a sink.
 
 use crate::composite::accumulators::Sink;
-use crate::composite::event_cursor::{EventCursors, copy_part};
+
 use crate::composite::fragment_lists::{FragmentLists, Overflow};
 use crate::composite::frame::FrameContext;
-use crate::composite::row_shader::{Illuminate, RowShader, Scratch};
+use crate::composite::row_shader::{Illuminate, PartShader, RowShader, Scratch};
+use crate::composite::segment_parts::copy_part;
 use crate::fragments::batch::{BATCH, Batch, MAX_LANES, clip_to_depth};
 use crate::fragments::crossing::CellPacket;
 use crate::fragments::spans::{Edges, Fragments, NextSlots};
@@ -73,7 +74,7 @@ pub(crate) fn walk<S: Sink>(
     sink: &mut S,
 ) {
     let Scratch { fragments, edges, packet, length_per_depth, row_shader, counts, .. } = scratch;
-    let RowShader { batch, shaded, rays, depth_limits, events: own, .. } = row_shader;
+    let RowShader { batch, shaded, rays, depth_limits, parts: own, .. } = row_shader;
     let mut shade = |sink: &mut S, batch: &Batch, count: usize| {
         integrate(frame.shader, frame.lanes, batch, count, shaded);
         if frame.shader.surface.is_some() {
@@ -85,22 +86,21 @@ pub(crate) fn walk<S: Sink>(
         if frame.depth_limit.is_some() {
             clip_to_depth(batch, count, frame.attribute_count(), depth_limits);
         }
-        let (Some(events), Some(own)) = (frame.events, own.as_mut()) else {
-            return shade(sink, batch, count);
-        };
+        let Some(own) = own.as_deref_mut() else { return shade(sink, batch, count) };
         let mut filled = 0;
         for k in (0..count).filter(|&k| batch.length[k] > 0.0) {
             let within = batch.pixel[k] as usize % PIXELS;
             let pixel = [rect.left + within % TILE, rect.top + within / TILE];
-            EventCursors::cut_alone(frame, events, pixel, batch, k, |part| {
-                copy_part(&part, batch, frame.attribute_count(), filled, &mut own.parts);
+            let PartShader { cutter, batch: parts, .. } = &mut *own;
+            cutter.cut_alone(frame, pixel, batch, k, |part| {
+                copy_part(&part, batch, frame, filled, parts);
                 filled += 1;
                 if filled == BATCH {
-                    shade(sink, &own.parts, std::mem::take(&mut filled));
+                    shade(sink, parts, std::mem::take(&mut filled));
                 }
             });
         }
-        shade(sink, &own.parts, filled);
+        shade(sink, &own.batch, filled);
     };
 
     let width = frame.lanes.width();

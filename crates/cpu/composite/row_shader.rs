@@ -4,9 +4,9 @@ use crate::cast::packet::PACKETS_IN_FLIGHT;
 use crate::cast::ray_caster::BoundaryHits;
 use crate::composite::accumulators::{TileAccumulator, TilePixels};
 use crate::composite::deferred_shading::{DeferredFragments, DeferredShading};
-use crate::composite::event_cursor::EventCursors;
 use crate::composite::fragment_lists::{Arrange, Fill, FragmentLists};
 use crate::composite::frame::FrameContext;
+use crate::composite::segment_parts::SegmentCutter;
 use crate::counts::Counts;
 use crate::fragments::batch::{BATCH, Batch, DepthLimits, MAX_LANES, clip_to_depth};
 use crate::fragments::crossing::CellPacket;
@@ -60,15 +60,15 @@ pub(crate) struct RowShader {
     /// Directions of the tile's rays, where light reads them.
     pub rays: Rays,
     pub depth_limits: DepthLimits,
-    /// Scratch memory for surfaces and clips, if there are any.
-    pub events: Option<Box<EventShader>>,
+    /// Scratch memory for parts of segments: among surfaces and clips, and along curved axes.
+    pub parts: Option<Box<PartShader>>,
 }
 
-/// Scratch memory of [`RowShader`] for events.
-pub(crate) struct EventShader {
-    pub cursors: EventCursors,
-    /// Parts of the batch's segments.
-    pub parts: Batch,
+/// Scratch memory of [`RowShader`] for parts of segments.
+pub(crate) struct PartShader {
+    pub cutter: SegmentCutter,
+    /// Parts of a batch's segments.
+    pub batch: Batch,
     /// Colours of those that are surfaces.
     surfaces: Vec<(usize, [f32; 4])>,
 }
@@ -82,9 +82,9 @@ impl RowShader {
             deferred: DeferredFragments::default(),
             rays: [[0.0; PIXELS]; 3],
             depth_limits: [f32::INFINITY; PIXELS],
-            events: frame.events.map(|_| {
-                let parts = Batch::new(frame.attribute_count(), frame.scalar_count);
-                Box::new(EventShader { cursors: EventCursors::new(), parts, surfaces: Vec::new() })
+            parts: (frame.events.is_some() || frame.axes.is_some()).then(|| {
+                let batch = Batch::new(frame.attribute_count(), frame.scalar_count);
+                Box::new(PartShader { cutter: SegmentCutter::new(), batch, surfaces: Vec::new() })
             }),
         }
     }
@@ -126,21 +126,21 @@ impl RowShader {
         if frame.depth_limit.is_some() {
             clip_to_depth(&mut self.batch, count, frame.attribute_count(), &self.depth_limits);
         }
-        let (Some(events), Some(mut own)) = (frame.events, self.events.take()) else {
+        let Some(mut own) = self.parts.take() else {
             return self.blend_slices(frame, row, count, &[], pixels);
         };
-        own.cursors.take_slices(frame, events, &self.batch, count);
-        std::mem::swap(&mut self.batch, &mut own.parts);
+        own.cutter.take_slices(frame, &self.batch, count);
+        std::mem::swap(&mut self.batch, &mut own.batch);
         for first in (0..).step_by(BATCH / TILE) {
-            let EventShader { cursors, parts, surfaces } = &mut *own;
-            let count = cursors.fill(first, parts, frame.attribute_count(), &mut self.batch, surfaces);
+            let PartShader { cutter, batch: whole, surfaces } = &mut *own;
+            let count = cutter.fill(first, whole, frame, &mut self.batch, surfaces);
             if count == 0 {
                 break;
             }
             self.blend_slices(frame, row, count, surfaces, pixels);
         }
-        std::mem::swap(&mut self.batch, &mut own.parts);
-        self.events = Some(own);
+        std::mem::swap(&mut self.batch, &mut own.batch);
+        self.parts = Some(own);
     }
 
     /// Blends the first `count` segments of the batch; `surfaces`: colours of some that are none.
@@ -189,8 +189,8 @@ impl RowShader {
 
     /// Composites the surfaces behind the last segments of a tile's pixels.
     pub fn end_events(&mut self, frame: &FrameContext<'_>, picture: &mut TilePicture) {
-        if let (Some(events), Some(own)) = (frame.events, &mut self.events) {
-            own.cursors.end(events, picture);
+        if let (Some(events), Some(own)) = (frame.events, &mut self.parts) {
+            own.cutter.end(events, picture);
         }
     }
 
@@ -275,8 +275,8 @@ impl Scratch {
             rays(frame.view, rect.left, rect.top, of_tile);
         }
         frame.depth_limits_of(rect, depth_limits);
-        if let (Some(events), Some(own)) = (frame.events, &mut self.row_shader.events) {
-            own.cursors.begin(events, rect);
+        if let (Some(events), Some(own)) = (frame.events, &mut self.row_shader.parts) {
+            own.cutter.begin(events, rect);
         }
         rect
     }

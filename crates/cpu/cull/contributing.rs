@@ -6,7 +6,7 @@ use crate::selection::CullSample;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
-use voltet_core::transfer::{Corners, Support, TransferFunction};
+use voltet_core::transfer::{AxisScale, Corners, Support, TransferFunction};
 use voltet_core::volume::Volume;
 
 /// Cells from which on a grid is sampled first; smaller ones are tested as a whole.
@@ -28,6 +28,7 @@ pub(super) struct ContributingCells {
     support: Support,
     fields: Vec<String>,
     with_g: bool,
+    axes: [AxisScale; 2],
     /// The cells, ascending.
     pub cells: Arc<Vec<u32>>,
     /// A cell that meets each widget's support, if any.
@@ -42,7 +43,10 @@ const NO_CELL: u32 = u32::MAX;
 impl ContributingCells {
     /// True if the query would find the same.
     pub fn matches(&self, query: &CullQuery, fields: &[&str]) -> bool {
-        self.with_g == query.values.g.is_some() && self.fields == fields && self.support == *query.support
+        self.axes == query.axes
+            && self.with_g == query.values.g.is_some()
+            && self.fields == fields
+            && self.support == *query.support
     }
 
     /// Tests the cells, unless a sample shows that this would not pay; `exact`: always.
@@ -66,6 +70,7 @@ impl ContributingCells {
             support: query.support.clone(),
             fields: fields.iter().map(|field| field.to_string()).collect(),
             with_g: query.values.g.is_some(),
+            axes: query.axes,
             cells: Arc::new(cells),
             examples,
             culling_skipped,
@@ -173,6 +178,8 @@ pub(super) struct CullQuery<'a> {
     pub blocks: &'a (dyn Fn() -> Arc<Vec<Block>> + Sync),
     /// Ranges of s and g over the grid.
     pub ranges: [[f64; 2]; 2],
+    /// Scales of s and g.
+    pub axes: [AxisScale; 2],
 }
 
 /// Class of a block's cells against the widgets' supports.
@@ -189,14 +196,33 @@ impl CullQuery<'_> {
     /// A widget whose support meets a cell; `first` is tested before the others.
     #[inline]
     pub fn first_overlapping_widget(&self, id: usize, first: usize) -> Option<usize> {
-        let values = self.values.of(&self.tetrahedra[id]);
+        let values = self.corner_values(id);
         self.support.first_overlapping_widget(first, &values.corners(), self.min_density)
     }
 
     /// True if a widget's support meets a cell.
     pub fn meets(&self, widget: usize, id: u32) -> bool {
-        let values = self.values.of(&self.tetrahedra[id as usize]);
+        let values = self.corner_values(id as usize);
         self.support.widget_touches(widget, &values.corners(), self.min_density)
+    }
+
+    /// Values at the corners of a cell; along curved axes the corners of the box that holds its positions, whose hull is not that of its
+    /// corners' positions.
+    #[inline]
+    fn corner_values(&self, id: usize) -> CellValues {
+        let mut values = self.values.of(&self.tetrahedra[id]);
+        if self.axes.iter().any(|axis| axis.is_curved()) {
+            let range = |values: &[f64; 4]| {
+                values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(*x), b.max(*x)])
+            };
+            let [s, g] = self.positions([range(&values.s), range(&values.g)]);
+            (values.s, values.g) = corners(s, g);
+        }
+        values
+    }
+
+    fn positions(&self, ranges: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+        [0, 1].map(|axis| self.axes[axis].positions(ranges[axis]))
     }
 
     /// Class of a block.
@@ -245,7 +271,7 @@ impl CullQuery<'_> {
 
     /// Ranges of values: where no widget reads g it counts as 0, as it does of cells.
     fn ranges_read(&self, [s, g]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
-        [s, if self.values.g.is_some() { g } else { [0.0; 2] }]
+        self.positions([s, if self.values.g.is_some() { g } else { [0.0; 2] }])
     }
 }
 

@@ -136,6 +136,7 @@ impl VolumeCache {
             values: CornerValues::new(&attributes, transfer_function),
             blocks: &|| get_or_compute(&self.blocks, |_| true, || Block::every(&self.volume)),
             ranges: self.ranges,
+            axes: transfer_function.axes_read(),
         };
         let contributing = self.contributing(&query, transfer_function.fields(), exact);
         progress.check_cancelled()?;

@@ -117,6 +117,7 @@ impl<'a> Tracer<'a> {
     pub fn new(scene: &'a Scene, integral: Box<dyn SegmentIntegral>) -> Result<Self> {
         let Scene { volume, transfer_function, camera, shading, .. } = scene;
         let frame = camera.frame()?;
+        shading.check(transfer_function)?;
         let (quantities, stride) = quantities(volume, transfer_function)?;
         let world = &volume.grid.points;
         for (cell, corners) in volume.grid.tetrahedra.iter().enumerate() {

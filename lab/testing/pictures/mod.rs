@@ -7,6 +7,7 @@
 
 pub mod compare;
 pub mod coverage;
+pub mod curved_axes;
 pub mod difficult;
 mod engine;
 pub mod grids;

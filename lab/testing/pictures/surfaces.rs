@@ -20,12 +20,17 @@ use voltet_optics::shading::{Light, Shading, VisibilityOrder};
 /// Draws a scene; `None` where it cannot be tested here, which was said loudly.
 pub type Draw<'a> = &'a dyn Fn(&Scene) -> Option<Picture>;
 
-fn scene(volume: &Arc<Volume>, look: TransferFunction, camera: Camera, shading: &Shading) -> Scene {
+pub(super) fn scene(
+    volume: &Arc<Volume>,
+    look: TransferFunction,
+    camera: Camera,
+    shading: &Shading,
+) -> Scene {
     NamedScene { name: String::new(), volume: volume.clone(), look, camera }
         .drawn_by(shading, VisibilityOrder::Exact)
 }
 
-fn compare(draw: Draw, name: &str, scene: &Scene) {
+pub(super) fn compare(draw: Draw, name: &str, scene: &Scene) {
     let Some(actual) = draw(scene) else { return };
     let expected = voltet_reference::draw(scene, &NoProgress).unwrap_or_else(|e| panic!("{name}: {e}"));
     assert!(
@@ -55,7 +60,7 @@ fn triangles(random: &mut Random, count: usize) -> Surface {
     Surface { points, triangles, paint, opacity, light, normals }
 }
 
-fn cameras() -> [(&'static str, Camera); 5] {
+pub(super) fn cameras() -> [(&'static str, Camera); 5] {
     let several = Camera { samples: 3, ..outside([20, 16]) };
     [
         ("outside", outside([48, 36])),

@@ -195,7 +195,8 @@ pub fn pipeline(
     let linearly = if low > 0.0 && high / low >= 1e3 {
         let decades = (high / low).log10();
         format!(
-            "# s spans {decades:.0} decades and is looked at linearly: what is far below {high:?} looks alike.\n"
+            "# s spans {decades:.0} decades and is looked at linearly: what is far below {high:?} looks alike. s_scale = \"log\" at the node
+# look, with a widget of the kind colormap, shows all of them.\n"
         )
     } else {
         String::new()
