@@ -220,6 +220,7 @@ fn look(p: &Parameters, widgets: &relative::Widgets, files: &dyn LoadFiles) -> R
     let axes = axes(p)?;
     let widgets = widgets.iter().map(|(kind, keys)| read(kind, keys, files)).collect::<Result<_>>()?;
     let transfer_function = TransferFunction { model, unit_distance: unit.unwrap_or(1.0), widgets, axes };
+    transfer_function.check_axes().map_err(|error| p.locate("widgets", error))?;
     Ok(TransferFunctionSpec { transfer_function, auto_unit_distance: unit.is_none() })
 }
 

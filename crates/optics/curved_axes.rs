@@ -14,7 +14,7 @@ use voltet_core::transfer::{
 const STEP: f64 = 0.25;
 
 /// Steps by which edges of what glows evenly, which lie anywhere, are met more sharply.
-const STEP_AT_CUTOFFS: f64 = 0.04;
+const STEP_AT_CUTOFFS: f64 = 0.025;
 
 /// Share of a step over which one straight piece is as good.
 const STRAIGHT: f64 = 0.03;

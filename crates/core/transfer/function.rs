@@ -43,6 +43,9 @@ impl OpticalModel {
     }
 }
 
+/// Share of the larger of two places under which the smaller is as good as 0 beside it.
+const NEAR_ZERO: f64 = 1e-3;
+
 impl TransferFunction {
     /// True if any widget looks at the gradient magnitude.
     pub fn uses_gradient_magnitude(&self) -> bool {
@@ -51,7 +54,7 @@ impl TransferFunction {
 
     /// The value that an axis (0: s, 1: g, then the further fields by name) is best counted from, if there is one: offsets
     /// are then taken from it in 64 bits, so that a widget far narrower than the range loses nothing. Of several places
-    /// (centres, and corners of regions) it is the middle: what is near them keeps more digits than the range's ends.
+    /// (centres, and corners of regions) it is the middle: what is near them keeps more digits than the range's ends; and 0 where one is far nearer to it.
     pub fn axis_origin(&self, axis: usize) -> Option<f64> {
         let names = self.fields();
         let of = |widget: &Widget| -> AxisOrigin {
@@ -78,7 +81,9 @@ impl TransferFunction {
         }
         let low = places.iter().copied().reduce(f64::min)?;
         let high = places.iter().copied().reduce(f64::max)?;
-        Some(low + 0.5 * (high - low))
+        let [smaller, larger] = [low.abs().min(high.abs()), low.abs().max(high.abs())];
+        // From the middle of 1e-3 and 1e4, what is below 1e-3 could not be told from it; from 0 each has its own digits.
+        Some(if smaller < NEAR_ZERO * larger { 0.0 } else { low + 0.5 * (high - low) })
     }
 
     /// Names of further point arrays that the widgets look at.
@@ -121,10 +126,9 @@ impl TransferFunction {
             axis.check(name)?;
         }
         for (i, widget) in self.widgets.iter().enumerate() {
-            let checked = check(widget).and_then(|()| self.check_axes(widget));
-            checked.map_err(|e| e.at_item(format!("widgets[{i}]")))?;
+            check(widget).map_err(|e| e.at_item(format!("widgets[{i}]")))?;
         }
-        Ok(())
+        self.check_axes()
     }
 }
 
@@ -139,13 +143,18 @@ impl TransferFunction {
         self.axes_read().iter().any(|axis| axis.is_curved())
     }
 
-    /// Refuses a widget that means nothing on curved axes.
-    fn check_axes(&self, widget: &Widget) -> Result<()> {
-        match &widget.profile {
-            Profile::TriangularGaussian { .. } if self.has_curved_axes() => Err(Error::usage(
-                "the width of a triangular Gaussian is in proportion to g, which no logarithmic axis shows",
-            )
-            .expected("linear axes of s and g, or a gaussian")),
+    /// Refuses widgets that mean nothing on curved axes.
+    ///
+    /// # Errors
+    /// - a triangular Gaussian beside a curved axis.
+    pub fn check_axes(&self) -> Result<()> {
+        let is_triangular = |widget: &Widget| matches!(widget.profile, Profile::TriangularGaussian { .. });
+        match self.widgets.iter().position(is_triangular) {
+            Some(number) if self.has_curved_axes() => {
+                let what = "the width of a triangular Gaussian is in proportion to g, which no logarithmic axis shows";
+                let error = Error::usage(what).expected("linear axes of s and g, or a gaussian");
+                Err(error.at_item(format!("widgets[{number}]")))
+            }
             _ => Ok(()),
         }
     }

@@ -12,7 +12,7 @@ use voltet_nodes::session;
 type Field<'a> = Box<dyn Fn([f64; 3]) -> f64 + 'a>;
 
 /// A grid of 7³ points with the array `a` by this function of the place, `b` = 2 a + 8 and `c`, the same everywhere.
-fn data(a: impl Fn([f64; 3]) -> f64) -> String {
+pub(super) fn data(a: impl Fn([f64; 3]) -> f64) -> String {
     let mut text = String::from(
         "# vtk DataFile Version 3.0\ntext\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 7 7 7\nORIGIN 0 0 0\n\
          SPACING 1 1 1\nPOINT_DATA 343\n",
@@ -32,7 +32,7 @@ fn ball([x, y, z]: [f64; 3]) -> f64 {
 }
 
 /// A scene of the array with these widgets; `volume`: what feeds the transfer function.
-fn scene(file: &str, array: &str, volume: &str, widgets: &str) -> String {
+pub(super) fn scene(file: &str, array: &str, volume: &str, widgets: &str) -> String {
     format!(
         r#"[pipeline]
 format = 1
@@ -66,7 +66,7 @@ inputs = {{ image = "picture" }}
     )
 }
 
-const WIRED: &str = "volume = \"gradient\"";
+pub(super) const WIRED: &str = "volume = \"gradient\"";
 
 /// One of every kind that looks at s and g.
 const WIDGETS: &str = r#"
@@ -95,12 +95,12 @@ kind = "piecewise-linear"
 points = [["p40", 1.0, 1.0, 1.0, 0.0], ["p80", 1.0, 0.2, 1.0, 0.4], ["100 %", 1.0, 1.0, 1.0, 0.0]]
 "#;
 
-fn run(session: &mut Session, text: &str, folder: &Path) -> RunReport {
+pub(super) fn run(session: &mut Session, text: &str, folder: &Path) -> RunReport {
     let report = graph(text, folder).and_then(|graph| session.run(&graph, &NoObserver));
     report.unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn pixels(report: &RunReport) -> &[[f32; 4]] {
+pub(super) fn pixels(report: &RunReport) -> &[[f32; 4]] {
     &report.pictures[0].1.rgba
 }
 

@@ -13,13 +13,7 @@ pub(super) const KIND: VariantSchema = VariantSchema {
     summary: "A colour map along s, and an opacity curve over it: a piecewise-linear function of s.",
     parameters: &[
         CURVE_PARAMETERS[0],
-        Parameter {
-            name: "range",
-            parameter_type: ParameterType::Measured(VALUES),
-            unit: "units of s",
-            default: DefaultValue::Texts(&["0 %", "100 %"]),
-            help: "s at the map's first and last colour, which hold beyond it; default: all of the data",
-        },
+        RANGE,
         Parameter {
             name: "centre",
             parameter_type: ParameterType::Measured(&RelativeNumberType {
@@ -59,6 +53,15 @@ pub(super) const KIND: VariantSchema = VariantSchema {
         },
         REGION,
     ],
+};
+
+/// The range of s over which a map's colours go.
+pub(super) const RANGE: Parameter = Parameter {
+    name: "range",
+    parameter_type: ParameterType::Measured(VALUES),
+    unit: "units of s",
+    default: DefaultValue::Texts(&["0 %", "100 %"]),
+    help: "s at the map's first and last colour, which hold beyond it; default: all of the data",
 };
 
 /// The parameters of a map's colours, for whatever is coloured by values.
@@ -136,7 +139,7 @@ pub fn color_curve(p: &Parameters, files: &dyn LoadFiles) -> Result<ColorCurve> 
 pub(super) fn read(p: &Parameters, files: &dyn LoadFiles) -> Result<Vec<ControlPoint>> {
     let curve = color_curve(p, files)?;
     let opacity = opacity(p)?;
-    let [low, high] = range(p)?;
+    let [low, high] = ends(p)?;
     let peak = p.number("extinction")?;
     let point = |level: f64, color: [f64; 3], [share]: [f64; 1]| ControlPoint {
         s: if level <= 0.0 {
@@ -177,13 +180,19 @@ pub(super) fn read(p: &Parameters, files: &dyn LoadFiles) -> Result<Vec<ControlP
     Ok(points)
 }
 
-/// s at levels 0 and 1.
-fn range(p: &Parameters) -> Result<[f64; 2]> {
+/// The range that the parameter gives.
+pub(super) fn range(p: &Parameters) -> Result<[f64; 2]> {
     let [low, high]: [f64; 2] = p.vector("range")?;
     if low > high {
         let error = p.error("range", "the range is empty").got(format!("[{low}, {high}]"));
         return Err(error.expected("the smaller number first; reversed = true turns the colours round"));
     }
+    Ok([low, high])
+}
+
+/// s at levels 0 and 1.
+fn ends(p: &Parameters) -> Result<[f64; 2]> {
+    let [low, high] = range(p)?;
     let Some(centre) = p.optional_number("centre") else { return Ok([low, high]) };
     let half = (centre - low).max(high - centre);
     Ok([centre - half, centre + half])

@@ -5,6 +5,7 @@
 
 mod colormap;
 mod gaussian;
+mod gaussian_colormap;
 mod gaussian_nd;
 mod piecewise_linear;
 pub(super) mod properties;
@@ -110,6 +111,7 @@ pub(super) const DECLARED: &[(VariantSchema, ReadProfile)] = &[
     (wave::SINE, |p, _| wave::read(p).map(Profile::SineWave)),
     (piecewise_linear::KIND, |p, _| Ok(Profile::PiecewiseLinear { points: piecewise_linear::read(p)? })),
     (colormap::KIND, |p, files| Ok(Profile::PiecewiseLinear { points: colormap::read(p, files)? })),
+    (gaussian_colormap::KIND, |p, files| Ok(Profile::Table(Arc::new(gaussian_colormap::read(p, files)?)))),
     (table::KIND, |p, files| Ok(Profile::Table(Arc::new(table::read(p, files)?)))),
 ];
 

@@ -45,6 +45,16 @@ pub(super) fn shape(widget: &Widget, numbers: &[Field], on: &PlaneContext) -> Op
             let curve = Curve { points: points.clone(), is_stated };
             Some(Arc::new(curve) as Arc<dyn Shape>).filter(|_| on.axes[0] == S_AND_G[0])
         }
+        // A Gaussian in the colours of a map.
+        Profile::Table(_) if find_setting(numbers, "sigma").is_some() => {
+            let numbers_of = |name: &str| find_setting(numbers, name)?.numbers();
+            let (centre, sigma) = (numbers_of("centre")?, numbers_of("sigma")?);
+            let row = |i: usize| {
+                let width = sigma.get(i).map_or(f64::INFINITY, |sigma| std::f64::consts::SQRT_2 * sigma);
+                (0..2).map(|j| if i == j { 1.0 / width } else { 0.0 }).collect::<Vec<f64>>()
+            };
+            flat(over(&S_AND_G, &centre, vec![row(0), row(1)], None))
+        }
         Profile::Table(table) => flat(Some(Arc::new(Picture::new(table, numbers, on)))),
     }
 }
