@@ -20,6 +20,7 @@ mod polygon;
 mod polyhedra;
 mod source;
 mod split;
+mod subset;
 mod tetrahedra;
 
 pub use adjacency::{Csr, Neighbours, cells_of_faces, cells_of_points, points_of_points, sum_over_cells};
@@ -36,6 +37,7 @@ pub use parts::{
 };
 pub use pieces::{check_cells, into_set, join};
 pub use polygon::triangles_of_polygon;
+pub use subset::{Subset, cells_above, cells_by_points, whole_cells};
 pub use tetrahedra::{GhostCells, Grid, tetrahedron_volume};
 
 #[cfg(test)]
