@@ -97,15 +97,19 @@ pub(super) fn area_vectors(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec
 /// Unit normals of the points of triangles: the sum of the area vectors of those around each (Max 1999, Weights for computing vertex
 /// normals, Journal of Graphics Tools 4(2), lists it as the weight by area). Where they cancel, that of one of them.
 pub fn point_normals(points: &[DVec3], triangles: &[[u32; 3]]) -> Vec<DVec3> {
-    let areas = area_vectors(points, triangles);
-    let mut sums = vec![DVec3::ZERO; points.len()];
-    for (corners, area) in triangles.iter().zip(&areas) {
+    averaged_normals(&area_vectors(points, triangles), triangles, points.len())
+}
+
+/// See [`point_normals`]; of so many points, by the area vectors of the triangles.
+pub(super) fn averaged_normals(areas: &[DVec3], triangles: &[[u32; 3]], point_count: usize) -> Vec<DVec3> {
+    let mut sums = vec![DVec3::ZERO; point_count];
+    for (corners, area) in triangles.iter().zip(areas) {
         corners.iter().for_each(|&p| sums[p as usize] += *area);
     }
     let unit =
         |sum: DVec3| if sum == DVec3::ZERO { sum } else { (sum / sum.abs().max_element()).normalize() };
     let mut normals: Vec<DVec3> = sums.into_iter().map(unit).collect();
-    for (corners, area) in triangles.iter().zip(areas) {
+    for (corners, &area) in triangles.iter().zip(areas) {
         for &p in corners {
             if normals[p as usize] == DVec3::ZERO {
                 normals[p as usize] = unit(area);

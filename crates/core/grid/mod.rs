@@ -29,7 +29,7 @@ pub use build::build;
 pub use cell_types::{CellType, code, describe_counts};
 pub use cell_values::add_from_cells;
 pub use contour::contour;
-pub use feature_edges::feature_edges;
+pub use feature_edges::{SharpTriangles, feature_edges, sharp_triangles};
 pub use grid_surface::{EdgePoint, GridSurface, point_normals};
 pub use parts::{
     Array, Association, CellSet, CellValues, Cells, FileCells, ImportStats, Options, Polyhedron, RawGrid,

@@ -253,3 +253,36 @@ fn the_feature_edges_of_a_cylinder_are_its_rims() {
     assert_eq!(edges, [[0, 3], [0, 4], [1, 3], [1, 4]]);
     assert_eq!(feature_edges(&[], &[], 30.0), [[0; 2]; 0]);
 }
+
+#[test]
+fn normals_are_averaged_between_feature_edges() {
+    let (points, triangles) = prism(36);
+    let sharp = sharp_triangles(&points, &triangles, 30.0);
+    // Rim points are there twice: on the side and on an end.
+    assert_eq!((sharp.origins.len(), sharp.triangles.len()), (2 * 72 + 2, triangles.len()));
+    for (before, after) in triangles.iter().zip(&sharp.triangles) {
+        assert_eq!(after.map(|p| sharp.origins[p as usize]), *before);
+        let is_end = before.iter().any(|&p| p >= 72);
+        for &p in after {
+            let (at, normal) = (points[sharp.origins[p as usize] as usize], sharp.normals[p as usize]);
+            let expected = if is_end { DVec3::Z * (2.0 * at.z - 1.0) } else { DVec3::new(at.x, at.y, 0.0) };
+            // On the side two triangles lie to the one hand and one to the other, of normals 5 degrees off.
+            let tolerance = if is_end { 1e-15 } else { 5_f64.to_radians() };
+            assert!(normal.distance(expected) < tolerance, "{normal} at {at}");
+        }
+    }
+    // Without features all is as if they were not looked for; where all turns, each triangle has its own.
+    let smooth = sharp_triangles(&points, &triangles, 91.0);
+    assert_eq!(smooth.origins.len(), points.len());
+    for (normal, &p) in smooth.normals.iter().zip(&smooth.origins) {
+        assert!(normal.distance(point_normals(&points, &triangles)[p as usize]) < 1e-15);
+    }
+    // Points at one place have one normal, and stay apart.
+    let own: Vec<DVec3> = triangles.as_flattened().iter().map(|&p| points[p as usize]).collect();
+    let apart: Vec<[u32; 3]> = (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let apart = sharp_triangles(&own, &apart, 30.0);
+    assert_eq!(apart.origins.len(), own.len());
+    for (before, after) in sharp.triangles.as_flattened().iter().zip(apart.triangles.as_flattened()) {
+        assert!(sharp.normals[*before as usize].distance(apart.normals[*after as usize]) < 1e-15);
+    }
+}
