@@ -39,6 +39,7 @@ mod slice;
 mod sort;
 mod surface_reader;
 pub mod surfacing;
+mod threshold;
 mod transfer_function;
 mod wavelet;
 
@@ -58,6 +59,7 @@ pub static NODES: &[&Node] = &[
     &calculator::NODE,
     &gradient_magnitude::NODE,
     &multi_gradient::NODE,
+    &threshold::NODE,
     &probe::NODE,
     &histogram::NODE,
     &transfer_function::NODE,

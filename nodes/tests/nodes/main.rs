@@ -6,6 +6,7 @@ mod annotation;
 mod camera;
 mod relative;
 mod surfaces;
+mod threshold;
 mod written;
 
 use std::path::Path;
