@@ -36,6 +36,7 @@ pub mod relative;
 mod renderer;
 mod report_writer;
 mod slice;
+mod slice_image;
 mod sort;
 mod surface_reader;
 pub mod surfacing;
@@ -75,6 +76,7 @@ pub static NODES: &[&Node] = &[
     &composite::NODE,
     &renderer::NODE,
     &gpu_renderer::NODE,
+    &slice_image::NODE,
     &annotation::NODE,
     &grid_writer::NODE,
     &image_writer::NODE,

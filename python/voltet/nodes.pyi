@@ -6,7 +6,7 @@ from typing import Any, Literal
 from ._node import Node
 from ._pipeline import Pipeline
 
-__all__ = ["annotation", "bands", "boundary", "calculator", "camera", "composite", "contour", "cull", "gpu_renderer", "gradient_magnitude", "grid_writer", "histogram", "image_writer", "multi_gradient", "probe", "project", "reader", "renderer", "report_writer", "slice", "sort", "surface_reader", "threshold", "transfer_function", "wavelet"]
+__all__ = ["annotation", "bands", "boundary", "calculator", "camera", "composite", "contour", "cull", "gpu_renderer", "gradient_magnitude", "grid_writer", "histogram", "image_writer", "multi_gradient", "probe", "project", "reader", "renderer", "report_writer", "slice", "slice_image", "sort", "surface_reader", "threshold", "transfer_function", "wavelet"]
 
 _Source = str | Node | Sequence[str | Node]
 
@@ -225,6 +225,7 @@ def camera(
     *,
     volume: _Source | None = None,
     view: Literal["+x", "-x", "+y", "-y", "+z", "-z", "isometric"] | None = None,
+    direction: Sequence[float] | None = None,
     fit: Sequence[float | str] | None = None,
     eye: Sequence[float] | None = None,
     target: Sequence[float] | None = None,
@@ -336,6 +337,24 @@ def gpu_renderer(
     planes: int | None = None,
 ) -> Node:
     """Draws a volume on the graphics device, where the grid stays: culls, projects, sorts and composites."""
+def slice_image(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    volume: _Source | None = None,
+    camera: _Source | None = None,
+    transfer_function: _Source | None = None,
+    origin: Sequence[float | str] | None = None,
+    normal: Sequence[float] | None = None,
+    color_by: str | None = None,
+    colormap: str | PathLike[str] | None = None,
+    reversed: bool | None = None,
+    steps: int | None = None,
+    range: Sequence[float | str] | None = None,
+    thickness: float | None = None,
+) -> Node:
+    """Draws a plane through the cells alone: colours of values, or those of a transfer function at each place."""
 def annotation(
     pipeline: Pipeline,
     node: str,

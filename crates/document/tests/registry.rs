@@ -81,7 +81,7 @@ fn every_node_type_has_its_group_and_is_found_by_words() {
     assert_eq!(of(Group::Findings), ["histogram", "bands"]);
     assert_eq!(of(Group::TransferFunctions), ["probe", "transfer-function"]);
     assert_eq!(of(Group::Cameras), ["camera"]);
-    assert_eq!(of(Group::Drawing), ["renderer", "gpu-renderer", "annotation"]);
+    assert_eq!(of(Group::Drawing), ["renderer", "gpu-renderer", "slice-image", "annotation"]);
     assert_eq!(of(Group::Stages), ["cull", "sort", "project", "composite"]);
     assert_eq!(of(Group::Writers), ["grid-writer", "image-writer", "report-writer"]);
     let names = |text: &str| -> Vec<&str> { search(&registry, text).iter().map(|node| node.name).collect() };

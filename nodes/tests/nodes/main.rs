@@ -5,6 +5,7 @@
 mod annotation;
 mod camera;
 mod relative;
+mod slice_image;
 mod surfaces;
 mod threshold;
 mod written;
