@@ -37,7 +37,7 @@ fn boxed(n: usize) -> String {
     for i in 0..points {
         writeln!(text, "{:?}", a([i % (n + 1), i / (n + 1) % 6, i / (n + 1) / 6].map(|k| k as f64))).unwrap();
     }
-    write!(text, "CELL_DATA {}\n", 25 * n).unwrap();
+    writeln!(text, "CELL_DATA {}", 25 * n).unwrap();
     for (name, gap) in [("material", usize::MAX), ("gaps", 3)] {
         write!(text, "SCALARS {name} double 1\nLOOKUP_TABLE default\n").unwrap();
         for i in 0..25 * n {

@@ -138,7 +138,7 @@ fn a_volume_comes_along() {
     let g = sample(&grid, |p| p.y);
     let (gradient, gradient_magnitude) = (Some(gradient.into()), Some(g.into()));
     let volume = Volume { grid: Arc::new(grid), scalar, gradient, gradient_magnitude };
-    let is_kept = |i: usize| i % 3 == 0;
+    let is_kept = |i: usize| i.is_multiple_of(3);
     let whole = whole_cells(&volume.grid, is_kept, &NoProgress).unwrap();
     let cut = above(&volume.grid, &volume.scalar, -0.3);
     for part in [&whole, &cut] {
