@@ -167,7 +167,8 @@ fn classified(
         let (place, fields) = ([values[0], values[1]], &values[2..]);
         let segment =
             Segment { length, front: place, back: place, fields_front: fields, fields_back: fields };
-        let Contribution { color: [r, g, b], opacity, .. } = compiled.integrate(&segment, WidgetBlend::Exact);
+        // Where nothing changes along a segment, this is exact, too.
+        let Contribution { color: [r, g, b], opacity, .. } = compiled.integrate(&segment, WidgetBlend::Mix);
         [r, g, b, opacity]
     };
     call.stage("draw", |progress| flat_picture(camera, &points, &surface.triangles, color, progress))

@@ -99,7 +99,7 @@ def _surface(pipeline: Pipeline, name: str, given: Mapping[str, Any]) -> str:
         raise usage("a surface is not stated", given, 'a mapping of "type" and parameters, such as {"type": "boundary"}')
     parameters = dict(given)
     type = parameters.pop("type")
-    volume = {"volume": "gradient"} if "volume" in ports(type) else {}
+    volume: dict[str, Any] = {"volume": "gradient"} if "volume" in ports(type) else {}
     pipeline.add(name, type, **volume, **parameters)
     return name
 
