@@ -3,7 +3,7 @@
 use crate::surfacing::{self, SMOOTH, Shape, with_paint};
 use voltet_core::Result;
 use voltet_core::grid::boundary;
-use voltet_graph::{DefaultValue, Node, Outputs, Parameter, RunContext};
+use voltet_graph::{DefaultValue, Node, Outputs, Parameter, ParameterType, Range, RunContext};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -13,7 +13,13 @@ pub const NODE: Node = Node {
     outputs: surfacing::OUTPUTS,
     parameters: &PARAMETERS,
     example: include_str!("examples/surfaces.toml"),
-    check: &surfacing::check,
+    check: &|p| {
+        if p.is_set("feature_angle") && !p.flag("smooth")? {
+            let error = p.error("feature_angle", "'feature_angle' keeps edges of a smooth look sharp");
+            return Err(error.got("smooth = false").expected("smooth = true"));
+        }
+        surfacing::check(p)
+    },
     demand: &|asking| {
         let p = asking.parameters;
         surfacing::ask(asking, [surfacing::color_by(p, None), None])
@@ -22,8 +28,21 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-const PARAMETERS: [Parameter; 9] =
-    with_paint([Parameter { default: DefaultValue::Boolean(false), ..SMOOTH }], "one colour", 0.15, 0.3);
+const PARAMETERS: [Parameter; 10] = with_paint(
+    [
+        Parameter { default: DefaultValue::Boolean(false), ..SMOOTH },
+        Parameter {
+            name: "feature_angle",
+            parameter_type: ParameterType::Number(Range::within(0.0, 180.0)),
+            unit: "degrees",
+            default: DefaultValue::Unset("none: all edges look smooth"),
+            help: "of a smooth look: edges where normals turn by more than this stay sharp",
+        },
+    ],
+    "one colour",
+    0.15,
+    0.3,
+);
 
 fn run(call: &mut RunContext) -> Result<Outputs> {
     let (p, volume) = (call.parameters, call.volume("volume")?);
@@ -32,6 +51,10 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     let surface = call.stage("boundary", |progress| boundary(&volume.grid, progress))?;
     let values = color_by.map(|name| surfacing::values(p, "color_by", &volume, name)).transpose()?;
     let colors = values.map(|values| surface.values(values));
-    let shape = Shape::of_grid(surface, &volume.grid.points, colors).smoothed(p)?;
+    let shape = Shape::of_grid(surface, &volume.grid.points, colors);
+    let shape = match p.optional_number("feature_angle") {
+        Some(angle) if p.number("ambient")? < 1.0 => shape.sharp(angle),
+        _ => shape.smoothed(p)?,
+    };
     shape.painted(call, &own, "the grid has no cells with a volume")
 }

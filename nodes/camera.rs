@@ -3,6 +3,7 @@
 use crate::probe::placed;
 use glam::DVec3;
 use std::sync::Arc;
+use voltet_core::arithmetic::unit_vector;
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::grid::extent::corners;
 use voltet_core::transfer::with_placeholders;
@@ -30,7 +31,7 @@ const VIEWS: &[(&str, &str)] = &[
 ];
 
 /// Parameters that state a view in words or turn it. A program that sets `eye`, `target`, `up` and the projection unsets them.
-pub const VIEW_PARAMETERS: [&str; 6] = ["view", "fit", "azimuth", "elevation", "roll", "zoom"];
+pub const VIEW_PARAMETERS: [&str; 7] = ["view", "direction", "fit", "azimuth", "elevation", "roll", "zoom"];
 
 /// An angle, degrees, that turns the camera.
 const ANGLE: Parameter = Parameter {
@@ -58,6 +59,13 @@ pub const NODE: Node = Node {
             unit: "",
             default: DefaultValue::Unset("eye and target"),
             help: "side of the eye; the camera is moved, after the three angles, to where the data just fit the picture",
+        },
+        Parameter {
+            name: "direction",
+            parameter_type: ParameterType::Numbers(Some(3), Range::ANY),
+            unit: "world space",
+            default: DefaultValue::Unset("a view by its word, or eye and target"),
+            help: "direction to the eye, in place of a word for the view; a plane's normal: the eye faces the plane",
         },
         Parameter {
             name: "fit",
@@ -161,11 +169,12 @@ pub const NODE: Node = Node {
 fn run(call: &mut RunContext) -> Result<Outputs> {
     let p = call.parameters;
     let is_relative = !p.relative_numbers().is_empty();
-    let camera = match p.optional("view") {
-        Some(_) if is_relative || p.optional("fit").is_none() => {
+    let view = ["view", "direction"].into_iter().find(|name| p.is_set(name));
+    let camera = match view {
+        Some(view) if is_relative || p.optional("fit").is_none() => {
             if !call.is_wired("volume")? {
                 let what = "the view is relative to data, and no data are wired in";
-                let error = p.error(if is_relative { "fit" } else { "view" }, what);
+                let error = p.error(if is_relative { "fit" } else { view }, what);
                 return Err(error.expected("inputs = { volume = \"NODE\" } at the camera, or numbers in fit"));
             }
             let grid = &call.volume("volume")?.grid;
@@ -178,7 +187,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
 
 /// The camera that the parameters state; its axes are known to be sound. `bounds`: those of the data, where a view is fitted to them.
 fn camera(p: &Parameters, bounds: Option<[DVec3; 2]>) -> Result<Camera> {
-    let view = p.optional("view").map(|_| p.text("view")).transpose()?;
+    let side = side(p)?;
     let is_auto = p.optional("height").is_some_and(|height| height.text().is_some());
     let projection = match (p.optional_number("fov_y"), p.optional_number("height")) {
         (Some(_), height) if height.is_some() || is_auto => {
@@ -195,9 +204,10 @@ fn camera(p: &Parameters, bounds: Option<[DVec3; 2]>) -> Result<Camera> {
         let error = p.error("size", "the picture has too many pixels").got(width * height);
         return Err(error.expected(format!("width × height of at most {MAX_PIXELS}")));
     }
-    refuse_contradictions(p, view, is_auto)?;
-    let (eye, target, own_up) = match view {
-        Some(view) => (direction(view), DVec3::ZERO, if view.ends_with('z') { DVec3::Y } else { DVec3::Z }),
+    refuse_contradictions(p, side.is_some(), is_auto)?;
+    let (eye, target, own_up) = match side {
+        Some(side) if side.reject_from(DVec3::Z).length() < ALONG_Z => (side, DVec3::ZERO, DVec3::Y),
+        Some(side) => (side, DVec3::ZERO, DVec3::Z),
         None => (p.vector("eye")?.into(), p.vector("target")?.into(), p.vector("up")?.into()),
     };
     let camera = Camera {
@@ -214,7 +224,7 @@ fn camera(p: &Parameters, bounds: Option<[DVec3; 2]>) -> Result<Camera> {
     camera.frame().map_err(|error| p.locate(place, error))?;
     let angles = [p.number("azimuth")?, p.number("elevation")?, p.number("roll")?];
     let mut camera = camera.turned(angles).map_err(|error| p.locate("elevation", error))?;
-    if view.is_some() {
+    if side.is_some() {
         camera = camera.fitted(&corners(ends(p, bounds)?)).map_err(|error| p.locate("fit", error))?;
         // A height that is given stays; the picture is fitted by its middle then.
         camera.projection = if is_auto { camera.projection } else { projection };
@@ -225,14 +235,14 @@ fn camera(p: &Parameters, bounds: Option<[DVec3; 2]>) -> Result<Camera> {
 }
 
 /// Refuses parameters that exclude each other, or that only a view has a use for.
-fn refuse_contradictions(p: &Parameters, view: Option<&str>, is_auto: bool) -> Result<()> {
+fn refuse_contradictions(p: &Parameters, is_view: bool, is_auto: bool) -> Result<()> {
     let places = ["eye", "target"];
-    if let (Some(view), Some(place)) = (view, places.into_iter().find(|place| p.optional(place).is_some())) {
-        let error = p.error(place, format!("'view' and '{place}' exclude each other"));
-        return Err(error.got(format!("view = \"{view}\"")).expected("a view, or eye and target"));
-    }
-    if view.is_some() {
-        return Ok(());
+    if is_view {
+        let Some(place) = places.into_iter().find(|place| p.optional(place).is_some()) else { return Ok(()) };
+        let view = if p.is_set("view") { "view" } else { "direction" };
+        let error = p.error(place, format!("'{view}' and '{place}' exclude each other"));
+        let found = p.get(view)?;
+        return Err(error.got(format!("{view} = {}", found.datum)).expected("a view, or eye and target"));
     }
     if let Some(place) = places.into_iter().find(|place| p.optional(place).is_none()) {
         let error = p.error(place, format!("the camera has no '{place}'"));
@@ -248,8 +258,28 @@ fn refuse_contradictions(p: &Parameters, view: Option<&str>, is_auto: bool) -> R
     }
 }
 
-/// Direction to the eye of a view.
-fn direction(view: &str) -> DVec3 {
+/// Sine of the angle to z below which y points up in a view.
+const ALONG_Z: f64 = 1e-6;
+
+/// Direction to the eye of a view; `None`: eye and target are given. Of length 1, or by its word.
+fn side(p: &Parameters) -> Result<Option<DVec3>> {
+    if !p.is_set("direction") {
+        return p.optional("view").map(|_| Ok(direction_of(p.text("view")?))).transpose();
+    }
+    if p.is_set("view") {
+        let error = p.error("direction", "'view' and 'direction' exclude each other");
+        return Err(error.expected("one of them"));
+    }
+    match unit_vector(p.vector("direction")?.into()) {
+        DVec3::ZERO => {
+            Err(p.error("direction", "the direction has no length").expected("a vector that is not zero"))
+        }
+        unit => Ok(Some(unit)),
+    }
+}
+
+/// Direction to the eye of a view of this name.
+fn direction_of(view: &str) -> DVec3 {
     let sign = if view.starts_with('-') { -1.0 } else { 1.0 };
     let axis = ["x", "y", "z"].iter().position(|axis| view[1..] == **axis);
     axis.map_or(DVec3::ONE, |axis| sign * DVec3::AXES[axis])

@@ -36,9 +36,11 @@ pub mod relative;
 mod renderer;
 mod report_writer;
 mod slice;
+mod slice_image;
 mod sort;
 mod surface_reader;
 pub mod surfacing;
+mod threshold;
 mod transfer_function;
 mod wavelet;
 
@@ -58,6 +60,7 @@ pub static NODES: &[&Node] = &[
     &calculator::NODE,
     &gradient_magnitude::NODE,
     &multi_gradient::NODE,
+    &threshold::NODE,
     &probe::NODE,
     &histogram::NODE,
     &transfer_function::NODE,
@@ -73,6 +76,7 @@ pub static NODES: &[&Node] = &[
     &composite::NODE,
     &renderer::NODE,
     &gpu_renderer::NODE,
+    &slice_image::NODE,
     &annotation::NODE,
     &grid_writer::NODE,
     &image_writer::NODE,

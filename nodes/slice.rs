@@ -6,8 +6,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 use voltet_core::Result;
 use voltet_core::arithmetic::unit_vector;
-use voltet_core::grid::contour;
 use voltet_core::grid::extent::range;
+use voltet_core::grid::{Grid, GridSurface, contour};
 use voltet_core::transfer::with_placeholders;
 use voltet_graph::{DefaultValue, Node, Outputs, Parameter, ParameterType, Parameters, Range, RunContext};
 
@@ -35,17 +35,12 @@ pub const NODE: Node = Node {
 const PARAMETERS: [Parameter; 12] = with_paint(
     [
         Parameter {
-            name: "origin",
-            default: DefaultValue::Unset("the middle of the data"),
             help: "a point of the plane, the centre of the sphere, or a point on the axis of the cylinder",
-            ..POSITION
+            ..ORIGIN
         },
         Parameter {
-            name: "normal",
-            parameter_type: ParameterType::Numbers(Some(3), Range::ANY),
-            unit: "world space",
-            default: DefaultValue::Numbers(&[1.0, 0.0, 0.0]),
             help: "the plane's normal, or the direction of the cylinder's axis; any length above 0",
+            ..NORMAL
         },
         Parameter {
             name: "shape",
@@ -72,20 +67,43 @@ const PARAMETERS: [Parameter; 12] = with_paint(
     1.0,
 );
 
+/// A point of a plane.
+pub(crate) const ORIGIN: Parameter = Parameter {
+    name: "origin",
+    default: DefaultValue::Unset("the middle of the data"),
+    help: "a point of the plane",
+    ..POSITION
+};
+
+/// The normal of a plane.
+pub(crate) const NORMAL: Parameter = Parameter {
+    name: "normal",
+    parameter_type: ParameterType::Numbers(Some(3), Range::ANY),
+    unit: "world space",
+    default: DefaultValue::Numbers(&[1.0, 0.0, 0.0]),
+    help: "the plane's normal; any length above 0",
+};
+
 /// A function that is 0 on the cut.
 type Distance = Box<dyn Fn(DVec3) -> f64 + Sync>;
 
-/// Signed distance from the cut. `middle`: of the data. Errors: a normal of length 0, no radius, or one of a plane.
-fn distance(p: &Parameters, middle: DVec3) -> Result<Distance> {
+/// A point of the plane and its unit normal. `middle`: of the data. Errors: a normal of length 0.
+pub(crate) fn plane(p: &Parameters, middle: DVec3) -> Result<[DVec3; 2]> {
     let origin = match p.optional("origin") {
         Some(_) => p.vector("origin")?.into(),
         None => middle,
     };
-    let normal: DVec3 = p.vector("normal")?.into();
-    let axis = unit_vector(normal);
-    if axis == DVec3::ZERO {
-        return Err(p.error("normal", "the normal has no direction").expected("a vector that is not zero"));
+    match unit_vector(p.vector("normal")?.into()) {
+        DVec3::ZERO => {
+            Err(p.error("normal", "the normal has no direction").expected("a vector that is not zero"))
+        }
+        axis => Ok([origin, axis]),
     }
+}
+
+/// Signed distance from the cut. `middle`: of the data. Errors: a normal of length 0, no radius, or one of a plane.
+fn distance(p: &Parameters, middle: DVec3) -> Result<Distance> {
+    let [origin, axis] = plane(p, middle)?;
     let shape = p.text("shape")?;
     let radius = || {
         let error = || p.error("shape", format!("a {shape} needs a radius")).expected("radius = …, above 0");
@@ -108,6 +126,29 @@ fn distance(p: &Parameters, middle: DVec3) -> Result<Distance> {
     })
 }
 
+/// The surface on which these distances, one a point, are 0.
+pub(crate) fn cut(call: &mut RunContext, grid: &Grid, distances: &[f64]) -> Result<GridSurface> {
+    call.stage("slice", |progress| {
+        let found = contour(grid, distances, 0.0, progress)?;
+        if !found.triangles.is_empty() {
+            return Ok(found);
+        }
+        // A side of the data that lies in the plane, with all cells on the plane's positive side.
+        let turned: Vec<f64> = distances.iter().map(|distance| -distance).collect();
+        contour(grid, &turned, 0.0, progress)
+    })
+}
+
+/// The reason why nothing is cut: "no cell reaches the plane: points lie from …".
+pub(crate) fn nothing_cut(shape: &str, distances: &[f64]) -> String {
+    match range(distances) {
+        Some([low, high]) => {
+            format!("no cell reaches the {shape}: points lie from {low:?} to {high:?} of it")
+        }
+        None => "the grid has no points".into(),
+    }
+}
+
 fn run(call: &mut RunContext) -> Result<Outputs> {
     let (p, volume) = (call.parameters, call.volume("volume")?);
     let grid = &volume.grid;
@@ -116,22 +157,9 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     let [low, high] = grid.bounds().unwrap_or_default();
     let distance = distance(&own, low * 0.5 + high * 0.5)?;
     let distances: Vec<f64> = grid.points.par_iter().map(|&at| distance(at)).collect();
-    let surface = call.stage("slice", |progress| {
-        let found = contour(grid, &distances, 0.0, progress)?;
-        if !found.triangles.is_empty() {
-            return Ok(found);
-        }
-        // A side of the data that lies in the plane, with all cells on the plane's positive side.
-        let turned: Vec<f64> = distances.iter().map(|distance| -distance).collect();
-        contour(grid, &turned, 0.0, progress)
-    })?;
+    let surface = cut(call, grid, &distances)?;
     let values = color_by.map(|name| surfacing::values(p, "color_by", &volume, name)).transpose()?;
     let colors = values.map(|values| surface.values(values));
-    let why = match range(&distances) {
-        Some([low, high]) => {
-            format!("no cell reaches the {}: points lie from {low:?} to {high:?} of it", p.text("shape")?)
-        }
-        None => "the grid has no points".into(),
-    };
+    let why = nothing_cut(p.text("shape")?, &distances);
     Shape::of_grid(surface, &grid.points, colors).painted(call, &own, &why)
 }

@@ -12,6 +12,7 @@ pub mod diagnostics;
 pub mod error;
 pub mod expression;
 pub mod field;
+pub mod flat_picture;
 pub mod grid;
 pub mod parameters;
 pub mod picture;

@@ -6,7 +6,7 @@ use crate::relative::{self, note_numbers};
 use crate::transfer_function::FilesFrom;
 use glam::DVec3;
 use std::sync::Arc;
-use voltet_core::grid::{GridSurface, point_normals};
+use voltet_core::grid::{GridSurface, point_normals, sharp_triangles};
 use voltet_core::probing::value_range;
 use voltet_core::progress::Progress;
 use voltet_core::surface::{EyeLight, Paint, Surface};
@@ -47,16 +47,10 @@ pub const fn with_paint<const OWN: usize, const ALL: usize>(
     all
 }
 
-const fn paint_parameters(color_by: &'static str, opacity: f64, ambient: f64) -> [Parameter; PAINT_COUNT] {
+/// The parameters of colours by values: `color_by`, those of the map, and `range`. `color_by`: what it is where the file sets none.
+pub const fn map_parameters(color_by: &'static str) -> [Parameter; 5] {
     let [colormap, reversed, steps] = CURVE_PARAMETERS;
     [
-        Parameter {
-            name: "color",
-            parameter_type: ParameterType::Color(Range::at_least(0.0)),
-            unit: "linear RGB",
-            default: DefaultValue::Unset("colours by value, or else a light grey"),
-            help: "one colour for all",
-        },
         Parameter {
             name: "color_by",
             default: DefaultValue::Unset(color_by),
@@ -77,6 +71,24 @@ const fn paint_parameters(color_by: &'static str, opacity: f64, ambient: f64) ->
             default: DefaultValue::Texts(&["0 %", "100 %"]),
             help: "values at the map's first and last colour, which hold beyond it; default: all of the data",
         },
+    ]
+}
+
+const fn paint_parameters(color_by: &'static str, opacity: f64, ambient: f64) -> [Parameter; PAINT_COUNT] {
+    let [color_by, colormap, reversed, steps, range] = map_parameters(color_by);
+    [
+        Parameter {
+            name: "color",
+            parameter_type: ParameterType::Color(Range::at_least(0.0)),
+            unit: "linear RGB",
+            default: DefaultValue::Unset("colours by value, or else a light grey"),
+            help: "one colour for all",
+        },
+        color_by,
+        colormap,
+        reversed,
+        steps,
+        range,
         Parameter {
             name: "opacity",
             parameter_type: ParameterType::Number(Range::within(0.0, 1.0)),
@@ -122,7 +134,8 @@ pub fn check(p: &Parameters) -> Result<()> {
     range(&with_placeholders(p)?).map(drop)
 }
 
-fn range(p: &Parameters) -> Result<[f64; 2]> {
+/// The range of values over which a map's colours go. Errors: it is empty.
+pub(crate) fn range(p: &Parameters) -> Result<[f64; 2]> {
     match p.vector("range")? {
         [low, high] if low <= high => Ok([low, high]),
         [low, high] => {
@@ -141,7 +154,8 @@ pub fn color_by<'a>(p: &'a Parameters, otherwise: Option<&'a str>) -> Option<&'a
     }
 }
 
-fn quantity(name: &str) -> ArrayRef {
+/// The quantity of this name.
+pub(crate) fn quantity(name: &str) -> ArrayRef {
     match name {
         "s" => ArrayRef::Named("s"),
         "g" => ArrayRef::Named("g"),
@@ -161,11 +175,11 @@ pub fn values<'a>(p: &Parameters, parameter: &str, volume: &'a Volume, name: &st
 }
 
 /// Statistics of a volume, and of the quantities that the parameters `array` and `color_by` name.
-struct VolumeStatistics<'a> {
-    volume: &'a Volume,
-    array: &'a str,
-    color_by: Option<&'a str>,
-    progress: &'a dyn Progress,
+pub(crate) struct VolumeStatistics<'a> {
+    pub volume: &'a Volume,
+    pub array: &'a str,
+    pub color_by: Option<&'a str>,
+    pub progress: &'a dyn Progress,
 }
 
 impl VolumeStatistics<'_> {
@@ -249,6 +263,18 @@ impl Shape {
             self.normals = point_normals(&self.points, &self.triangles);
         }
         Ok(self)
+    }
+
+    /// The shape with normals that are averaged between edges where they turn by more than this angle, degrees.
+    pub fn sharp(self, angle: f64) -> Shape {
+        let sharp = sharp_triangles(&self.points, &self.triangles, angle);
+        let of = |p: &u32| *p as usize;
+        Shape {
+            points: sharp.origins.iter().map(|p| self.points[of(p)]).collect(),
+            triangles: sharp.triangles,
+            normals: sharp.normals,
+            values: self.values.map(|values| sharp.origins.iter().map(|p| values[of(p)]).collect()),
+        }
     }
 
     /// The node's outputs, painted as these parameters say. `empty`: why there may be nothing.

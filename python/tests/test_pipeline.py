@@ -285,3 +285,42 @@ def test_an_annotation_is_written_over_the_last_picture(cube):
     assert np.array_equal(annotated.render("picture"), plain.render())
     changed = np.any(drawn != plain.render(), axis=2)
     assert 0.02 < changed.mean() < 0.5 and changed[:, 100:].any() and changed[75:, :60].any()
+
+
+def test_a_scene_has_surfaces_and_clips(cube, tmp_path):
+    grid = voltet.Grid(**cube)
+    widget = voltet.widgets.uniform(color=[1.0, 0.5, 0.25], extinction=0.0, region={"s": [-1e9, 1e9]})
+    scene = lambda **options: voltet.scene(
+        grid, widgets=[widget], size=(40, 40), engine="cpu", camera={"view": "-y", "height": 0.5}, **options
+    )
+    slice = {"type": "slice", "normal": [0, 1, 0], "color": [0.25, 0.5, 1.0]}
+    stl = tmp_path / "a.stl"
+    stl.write_text("solid a\nfacet normal 0 0 0\nouter loop\nvertex -9 0 -9\nvertex 9 0 -9\nvertex 0 0 9\nendloop\nendfacet\nendsolid a\n")
+    read = {"type": "surface-reader", "path": str(stl), "color": [1.0, 0.0, 0.0], "opacity": 0.5, "ambient": 1.0}
+    both = scene(surfaces=[slice, read])
+    assert list(both)[-3:] == ["surface_0", "surface_1", "picture"]
+    assert np.allclose(scene(surfaces=[slice]).render()[20, 20], [0.25, 0.5, 1.0, 1.0])
+    # The triangle stands before the cut.
+    assert np.allclose(both.render()[20, 20], [0.625, 0.25, 0.5, 1.0])
+    dense = [voltet.widgets.uniform(color=[1.0, 1.0, 1.0], extinction=2.0, region={"s": [-1e9, 1e9]})]
+    half = {"kind": "plane", "origin": [0, 0.5, 0], "normal": [0, 1, 0]}
+    for clip, depth in ((None, 1.0), ([half], 0.5), ([half, {**half, "invert": True}], 0.0)):
+        picture = voltet.scene(
+            grid, widgets=dense, size=(8, 8), engine="cpu", unit_distance=1.0, camera={"direction": [0, -1, 0], "height": 0.5}, clip=clip
+        ).render()
+        assert np.allclose(picture[4, 4, 3], 1.0 - np.exp(-2.0 * depth), atol=1e-5), clip
+    for wrong in ([{"normal": [1, 0, 0]}], ["slice"]):
+        with pytest.raises(voltet.UsageError, match="a surface is not stated"):
+            scene(surfaces=wrong)
+    with pytest.raises(voltet.UsageError, match="slcie"):
+        scene(surfaces=[{"type": "slcie"}])
+    with pytest.raises(voltet.UsageError, match="kind"):
+        scene(clip=[{"normal": [1, 0, 0]}]).render()
+
+
+def test_a_threshold_takes_infinite_ends(cube):
+    pipeline = voltet.scene(voltet.Grid(**cube), size=(16, 16), engine="cpu")
+    pipeline.add("part", "threshold", volume="gradient", range=[-float("inf"), 1.5], smooth=True)
+    pipeline.add("again", "renderer", volume="part", transfer_function="look", camera="view", engine="cpu")
+    part = pipeline.render("again")
+    assert 0.0 < part[..., 3].sum() < pipeline.render("picture")[..., 3].sum()

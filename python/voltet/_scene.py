@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ._declared import ports
 from ._errors import picture_size, usage, warn
 from ._grid import Grid
 from ._pipeline import Pipeline
@@ -22,10 +23,13 @@ def scene(
     size: tuple[int, int] = (640, 480),
     method: str | Mapping[str, Any] | None = None,
     unit_distance: float | None = None,
+    surfaces: Sequence[Mapping[str, Any]] = (),
+    clip: Sequence[Mapping[str, Any]] | None = None,
     annotation: Mapping[str, Any] | None = None,
     **renderer: Any,
 ) -> Pipeline:
-    """A pipeline that draws a grid of yours: nodes `grid`, `gradient`, `look`, `view`, `picture`, and `figure` with an annotation.
+    """A pipeline that draws a grid of yours: nodes `grid`, `gradient`, `look`, `view`, `picture`; `surface_0` and so on, and `figure` with an
+    annotation.
 
     Parameters
     ----------
@@ -37,13 +41,19 @@ def scene(
         The transfer function, by `voltet.widgets`. Default: viridis over the range of the scalar, the higher the denser.
     camera : mapping
         Parameters of the node `camera`; those that are left out are chosen so that the whole grid is seen, also from the side of a
-        `view` such as `"+x"`.
+        `view` such as `"+x"` or from a `direction`.
     size : pair of int
         Width and height in pixels.
     method : str or mapping
         The gradient filter, or a mapping of `method` and its parameters.
     unit_distance : float
         The length over which extinction is stated. Default: a hundredth of the grid's diagonal.
+    surfaces : list of mapping
+        Surfaces in the volume: the `type` of a node that makes one, `"contour"`, `"slice"`, `"boundary"` or `"surface-reader"`, and its
+        parameters, such as `{"type": "slice", "normal": [0, 0, 1]}`.
+    clip : list of mapping
+        Parts of space in all of which the volume is drawn, as the node `renderer` takes them:
+        `{"kind": "plane", "origin": [0, 0, 0], "normal": [0, 0, 1]}`, or a `"box"`, `"sphere"` or `"cylinder"`.
     annotation : mapping
         Parameters of the node `annotation`, such as `{"title": "…", "axes": "box"}`; `{}` for a colour bar alone. Default: nothing is
         written over the picture.
@@ -73,13 +83,25 @@ def scene(
     # By which numbers may be relative to the data.
     pipeline.add("look", "transfer-function", volume="gradient", widgets=list(widgets), unit_distance=unit_distance)
     camera = dict(camera or {})
-    placed = {"volume": "gradient", "size": list(size)} if "view" in camera else _fitted(about["bounds"], size)
+    placed = {"volume": "gradient", "size": list(size)} if {"view", "direction"} & camera.keys() else _fitted(about["bounds"], size)
     pipeline.add("view", "camera", **{**placed, **camera})
     wires: dict[str, Any] = {"volume": "gradient", "transfer_function": "look", "camera": "view"}
-    pipeline.add("picture", "renderer", **wires, **renderer)
+    drawn = [_surface(pipeline, f"surface_{number}", given) for number, given in enumerate(surfaces)]
+    pipeline.add("picture", "renderer", **wires, surfaces=drawn or None, clip=None if clip is None else list(clip), **renderer)
     if annotation is not None:
         pipeline.add("figure", "annotation", image="picture", **wires, **annotation)
     return pipeline
+
+
+def _surface(pipeline: Pipeline, name: str, given: Mapping[str, Any]) -> str:
+    """The node of a surface, added under this name."""
+    if not isinstance(given, Mapping) or "type" not in given:
+        raise usage("a surface is not stated", given, 'a mapping of "type" and parameters, such as {"type": "boundary"}')
+    parameters = dict(given)
+    type = parameters.pop("type")
+    volume: dict[str, Any] = {"volume": "gradient"} if "volume" in ports(type) else {}
+    pipeline.add(name, type, **volume, **parameters)
+    return name
 
 
 def _fitted(bounds: Sequence[Sequence[float]], size: tuple[int, int]) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from typing import Any, Literal
 from ._node import Node
 from ._pipeline import Pipeline
 
-__all__ = ["annotation", "bands", "boundary", "calculator", "camera", "composite", "contour", "cull", "gpu_renderer", "gradient_magnitude", "grid_writer", "histogram", "image_writer", "multi_gradient", "probe", "project", "reader", "renderer", "report_writer", "slice", "sort", "surface_reader", "transfer_function", "wavelet"]
+__all__ = ["annotation", "bands", "boundary", "calculator", "camera", "composite", "contour", "cull", "gpu_renderer", "gradient_magnitude", "grid_writer", "histogram", "image_writer", "multi_gradient", "probe", "project", "reader", "renderer", "report_writer", "slice", "slice_image", "sort", "surface_reader", "threshold", "transfer_function", "wavelet"]
 
 _Source = str | Node | Sequence[str | Node]
 
@@ -74,6 +74,22 @@ def multi_gradient(
     **of_method: Any,
 ) -> Node:
     """Computes the magnitude of the gradients of several fields together, as a point array."""
+def threshold(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    volume: _Source | None = None,
+    array: str | None = None,
+    association: Literal["point", "cell"] | None = None,
+    range: Sequence[float | str] | None = None,
+    values: Sequence[float] | None = None,
+    clip: Sequence[Mapping[str, Any]] | None = None,
+    keep: Literal["all", "any"] | None = None,
+    smooth: bool | None = None,
+    invert: bool | None = None,
+) -> Node:
+    """Keeps the cells in which an array has values of a range or a list, or that lie in a part of space."""
 def probe(
     pipeline: Pipeline,
     node: str,
@@ -174,6 +190,7 @@ def boundary(
     *,
     volume: _Source | None = None,
     smooth: bool | None = None,
+    feature_angle: float | None = None,
     color: Sequence[float] | str | None = None,
     color_by: str | None = None,
     colormap: str | PathLike[str] | None = None,
@@ -208,6 +225,7 @@ def camera(
     *,
     volume: _Source | None = None,
     view: Literal["+x", "-x", "+y", "-y", "+z", "-z", "isometric"] | None = None,
+    direction: Sequence[float] | None = None,
     fit: Sequence[float | str] | None = None,
     eye: Sequence[float] | None = None,
     target: Sequence[float] | None = None,
@@ -319,6 +337,24 @@ def gpu_renderer(
     planes: int | None = None,
 ) -> Node:
     """Draws a volume on the graphics device, where the grid stays: culls, projects, sorts and composites."""
+def slice_image(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    volume: _Source | None = None,
+    camera: _Source | None = None,
+    transfer_function: _Source | None = None,
+    origin: Sequence[float | str] | None = None,
+    normal: Sequence[float] | None = None,
+    color_by: str | None = None,
+    colormap: str | PathLike[str] | None = None,
+    reversed: bool | None = None,
+    steps: int | None = None,
+    range: Sequence[float | str] | None = None,
+    thickness: float | None = None,
+) -> Node:
+    """Draws a plane through the cells alone: colours of values, or those of a transfer function at each place."""
 def annotation(
     pipeline: Pipeline,
     node: str,

@@ -109,6 +109,7 @@ const COUNTS: &[(&str, &str)] = &[
     ("cells_cast", "cells that rays go through from face to face"),
     ("cells_culled", "cells that no widget touches, or that lie out of view"),
     ("cells_projected", "cells projected to the screen"),
+    ("cells_selected", "tetrahedra that `threshold` kept, whole or in parts"),
     ("cells_sorted", "cells put in order on the device"),
     ("cells_total", "tetrahedra of the grid"),
     ("evaluations", "places at which the transfer function was evaluated"),

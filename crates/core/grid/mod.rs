@@ -10,6 +10,7 @@ mod contour;
 mod curved;
 pub mod extent;
 mod faces;
+mod feature_edges;
 pub mod generate;
 mod grid_surface;
 mod overlap;
@@ -19,6 +20,7 @@ mod polygon;
 mod polyhedra;
 mod source;
 mod split;
+mod subset;
 mod tetrahedra;
 
 pub use adjacency::{Csr, Neighbours, cells_of_faces, cells_of_points, points_of_points, sum_over_cells};
@@ -27,6 +29,7 @@ pub use build::build;
 pub use cell_types::{CellType, code, describe_counts};
 pub use cell_values::add_from_cells;
 pub use contour::contour;
+pub use feature_edges::{SharpTriangles, feature_edges, sharp_triangles};
 pub use grid_surface::{EdgePoint, GridSurface, point_normals};
 pub use parts::{
     Array, Association, CellSet, CellValues, Cells, FileCells, ImportStats, Options, Polyhedron, RawGrid,
@@ -34,6 +37,7 @@ pub use parts::{
 };
 pub use pieces::{check_cells, into_set, join};
 pub use polygon::triangles_of_polygon;
+pub use subset::{Subset, cells_above, cells_by_points, whole_cells};
 pub use tetrahedra::{GhostCells, Grid, tetrahedron_volume};
 
 #[cfg(test)]

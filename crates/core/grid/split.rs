@@ -42,7 +42,7 @@ pub(super) const HEXAGONAL_PRISM_FACES: &[&[usize]] = &[
 
 /// Hands out a tetrahedron unless it names a point twice.
 #[inline]
-pub(super) fn emit_distinct(t: [u32; 4], emit: &mut impl FnMut([u32; 4])) {
+pub(super) fn emit_distinct<T: Copy + Eq>(t: [T; 4], emit: &mut impl FnMut([T; 4])) {
     let [a, b, c, d] = t;
     if a != b && a != c && a != d && b != c && b != d && c != d {
         emit(t);
@@ -51,7 +51,7 @@ pub(super) fn emit_distinct(t: [u32; 4], emit: &mut impl FnMut([u32; 4])) {
 
 /// Position of the lowest number.
 #[inline]
-pub(super) fn lowest(corners: &[u32]) -> usize {
+pub(super) fn lowest<T: Copy + Ord>(corners: &[T]) -> usize {
     let mut at = 0;
     for (i, &c) in corners.iter().enumerate() {
         if c < corners[at] {
@@ -63,7 +63,7 @@ pub(super) fn lowest(corners: &[u32]) -> usize {
 
 /// Joins the corner of lowest number to the triangles of every face that does not touch it; each face is a fan
 /// from its own corner of lowest number.
-pub(super) fn star(corners: &[u32], faces: &[&[usize]], emit: &mut impl FnMut([u32; 4])) {
+pub(super) fn star<T: Copy + Ord>(corners: &[T], faces: &[&[usize]], emit: &mut impl FnMut([T; 4])) {
     let apex = corners[lowest(corners)];
     for face in faces {
         let mut first = 0;

@@ -76,12 +76,12 @@ fn every_node_type_has_its_group_and_is_found_by_words() {
         registry.iter().filter(|node| Group::from_node(node) == group).map(|node| node.name).collect()
     };
     assert_eq!(of(Group::Sources), ["reader", "wavelet"]);
-    assert_eq!(of(Group::Filters), ["calculator", "gradient-magnitude", "multi-gradient"]);
+    assert_eq!(of(Group::Filters), ["calculator", "gradient-magnitude", "multi-gradient", "threshold"]);
     assert_eq!(of(Group::Surfaces), ["contour", "slice", "boundary", "surface-reader"]);
     assert_eq!(of(Group::Findings), ["histogram", "bands"]);
     assert_eq!(of(Group::TransferFunctions), ["probe", "transfer-function"]);
     assert_eq!(of(Group::Cameras), ["camera"]);
-    assert_eq!(of(Group::Drawing), ["renderer", "gpu-renderer", "annotation"]);
+    assert_eq!(of(Group::Drawing), ["renderer", "gpu-renderer", "slice-image", "annotation"]);
     assert_eq!(of(Group::Stages), ["cull", "sort", "project", "composite"]);
     assert_eq!(of(Group::Writers), ["grid-writer", "image-writer", "report-writer"]);
     let names = |text: &str| -> Vec<&str> { search(&registry, text).iter().map(|node| node.name).collect() };

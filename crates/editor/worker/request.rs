@@ -64,7 +64,7 @@ impl RenderRequest {
 
     /// True if the node takes negligible time: the rest of a run is drawing.
     pub(super) fn is_cheap(&self, name: &str) -> bool {
-        const QUICK: [&str; 9] = [
+        const QUICK: [&str; 10] = [
             CAMERA,
             "transfer-function",
             "cull",
@@ -73,6 +73,7 @@ impl RenderRequest {
             "composite",
             "renderer",
             "gpu-renderer",
+            "slice-image",
             "annotation",
         ];
         let node = self.nodes.iter().find(|node| node.name == name);

@@ -6,7 +6,9 @@ mod annotation;
 mod axes;
 mod camera;
 mod relative;
+mod slice_image;
 mod surfaces;
+mod threshold;
 mod written;
 
 use std::path::Path;

@@ -197,6 +197,11 @@ fn the_boundary_is_the_outside_of_the_box() {
     let found = surface("type = \"boundary\"\ncolor_by = \"s\"\nreversed = true\nsmooth = true");
     assert!(found.points.iter().zip(mapped(&found).0).all(|(at, value)| a(at.to_array()) == *value));
     assert_eq!(found.normals.len(), found.points.len());
+    let found = surface("type = \"boundary\"\ncolor_by = \"s\"\nsmooth = true\nfeature_angle = 30");
+    // Twice along the edges of the box, three times at its corners.
+    assert_eq!((found.points.len(), area(&found)), (152 + 12 * 4 + 8 * 2, 150.0));
+    assert!(found.points.iter().zip(mapped(&found).0).all(|(at, value)| a(at.to_array()) == *value));
+    assert!(found.normals.iter().all(|n| n.abs().max_element() == 1.0 && n.abs().element_sum() == 1.0));
 }
 
 #[test]
@@ -245,6 +250,8 @@ fn what_is_empty_or_wrong_is_said() {
         ),
         ("type = \"contour\"\nvalues = [1.0]\nrange = [2.0, 1.0]", "the range is empty"),
         ("type = \"boundary\"\nopacity = 1.5", "'opacity' is out of range"),
+        ("type = \"boundary\"\nfeature_angle = 30", "smooth = false"),
+        ("type = \"boundary\"\nsmooth = true\nfeature_angle = 200", "'feature_angle' is out of range"),
         ("type = \"slice\"\nnormal = [0, 0, 0]", "no direction"),
         ("type = \"slice\"\nshape = \"sphere\"", "a sphere needs a radius"),
         ("type = \"slice\"\nradius = 1.0", "a plane has no radius"),

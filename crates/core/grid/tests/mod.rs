@@ -7,6 +7,7 @@ mod linear;
 mod overlap;
 mod pieces;
 mod polyhedra;
+mod subsets;
 mod surfaces;
 mod values;
 
