@@ -21,6 +21,7 @@ pub mod reading;
 mod shared;
 pub mod surface;
 pub mod transfer;
+pub mod tubes;
 pub mod visibility;
 pub mod volume;
 
