@@ -10,6 +10,7 @@ mod contour;
 mod curved;
 pub mod extent;
 mod faces;
+mod feature_edges;
 pub mod generate;
 mod grid_surface;
 mod overlap;
@@ -27,6 +28,7 @@ pub use build::build;
 pub use cell_types::{CellType, code, describe_counts};
 pub use cell_values::add_from_cells;
 pub use contour::contour;
+pub use feature_edges::feature_edges;
 pub use grid_surface::{EdgePoint, GridSurface, point_normals};
 pub use parts::{
     Array, Association, CellSet, CellValues, Cells, FileCells, ImportStats, Options, Polyhedron, RawGrid,

@@ -182,3 +182,74 @@ fn a_polygon_is_cut_within_itself() {
     assert_eq!(triangles_of_polygon(&[0, 1, 2, 3], &bow), None);
     assert_eq!(triangles_of_polygon(&[0; 300], &points), None);
 }
+
+/// Whole length of edges.
+fn length(edges: &[[u32; 2]], points: &[DVec3]) -> f64 {
+    edges.iter().map(|&[a, b]| points[a as usize].distance(points[b as usize])).sum()
+}
+
+#[test]
+fn the_feature_edges_of_a_box_are_its_twelve() {
+    for (counts, count) in [([1, 1, 1], 12), ([4, 3, 2], 4 * (4 + 3 + 2))] {
+        let grid = box_of_tetrahedra(counts, UNIT, 0.2);
+        let surface = boundary(&grid, &NoProgress).unwrap();
+        let points = surface.positions(&grid.points);
+        for angle in [30.0, 89.0] {
+            let edges = feature_edges(&points, &surface.triangles, angle);
+            assert_eq!(edges.len(), count, "{edges:?}");
+            assert!((length(&edges, &points) - 12.0).abs() < 1e-14, "{}", length(&edges, &points));
+        }
+        assert_eq!(feature_edges(&points, &surface.triangles, 91.0), [[0; 2]; 0]);
+        // Each triangle with points of its own, every other one the other way round.
+        let own: Vec<DVec3> =
+            surface.triangles.as_flattened().iter().map(|&p| points[p as usize] * 1e200).collect();
+        let apart: Vec<[u32; 3]> = (0..surface.triangles.len() as u32)
+            .map(|i| if i % 2 == 0 { [3 * i, 3 * i + 1, 3 * i + 2] } else { [3 * i, 3 * i + 2, 3 * i + 1] })
+            .collect();
+        let edges = feature_edges(&own, &apart, 30.0);
+        assert_eq!(edges.len(), count);
+        let near: Vec<DVec3> = own.iter().map(|p| *p * 1e-200).collect();
+        assert!((length(&edges, &near) - 12.0).abs() < 1e-13);
+    }
+}
+
+/// A closed prism of height 1 about a circle of radius 1.
+fn prism(sides: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let on_circle = |i: u32, z| {
+        let angle = std::f64::consts::TAU * f64::from(i) / f64::from(sides);
+        DVec3::new(angle.cos(), angle.sin(), z)
+    };
+    let mut points: Vec<DVec3> =
+        [0.0, 1.0].into_iter().flat_map(|z| (0..sides).map(move |i| on_circle(i, z))).collect();
+    points.extend([DVec3::ZERO, DVec3::Z]);
+    let triangles = (0..sides).flat_map(|i| {
+        let [a, b] = [i, (i + 1) % sides];
+        let [c, d] = [a, b].map(|p| p + sides);
+        [[a, b, d], [a, d, c], [2 * sides, b, a], [2 * sides + 1, c, d]]
+    });
+    (points, triangles.collect())
+}
+
+#[test]
+fn the_feature_edges_of_a_cylinder_are_its_rims() {
+    let (points, triangles) = prism(36);
+    let rims = 2.0 * 36.0 * 2.0 * (std::f64::consts::PI / 36.0).sin();
+    // Sides turn by 10 degrees, rims by 90.
+    for (angle, count, expected) in
+        [(30.0, 72, rims), (10.1, 72, rims), (9.9, 108, rims + 36.0), (91.0, 0, 0.0)]
+    {
+        let edges = feature_edges(&points, &triangles, angle);
+        assert_eq!(edges.len(), count, "at {angle}");
+        assert!((length(&edges, &points) - expected).abs() < 1e-13, "{}", length(&edges, &points));
+    }
+    // Open, it ends where one is missing; a third triangle at a side, too.
+    let open = &triangles[1..];
+    assert_eq!(feature_edges(&points, open, 91.0), [[0, 1], [0, 37], [1, 37]]);
+    let with_wing = [&triangles[..], &[[0, 36, 72]]].concat();
+    assert_eq!(feature_edges(&points, &with_wing, 180.0).first(), Some(&[0, 36]));
+    // One without area turns nothing.
+    let flat = [DVec3::ZERO, DVec3::X, DVec3::new(0.5, 0.0, 0.0), DVec3::Y, DVec3::NEG_Y];
+    let edges = feature_edges(&flat, &[[0, 1, 3], [0, 2, 1], [0, 4, 2], [2, 4, 1]], 10.0);
+    assert_eq!(edges, [[0, 3], [0, 4], [1, 3], [1, 4]]);
+    assert_eq!(feature_edges(&[], &[], 30.0), [[0; 2]; 0]);
+}
