@@ -7,7 +7,7 @@
 
 use crate::arithmetic::unit_vector;
 use crate::progress::{Progress, refuse_beyond_memory};
-use crate::{Error, Result, counted};
+use crate::{Error, Result};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -140,7 +140,7 @@ impl<'a> Builder<'a> {
             let error = Error::run("tubes and spheres have too many points").got(point_count);
             return Err(error.expected(format!("at most {}: fewer sides, lines or points", u32::MAX)));
         }
-        let what = || format!("triangles of {}", counted(part_count, "tube or sphere"));
+        let what = || format!("triangles of {part_count} tubes and spheres");
         // A point with its normal and origin, and two triangles for each.
         refuse_beyond_memory(progress, what, 76 * point_count as u64)?;
         self.tubes.points.reserve_exact(point_count);

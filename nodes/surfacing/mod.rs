@@ -1,6 +1,8 @@
 //! Surfaces: paint with its parameters, declared once for the nodes that make surfaces, and the quantities of a volume that they
 //! look at.
 
+pub mod tubing;
+
 use crate::probe::SpatialRegion;
 use crate::relative::{self, note_numbers};
 use crate::transfer_function::FilesFrom;
@@ -234,13 +236,15 @@ pub struct Shape {
     pub normals: Vec<DVec3>,
     /// Values that give the colours, one a point.
     pub values: Option<Vec<f64>>,
+    /// Colours in place of them, linear RGB and opacity, one a point.
+    pub colors: Option<Vec<[f64; 4]>>,
 }
 
 impl Shape {
     /// The triangles of a grid.
     pub fn of_grid(surface: GridSurface, points: &[DVec3], values: Option<Vec<f64>>) -> Shape {
         let points = surface.positions(points);
-        Shape { points, triangles: surface.triangles, normals: Vec::new(), values }
+        Shape { points, triangles: surface.triangles, values, ..Shape::default() }
     }
 
     /// The shape with averaged normals where they are asked for and count.
@@ -270,12 +274,13 @@ impl Shape {
             )),
         }
         call.notes.counts.insert("triangles", self.triangles.len() as u64);
-        let paint = match self.values {
-            Some(values) => {
+        let paint = match (self.values, self.colors) {
+            (None, Some(colors)) => Paint::Points(colors),
+            (Some(values), _) => {
                 let curve = color_curve(p, &FilesFrom(&|path| call.resolve(path)))?;
                 Paint::Mapped { values, range: range(p)?, curve }
             }
-            None => Paint::Uniform(p.optional_color("color")?.unwrap_or(LIGHT_GREY)),
+            (None, None) => Paint::Uniform(p.optional_color("color")?.unwrap_or(LIGHT_GREY)),
         };
         let ambient = p.number("ambient")?;
         let light = (ambient < 1.0).then_some(EyeLight { ambient, diffuse: 1.0 - ambient });

@@ -4,6 +4,7 @@
 
 mod annotation;
 mod camera;
+mod lines;
 mod relative;
 mod surfaces;
 mod written;
