@@ -135,7 +135,9 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
         add(call.parameters, &mut look, &other)?;
     }
     if look.transfer_function.widgets.is_empty() {
-        call.notes.warnings.push("the transfer function has no widgets, so the picture is empty".into());
+        call.notes
+            .warnings
+            .push("the transfer function has no widgets: nothing of the volume is drawn".into());
     }
     for (i, (kind, widget)) in call.parameters.kinds("widgets")?.iter().enumerate() {
         if *kind == "table" && widget.is_set("color") {
