@@ -84,7 +84,12 @@ pub(super) fn read(bytes: &[u8], colors: SurfaceColors<'_>) -> Result<Elements> 
                 Association::Cell
             }
             "edge" => {
-                for ends in columns.tuples(&ENDS).unwrap_or_default().as_chunks::<2>().0 {
+                let ends = columns.tuples(&ENDS).ok_or_else(|| {
+                    let error =
+                        Error::run("the edges of the PLY file have no ends").got(columns.names.join(", "));
+                    error.expected("properties vertex1 and vertex2")
+                })?;
+                for ends in ends.as_chunks::<2>().0 {
                     let [from, to] = ends.map(point_number);
                     elements.add(ElementKind::Line, [from?, to?]);
                 }

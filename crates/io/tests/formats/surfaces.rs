@@ -215,6 +215,11 @@ fn ply_edges_and_points_alone() {
         let error = refused("a.ply", edges.replace("3 2 1.5", end), None);
         assert!(error.contains(said), "{error}");
     }
+    let other = edges.replace("property int vertex2", "property int other");
+    for array in [None, Some("load")] {
+        let error = refused("a.ply", &other, array);
+        assert!(error.contains("found vertex1, other, load; expected properties vertex1"), "{error}");
+    }
     let cloud =
         edges.split("element edge").next().unwrap().to_owned() + "end_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
     assert_eq!(read("a.ply", cloud, None).vertices, [0, 1, 2, 3]);
