@@ -100,10 +100,11 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
             .warnings
             .push(format!("the file has no lines and no points of their own: no '{name}' counts"));
     }
-    let own = surfacing::known(call, file.values.is_some(), |p, _| match has_tubes {
-        true => resolved(p, &SurfaceStatistics(&file)),
-        false => resolved(&p.with("radius", None), &SurfaceStatistics(&file)),
-    })?;
+    let unused: Vec<&str> = [("range", file.values.is_some()), ("radius", has_tubes)]
+        .into_iter()
+        .filter_map(|(name, is_used)| (!is_used).then_some(name))
+        .collect();
+    let own = surfacing::known(call, &unused, |p, _| resolved(p, &SurfaceStatistics(&file)))?;
     let tubes = match has_tubes {
         true => {
             let tubes = tubing::made(call, &own, &file.points, &file.lines, &file.vertices)?;

@@ -206,18 +206,18 @@ pub fn known_of_volume(
     array: &str,
     color_by: Option<&str>,
 ) -> Result<Parameters> {
-    known(call, color_by.is_some(), |p, progress| {
-        resolved(p, &VolumeStatistics { volume, array, color_by, progress })
-    })
+    let unused: &[&str] = if color_by.is_some() { &[] } else { &["range"] };
+    known(call, unused, |p, progress| resolved(p, &VolumeStatistics { volume, array, color_by, progress }))
 }
 
-/// The node's parameters with numbers for those relative to data, which are noted; without a range where nothing is coloured by values.
+/// The node's parameters with numbers for those relative to data, which are noted; without those that are unused here, such as a range
+/// where nothing is coloured by values.
 pub fn known(
     call: &mut RunContext,
-    is_mapped: bool,
+    unused: &[&str],
     resolve: impl FnOnce(&Parameters, &dyn Progress) -> Result<Parameters>,
 ) -> Result<Parameters> {
-    let p = if is_mapped { call.parameters.clone() } else { call.parameters.with("range", None) };
+    let p = unused.iter().fold(call.parameters.clone(), |p, name| p.with(name, None));
     let own = call.stage("range", |progress| resolve(&p, progress))?;
     if own != p {
         note_numbers(&mut call.notes, "surface", "over the data", &p, &own);

@@ -87,6 +87,8 @@ fn triangles_and_lines_of_one_file_and_what_is_left_out() {
     .unwrap()
     .0;
     assert_eq!(edges.points.len(), (3 + 1) * (4 * 2 + 2));
+    let (_, report) = made("type = \"surface-reader\"\npath = \"a.stl\"").unwrap();
+    assert!(report.warnings.is_empty() && report.findings.is_empty(), "{:?}", report.findings);
     let (_, report) = made("type = \"surface-reader\"\npath = \"a.stl\"\nradius = 0.1").unwrap();
     assert_eq!(
         report.warnings,
