@@ -20,6 +20,7 @@ mod composite;
 mod contour;
 mod cull;
 pub mod drawing;
+mod edges;
 pub mod external_formats;
 pub mod files;
 mod gpu_renderer;
@@ -68,6 +69,7 @@ pub static NODES: &[&Node] = &[
     &contour::NODE,
     &slice::NODE,
     &boundary::NODE,
+    &edges::NODE,
     &surface_reader::NODE,
     &camera::NODE,
     &cull::NODE,

@@ -22,6 +22,7 @@ pub mod reading;
 mod shared;
 pub mod surface;
 pub mod transfer;
+pub mod tubes;
 pub mod visibility;
 pub mod volume;
 

@@ -1,4 +1,4 @@
-//! Surfaces that are drawn in a volume: triangles of one colour, or coloured by values through a colour map.
+//! Surfaces that are drawn in a volume: triangles of one colour, of colours at their points, or coloured by values through a colour map.
 
 use crate::arithmetic::unit_vector;
 use crate::colormap::ColorCurve;
@@ -14,7 +14,7 @@ pub struct Surface {
     pub triangles: Vec<[u32; 3]>,
     /// Its colour.
     pub paint: Paint,
-    /// Opacity of one crossing, 0 to 1.
+    /// Opacity of one crossing, 0 to 1; times that of the points, where they have one.
     pub opacity: f64,
     /// Light from the eye; none: the colour as it is.
     pub light: Option<EyeLight>,
@@ -27,6 +27,8 @@ pub struct Surface {
 pub enum Paint {
     /// Linear RGB.
     Uniform([f64; 3]),
+    /// Linear RGB and opacity of each point; linear in a triangle.
+    Points(Vec<[f64; 4]>),
     /// A map's colours over a range of values; beyond it those of its ends.
     Mapped {
         /// Value of each point; linear in a triangle.
@@ -55,8 +57,15 @@ impl Surface {
     pub fn check(&self) -> Result<()> {
         let count = self.points.len();
         let values = if let Paint::Mapped { values, .. } = &self.paint { values.as_slice() } else { &[] };
-        for (name, given) in [("value", values.len()), ("normal", self.normals.len())] {
-            if given != count && given != 0 {
+        let colors = if let Paint::Points(colors) = &self.paint { colors.as_slice() } else { &[] };
+        let of_paint = match &self.paint {
+            Paint::Uniform(_) => None,
+            Paint::Points(colors) => Some(("colour", colors.len())),
+            Paint::Mapped { values, .. } => Some(("value", values.len())),
+        };
+        let of_light = (!self.normals.is_empty()).then_some(("normal", self.normals.len()));
+        for (name, given) in of_paint.into_iter().chain(of_light) {
+            if given != count {
                 return Err(Error::run(format!("a surface has not one {name} a point"))
                     .got(given)
                     .expected(count));
@@ -66,6 +75,13 @@ impl Surface {
             return Err(Error::run("a surface's opacity is out of range")
                 .got(self.opacity)
                 .expected("from 0 to 1"));
+        }
+        let is_color =
+            |color: &[f64; 4]| color.iter().all(|c| (0.0..f64::INFINITY).contains(c)) && color[3] <= 1.0;
+        if let Some(point) = colors.iter().position(|color| !is_color(color)) {
+            return Err(Error::run(format!("the colour of point {point} of a surface is out of range"))
+                .got(format!("{:?}", colors[point]))
+                .expected("red, green and blue of at least 0, and an opacity from 0 to 1"));
         }
         for (number, corners) in self.triangles.iter().enumerate() {
             let good = |&p: &u32| {
@@ -84,8 +100,15 @@ impl Surface {
     /// Premultiplied linear colour and opacity where a ray of this unit direction crosses a triangle at these weights of its corners.
     pub fn color(&self, triangle: usize, weights: [f64; 3], direction: DVec3) -> [f64; 4] {
         let corners = self.triangles[triangle].map(|p| p as usize);
+        let mut opacity = self.opacity;
         let color = match &self.paint {
             Paint::Uniform(color) => *color,
+            Paint::Points(colors) => {
+                let component =
+                    |k: usize| weights.iter().zip(corners).map(|(w, p)| w * colors[p][k]).sum::<f64>();
+                opacity *= component(3);
+                [0, 1, 2].map(component)
+            }
             Paint::Mapped { values, range: [low, high], curve } => {
                 // From one corner, so that equal values stay what they are.
                 let base = values[corners[0]];
@@ -104,7 +127,39 @@ impl Surface {
             };
             ambient + diffuse * unit_vector(normal).dot(direction).abs()
         });
-        let [r, g, b] = color.map(|c| c * lit * self.opacity);
-        [r, g, b, self.opacity]
+        let [r, g, b] = color.map(|c| c * lit * opacity);
+        [r, g, b, opacity]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn surface(colors: Vec<[f64; 4]>) -> Surface {
+        let points = vec![DVec3::ZERO, DVec3::X, DVec3::Y];
+        let paint = Paint::Points(colors);
+        Surface { points, triangles: vec![[0, 1, 2]], paint, opacity: 0.5, light: None, normals: Vec::new() }
+    }
+
+    #[test]
+    fn colours_of_points_are_linear_between_them() {
+        let one = surface(vec![[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 0.5], [0.0, 0.0, 2.0, 0.0]]);
+        one.check().unwrap();
+        assert_eq!(one.color(0, [0.0, 1.0, 0.0], DVec3::Z), [0.0, 0.25, 0.0, 0.25]);
+        assert_eq!(one.color(0, [0.25, 0.25, 0.5], DVec3::Z), [0.25 * 0.1875, 0.25 * 0.1875, 0.1875, 0.1875]);
+    }
+
+    #[test]
+    fn wrong_colours_are_refused() {
+        for wrong in [f64::NAN, -0.1, f64::INFINITY] {
+            let error = surface(vec![[1.0, wrong, 0.0, 1.0]; 3]).check().unwrap_err().to_string();
+            assert!(error.contains("colour of point 0"), "{error}");
+        }
+        assert!(surface(vec![[0.0, 0.0, 0.0, 1.5]; 3]).check().is_err());
+        for count in [0, 2, 4] {
+            let error = surface(vec![[0.0; 4]; count]).check().unwrap_err().to_string();
+            assert!(error.contains("one colour a point"), "{error}");
+        }
     }
 }

@@ -1,6 +1,8 @@
 //! Surfaces: paint with its parameters, declared once for the nodes that make surfaces, and the quantities of a volume that they
 //! look at.
 
+pub mod tubing;
+
 use crate::probe::SpatialRegion;
 use crate::relative::{self, note_numbers};
 use crate::transfer_function::FilesFrom;
@@ -218,18 +220,18 @@ pub fn known_of_volume(
     array: &str,
     color_by: Option<&str>,
 ) -> Result<Parameters> {
-    known(call, color_by.is_some(), |p, progress| {
-        resolved(p, &VolumeStatistics { volume, array, color_by, progress })
-    })
+    let unused: &[&str] = if color_by.is_some() { &[] } else { &["range"] };
+    known(call, unused, |p, progress| resolved(p, &VolumeStatistics { volume, array, color_by, progress }))
 }
 
-/// The node's parameters with numbers for those relative to data, which are noted; without a range where nothing is coloured by values.
+/// The node's parameters with numbers for those relative to data, which are noted; without those that are unused here, such as a range
+/// where nothing is coloured by values.
 pub fn known(
     call: &mut RunContext,
-    is_mapped: bool,
+    unused: &[&str],
     resolve: impl FnOnce(&Parameters, &dyn Progress) -> Result<Parameters>,
 ) -> Result<Parameters> {
-    let p = if is_mapped { call.parameters.clone() } else { call.parameters.with("range", None) };
+    let p = unused.iter().fold(call.parameters.clone(), |p, name| p.with(name, None));
     let own = call.stage("range", |progress| resolve(&p, progress))?;
     if own != p {
         note_numbers(&mut call.notes, "surface", "over the data", &p, &own);
@@ -248,13 +250,15 @@ pub struct Shape {
     pub normals: Vec<DVec3>,
     /// Values that give the colours, one a point.
     pub values: Option<Vec<f64>>,
+    /// Colours in place of them, linear RGB and opacity, one a point.
+    pub colors: Option<Vec<[f64; 4]>>,
 }
 
 impl Shape {
     /// The triangles of a grid.
     pub fn of_grid(surface: GridSurface, points: &[DVec3], values: Option<Vec<f64>>) -> Shape {
         let points = surface.positions(points);
-        Shape { points, triangles: surface.triangles, normals: Vec::new(), values }
+        Shape { points, triangles: surface.triangles, values, ..Shape::default() }
     }
 
     /// The shape with averaged normals where they are asked for and count.
@@ -296,12 +300,13 @@ impl Shape {
             )),
         }
         call.notes.counts.insert("triangles", self.triangles.len() as u64);
-        let paint = match self.values {
-            Some(values) => {
+        let paint = match (self.values, self.colors) {
+            (None, Some(colors)) => Paint::Points(colors),
+            (Some(values), _) => {
                 let curve = color_curve(p, &FilesFrom(&|path| call.resolve(path)))?;
                 Paint::Mapped { values, range: range(p)?, curve }
             }
-            None => Paint::Uniform(p.optional_color("color")?.unwrap_or(LIGHT_GREY)),
+            (None, None) => Paint::Uniform(p.optional_color("color")?.unwrap_or(LIGHT_GREY)),
         };
         let ambient = p.number("ambient")?;
         let light = (ambient < 1.0).then_some(EyeLight { ambient, diffuse: 1.0 - ambient });

@@ -6,7 +6,7 @@ from typing import Any, Literal
 from ._node import Node
 from ._pipeline import Pipeline
 
-__all__ = ["annotation", "bands", "boundary", "calculator", "camera", "composite", "contour", "cull", "gpu_renderer", "gradient_magnitude", "grid_writer", "histogram", "image_writer", "multi_gradient", "probe", "project", "reader", "renderer", "report_writer", "slice", "slice_image", "sort", "surface_reader", "threshold", "transfer_function", "wavelet"]
+__all__ = ["annotation", "bands", "boundary", "calculator", "camera", "composite", "contour", "cull", "edges", "gpu_renderer", "gradient_magnitude", "grid_writer", "histogram", "image_writer", "multi_gradient", "probe", "project", "reader", "renderer", "report_writer", "slice", "slice_image", "sort", "surface_reader", "threshold", "transfer_function", "wavelet"]
 
 _Source = str | Node | Sequence[str | Node]
 
@@ -201,13 +201,16 @@ def boundary(
     ambient: float | None = None,
 ) -> Node:
     """Makes a surface of the faces that one cell alone has: the outside of the grid."""
-def surface_reader(
+def edges(
     pipeline: Pipeline,
     node: str,
     /,
     *,
-    path: str | PathLike[str],
-    smooth: bool | None = None,
+    volume: _Source | None = None,
+    kind: Literal["features", "cells", "outline"] | None = None,
+    angle: float | None = None,
+    radius: float | str | None = None,
+    sides: int | None = None,
     color: Sequence[float] | str | None = None,
     color_by: str | None = None,
     colormap: str | PathLike[str] | None = None,
@@ -217,7 +220,27 @@ def surface_reader(
     opacity: float | None = None,
     ambient: float | None = None,
 ) -> Node:
-    """Reads a surface file: polygons as triangles, their normals, and an array to colour them by."""
+    """Makes tubes of edges: of the cells on the outside of the grid, of its features, or of the box of the data."""
+def surface_reader(
+    pipeline: Pipeline,
+    node: str,
+    /,
+    *,
+    path: str | PathLike[str],
+    style: Literal["surface", "wireframe"] | None = None,
+    smooth: bool | None = None,
+    radius: float | str | None = None,
+    sides: int | None = None,
+    color: Sequence[float] | str | None = None,
+    color_by: str | None = None,
+    colormap: str | PathLike[str] | None = None,
+    reversed: bool | None = None,
+    steps: int | None = None,
+    range: Sequence[float | str] | None = None,
+    opacity: float | None = None,
+    ambient: float | None = None,
+) -> Node:
+    """Reads a surface file: polygons as triangles, lines as tubes, points as spheres, and what they are coloured by."""
 def camera(
     pipeline: Pipeline,
     node: str,

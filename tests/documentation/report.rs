@@ -115,6 +115,7 @@ const COUNTS: &[(&str, &str)] = &[
     ("evaluations", "places at which the transfer function was evaluated"),
     ("gradient_fallbacks", "points where a gradient filter did less than it promises"),
     ("gradients_computed", "gradient fields computed"),
+    ("lines", "lines that tubes were made of"),
     ("percentiles_computed", "percentiles of numbers relative to data"),
     ("pixels_disordered", "pixels composited in an order that is not exact"),
     ("segments", "ray segments integrated"),

@@ -14,6 +14,16 @@ const OUTWARD: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
 ///
 /// Errors: memory ends.
 pub fn boundary(grid: &Grid, progress: &dyn Progress) -> Result<GridSurface> {
+    let faces = outer_faces(grid, progress)?;
+    let keys: Vec<[u64; 3]> =
+        faces.into_iter().map(|(corners, _)| corners.map(|p| edge_key([p; 2]))).collect();
+    Ok(GridSurface::of_keys(&keys, |_| 0.0))
+}
+
+/// The faces of [`boundary`]: points counter-clockwise from outside, and the tetrahedron of each.
+///
+/// Errors: memory ends.
+pub(super) fn outer_faces(grid: &Grid, progress: &dyn Progress) -> Result<Vec<([u32; 3], u32)>> {
     // Cells by their points, and their numbers; points by their places.
     let bytes = 16 * (grid.tetrahedra.len() + grid.points.len()) as u64;
     refuse_beyond_memory(progress, || "the boundary of the grid".into(), bytes)?;
@@ -24,10 +34,10 @@ pub fn boundary(grid: &Grid, progress: &dyn Progress) -> Result<GridSurface> {
         let corners = grid.tetrahedra[cell as usize];
         let across = corners.iter().position(|&p| places.first(p) == opposite).unwrap_or(0);
         let [p, q, r, s] = grid.corners(cell as usize).map(|p| p * scale);
-        let [a, b, c] = OUTWARD[across].map(|k| edge_key([corners[k]; 2]));
-        if (q - p).dot((r - p).cross(s - p)) >= 0.0 { [a, b, c] } else { [a, c, b] }
+        let [a, b, c] = OUTWARD[across].map(|k| corners[k]);
+        (if (q - p).dot((r - p).cross(s - p)) >= 0.0 { [a, b, c] } else { [a, c, b] }, cell)
     };
-    let look = |faces: &mut Vec<[u64; 3]>, _, shared: &[Face]| {
+    let look = |faces: &mut Vec<_>, _, shared: &[Face]| {
         if let [[_, _, cell, opposite]] = *shared {
             faces.push(face(cell, opposite));
         }
@@ -36,6 +46,5 @@ pub fn boundary(grid: &Grid, progress: &dyn Progress) -> Result<GridSurface> {
         faces.extend(others);
         faces
     };
-    let faces = each_face(&grid.points, &grid.tetrahedra, &places, Vec::new, look, join);
-    Ok(GridSurface::of_keys(&faces, |_| 0.0))
+    Ok(each_face(&grid.points, &grid.tetrahedra, &places, Vec::new, look, join))
 }

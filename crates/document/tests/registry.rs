@@ -77,7 +77,7 @@ fn every_node_type_has_its_group_and_is_found_by_words() {
     };
     assert_eq!(of(Group::Sources), ["reader", "wavelet"]);
     assert_eq!(of(Group::Filters), ["calculator", "gradient-magnitude", "multi-gradient", "threshold"]);
-    assert_eq!(of(Group::Surfaces), ["contour", "slice", "boundary", "surface-reader"]);
+    assert_eq!(of(Group::Surfaces), ["contour", "slice", "boundary", "edges", "surface-reader"]);
     assert_eq!(of(Group::Findings), ["histogram", "bands"]);
     assert_eq!(of(Group::TransferFunctions), ["probe", "transfer-function"]);
     assert_eq!(of(Group::Cameras), ["camera"]);

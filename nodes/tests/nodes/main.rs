@@ -5,6 +5,7 @@
 mod annotation;
 mod axes;
 mod camera;
+mod lines;
 mod relative;
 mod slice_image;
 mod surfaces;

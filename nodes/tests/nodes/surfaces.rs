@@ -1,5 +1,6 @@
 //! Nodes that make surfaces: what they ask for, what they give, what they say.
 
+use crate::lines;
 use std::fmt::Write;
 use std::path::Path;
 use std::sync::Arc;
@@ -45,6 +46,15 @@ fn folder() -> tempfile::TempDir {
     std::fs::write(folder.path().join("a.vtk"), text).unwrap();
     std::fs::write(folder.path().join("a.stl"), stl_text("")).unwrap();
     std::fs::write(folder.path().join("a.ply"), ply("ascii")).unwrap();
+    for (name, text) in [
+        ("lines.vtp", lines::STREAMLINE),
+        ("cloud.ply", lines::CLOUD),
+        ("part.obj", lines::PART),
+        ("sensors.csv", lines::SENSORS),
+        ("one.csv", "x,y,z\n1,2,3\n"),
+    ] {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
     folder
 }
 
@@ -70,7 +80,7 @@ fn feed(graph: &Graph, name: &str) -> Result<(Vec<Value>, RunReport)> {
     session().feed(graph, place, &Demand::default(), &NoObserver)
 }
 
-fn made(keys: &str) -> Result<(Arc<Surface>, RunReport)> {
+pub fn made(keys: &str) -> Result<(Arc<Surface>, RunReport)> {
     let folder = folder();
     let (values, report) = feed(&graph(folder.path(), keys)?, "taker")?;
     let [Value::Surface(surface)] = &values[..] else { panic!("{keys}: {values:?}") };
@@ -78,17 +88,17 @@ fn made(keys: &str) -> Result<(Arc<Surface>, RunReport)> {
     Ok((surface.clone(), report))
 }
 
-fn surface(keys: &str) -> Surface {
+pub fn surface(keys: &str) -> Surface {
     let (surface, report) = made(keys).unwrap_or_else(|error| panic!("{keys}: {error}"));
     assert!(report.warnings.is_empty(), "{keys}: {:?}", report.warnings);
     Arc::unwrap_or_clone(surface)
 }
 
-fn refused(keys: &str) -> String {
+pub fn refused(keys: &str) -> String {
     made(keys).expect_err(keys).to_string()
 }
 
-fn mapped(surface: &Surface) -> (&[f64], [f64; 2]) {
+pub fn mapped(surface: &Surface) -> (&[f64], [f64; 2]) {
     let Paint::Mapped { values, range, .. } = &surface.paint else { panic!("{:?}", surface.paint) };
     (values, *range)
 }
@@ -152,12 +162,15 @@ fn nothing_else_is_asked_for() {
         ("type = \"slice\"\ncolor_by = \"b\"", &["b"], false),
         ("type = \"boundary\"", &[], false),
         ("type = \"boundary\"\ncolor_by = \"g\"", &[], true),
+        ("type = \"edges\"", &[], false),
+        ("type = \"edges\"\nkind = \"cells\"\ncolor_by = \"b\"", &["b"], false),
     ] {
         let (values, _) = feed(&graph(folder.path(), keys).unwrap(), "made").unwrap();
         let volume = values[0].volume().unwrap().unwrap();
         assert_eq!(volume.grid.point_arrays.keys().collect::<Vec<_>>(), arrays, "{keys}");
         assert_eq!(volume.gradient_magnitude.is_some(), has_g, "{keys}");
         assert!(volume.gradient.is_none(), "{keys}");
+        assert_eq!(volume.grid.file_cells.is_some(), keys.contains("cells"), "{keys}");
     }
 }
 

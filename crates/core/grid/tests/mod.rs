@@ -1,6 +1,7 @@
 //! Tests of the tetrahedralisation: volumes, shared faces, the rule of the lowest corner, what is left out.
 
 mod boxes;
+mod cell_edges;
 mod curved;
 mod higher_order;
 mod linear;

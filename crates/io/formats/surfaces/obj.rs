@@ -1,7 +1,8 @@
-//! OBJ (Wavefront): points `v`, normals `vn` and faces `f`. Materials, textures, curves and the rest are passed over.
+//! OBJ (Wavefront): points `v`, normals `vn`, faces `f`, lines `l` and vertices `p`. Materials, textures, curves and the rest are passed
+//! over.
 
+use crate::formats::elements::{ElementKind, Elements};
 use crate::formats::numbers::{NumberType, parse, words};
-use crate::formats::polygons::Polygons;
 use glam::DVec3;
 use std::collections::HashMap;
 use voltet_core::{Error, Result};
@@ -9,24 +10,30 @@ use voltet_core::{Error, Result};
 /// A corner without a normal.
 const NONE: u32 = u32::MAX;
 
-/// Reads the faces. A point with several normals becomes several points; without a normal at each corner there are none.
-pub(super) fn read(bytes: &[u8]) -> Result<Polygons> {
+/// Reads the elements. A point with several normals becomes several points; without a normal at each corner of a face there are none.
+pub(super) fn read(bytes: &[u8]) -> Result<Elements> {
     let (mut points, mut normals) = (Vec::<DVec3>::new(), Vec::<DVec3>::new());
     let mut corners: Vec<[u32; 2]> = Vec::new();
-    let mut polygons = Polygons::default();
+    let (mut elements, mut has_normals) = (Elements::default(), true);
     for (line, text) in bytes.split(|&byte| byte == b'\n').enumerate() {
         let mut words = words(text);
         let of_line = || {
             match words.next() {
                 Some(b"v") => points.push(vector(words)?),
                 Some(b"vn") => normals.push(vector(words)?),
-                Some(b"f") => {
+                Some(word @ (b"f" | b"l" | b"p")) => {
+                    let kind = match word {
+                        b"f" => ElementKind::Polygon,
+                        b"l" => ElementKind::Line,
+                        _ => ElementKind::Vertices,
+                    };
                     for word in words {
-                        corners.push(corner(word, [points.len(), normals.len()])?);
+                        let corner = corner(word, [points.len(), normals.len()])?;
+                        has_normals &= kind != ElementKind::Polygon || corner[1] != NONE;
+                        corners.push(corner);
                     }
-                    polygons.ends.push(corners.len());
+                    elements.kinds.push((kind, corners.len()));
                 }
-                Some(b"p" | b"l") => polygons.left_out += 1,
                 _ => {}
             }
             Ok(())
@@ -36,21 +43,22 @@ pub(super) fn read(bytes: &[u8]) -> Result<Polygons> {
     if points.is_empty() {
         return Err(Error::run("the OBJ file holds no points").expected("lines 'v x y z' and 'f 1 2 3'"));
     }
-    if corners.iter().any(|corner| corner[1] == NONE) {
-        (polygons.points, polygons.corners) = (points, corners.into_iter().map(|[p, _]| p).collect());
-        return Ok(polygons);
+    if !has_normals || normals.is_empty() {
+        (elements.points, elements.corners) = (points, corners.into_iter().map(|[p, _]| p).collect());
+        return Ok(elements);
     }
     let mut known = HashMap::new();
-    for corner in corners {
+    for corner @ [point, normal] in corners {
         let next = known.len() as u32;
         let number = *known.entry(corner).or_insert(next);
         if number == next {
-            polygons.points.push(points[corner[0] as usize]);
-            polygons.normals.push(normals[corner[1] as usize]);
+            elements.points.push(points[point as usize]);
+            // Lines and vertices have none.
+            elements.normals.push(normals.get(normal as usize).copied().unwrap_or(DVec3::Z));
         }
-        polygons.corners.push(number);
+        elements.corners.push(number);
     }
-    Ok(polygons)
+    Ok(elements)
 }
 
 /// The first three numbers: some writers add a weight or a colour.
@@ -74,12 +82,14 @@ fn corner(word: &[u8], counts: [usize; 2]) -> Result<[u32; 2]> {
         };
         let known = place.filter(|place| (0..count as i64).contains(place));
         known.and_then(|place| u32::try_from(place).ok()).ok_or_else(|| {
-            let error = Error::run("a face has a point or normal that does not exist").got(from_one);
+            let error = Error::run("an element has a point or normal that does not exist").got(from_one);
             error.expected(format!("1 to {count}, or -{count} to -1"))
         })
     };
     match [number(0, counts[0])?, number(1, counts[1])?] {
-        [NONE, _] => Err(Error::run("a corner of a face has no point").got(String::from_utf8_lossy(word))),
+        [NONE, _] => {
+            Err(Error::run("a corner of an element has no point").got(String::from_utf8_lossy(word)))
+        }
         numbers => Ok(numbers),
     }
 }

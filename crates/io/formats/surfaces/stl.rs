@@ -2,8 +2,8 @@
 //!
 //! A file is binary where its length is what its number of triangles takes, whatever its header says: "solid" begins some of them.
 
+use crate::formats::elements::Elements;
 use crate::formats::numbers::{NumberType, parse, words};
-use crate::formats::polygons::Polygons;
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 use voltet_core::{Error, Result, counted};
@@ -14,7 +14,7 @@ const HEAD: usize = 84;
 const TRIANGLE: usize = 50;
 
 /// Reads the triangles; corners at one place are one point.
-pub(super) fn read(bytes: &[u8]) -> Result<Polygons> {
+pub(super) fn read(bytes: &[u8]) -> Result<Elements> {
     let mut corners = Corners::default();
     let count = bytes.get(HEAD - 4..HEAD).and_then(|count| count.try_into().ok()).map(u32::from_le_bytes);
     let needed = count.map(|count| HEAD as u64 + TRIANGLE as u64 * u64::from(count));
@@ -34,19 +34,19 @@ pub(super) fn read(bytes: &[u8]) -> Result<Polygons> {
             return Err(error.expected("'solid …', or 84 bytes and 50 for each triangle"));
         }
     }
-    Ok(corners.polygons)
+    Ok(corners.elements)
 }
 
 #[derive(Default)]
 struct Corners {
-    polygons: Polygons,
+    elements: Elements,
     known: HashMap<[u64; 3], u32>,
 }
 
 impl Corners {
     /// The number of the point at a place.
     fn number(&mut self, at: DVec3) -> u32 {
-        let points = &mut self.polygons.points;
+        let points = &mut self.elements.points;
         // Zero and minus zero are one place.
         *self.known.entry((at + 0.0).to_array().map(f64::to_bits)).or_insert_with(|| {
             points.push(at);
@@ -58,7 +58,7 @@ impl Corners {
         let numbers: Vec<f32> =
             triangle.as_chunks().0.iter().map(|&bytes| f32::from_le_bytes(bytes)).collect();
         let corners = [3, 6, 9].map(|k| self.number(Vec3::from_slice(&numbers[k..]).into()));
-        self.polygons.add(corners);
+        self.elements.add_polygon(corners);
     }
 
     fn add_text(&mut self, bytes: &[u8]) -> Result<()> {
@@ -85,7 +85,9 @@ impl Corners {
                         at.try_into().map_err(|_| wrong("a corner is wrong", "vertex and three numbers"))?;
                     loop_corners.push(self.number(at.into()));
                 }
-                b"endloop" if is_open && loop_corners.len() >= 3 => self.polygons.add(loop_corners.drain(..)),
+                b"endloop" if is_open && loop_corners.len() >= 3 => {
+                    self.elements.add_polygon(loop_corners.drain(..))
+                }
                 b"endloop" => {
                     return Err(wrong("a loop has fewer than three corners", "three lines 'vertex x y z'"));
                 }

@@ -1,10 +1,11 @@
-//! PolyData (.vtp): the polygons and strips of all pieces; vertices and lines are left out.
+//! PolyData (.vtp): the vertices, lines, polygons and strips of all pieces.
 
 use super::header::{self, Element};
 use super::{Context, marked, points};
 use crate::formats::assemble::{column, load_points};
 use crate::formats::contents::{GHOST_TYPE, Geometry, Meter, Piece, Stored};
-use crate::formats::polygons::Polygons;
+use crate::formats::elements::{ElementKind, Elements, SurfaceColors, linear_colors};
+use crate::formats::numbers::NumberType;
 use crate::formats::request;
 use crate::formats::source::Source;
 use glam::DVec3;
@@ -13,18 +14,23 @@ use voltet_core::grid::Association;
 use voltet_core::{Error, Result};
 
 /// The kinds of cells in the order of their values, and the attributes that count them.
-const SECTIONS: [(&str, &str); 4] = [
-    ("Verts", "NumberOfVerts"),
-    ("Lines", "NumberOfLines"),
-    ("Polys", "NumberOfPolys"),
-    ("Strips", "NumberOfStrips"),
+const SECTIONS: [(&str, &str, ElementKind); 4] = [
+    ("Verts", "NumberOfVerts", ElementKind::Vertices),
+    ("Lines", "NumberOfLines", ElementKind::Line),
+    ("Polys", "NumberOfPolys", ElementKind::Polygon),
+    (STRIPS, "NumberOfStrips", ElementKind::Polygon),
 ];
+const STRIPS: &str = "Strips";
 
 /// Flags of cells that other pieces own or that are hidden (vtkDataSetAttributes).
 const NOT_DRAWN: u8 = 1 | 32;
 
-/// Reads the polygons of all pieces, and the array of this name.
-pub(in crate::formats) fn read(source: &Arc<Source>, array: Option<&str>, meter: &Meter) -> Result<Polygons> {
+/// Reads the cells of all pieces, and what gives their colours.
+pub(in crate::formats) fn read(
+    source: &Arc<Source>,
+    colors: SurfaceColors<'_>,
+    meter: &Meter,
+) -> Result<Elements> {
     let (root, appended) = header::read(source)?;
     let context = Context::new(source.clone(), &root, appended)?;
     let kind = root.required("type")?;
@@ -32,9 +38,9 @@ pub(in crate::formats) fn read(source: &Arc<Source>, array: Option<&str>, meter:
         let error = Error::run("this VTK file holds no surface").got(format!("type '{kind}'"));
         return Err(error.expected("PolyData; a node of type reader reads grids"));
     };
-    let mut all = Polygons::default();
+    let mut all = Elements::default();
     for (index, element) in grid.children_of("Piece").enumerate() {
-        let added = add_piece(&context, element, array, meter, &mut all);
+        let added = add_piece(&context, element, colors, meter, &mut all);
         added.map_err(|error: Error| error.at_item(format!("piece {index}")))?;
     }
     Ok(all)
@@ -43,14 +49,14 @@ pub(in crate::formats) fn read(source: &Arc<Source>, array: Option<&str>, meter:
 fn add_piece(
     context: &Context,
     element: &Element,
-    array: Option<&str>,
+    colors: SurfaceColors<'_>,
     meter: &Meter,
-    all: &mut Polygons,
+    all: &mut Elements,
 ) -> Result<()> {
     let count = |name: &str| element.number::<u64>(name).map(|count| count.unwrap_or(0));
     let point_count = count("NumberOfPoints")?;
     let mut counts = [0_u64; 4];
-    for (count_of, (_, attribute)) in counts.iter_mut().zip(SECTIONS) {
+    for (count_of, (_, attribute, _)) in counts.iter_mut().zip(SECTIONS) {
         *count_of = count(attribute)?;
     }
     let cell_count = counts
@@ -68,13 +74,14 @@ fn add_piece(
         points: points(context, element, point_count)?,
     };
     let piece = Piece { point_count, cell_count, geometry, arrays, is_old_order: false };
-    let values = match array {
+    let values = match colors.array() {
         Some(name) => {
             let choice = request::scalar_of(&piece, name, None)?;
             Some((choice.association, column(&piece, &choice, meter)?))
         }
         None => None,
     };
+    let own_colors = if colors == SurfaceColors::Own { marked_colors(element, &piece, meter)? } else { None };
     let normals = marked(element, &["PointData"], "Normals")
         .and_then(|name| piece.array(Association::Point, &name))
         .filter(|stored| stored.component_count == 3)
@@ -83,7 +90,7 @@ fn add_piece(
         .unwrap_or_default();
     let flags =
         piece.array(Association::Cell, GHOST_TYPE).map(|stored| stored.load::<u8>(meter)).transpose()?;
-    let (before, first) = (all.points.len(), all.ends.len());
+    let (before, first) = (all.points.len(), all.kinds.len());
     all.points.extend(load_points(&piece, meter)?);
     if all.points.len() > u32::MAX as usize {
         return Err(Error::run("the surface has too many points").got(all.points.len()).expected(u32::MAX));
@@ -97,12 +104,7 @@ fn add_piece(
     }
     let mut cell_of_each = Vec::new();
     let mut cell = 0;
-    for ((tag, _), count) in SECTIONS.into_iter().zip(counts) {
-        let is_strip = tag == "Strips";
-        if tag == "Verts" || tag == "Lines" {
-            (all.left_out, cell) = (all.left_out.saturating_add(count), cell + count as usize);
-            continue;
-        }
+    for ((tag, _, kind), count) in SECTIONS.into_iter().zip(counts) {
         for corners in cells(context, element, tag, count, meter)? {
             let is_drawn = flags.as_ref().is_none_or(|flags| flags[cell] & NOT_DRAWN == 0);
             if let Some(&point) = corners.iter().find(|&&p| u64::from(p) >= point_count) {
@@ -111,29 +113,68 @@ fn add_piece(
                     .expected(format!("below {point_count}")));
             }
             let corners: Vec<u32> = corners.iter().map(|p| before as u32 + p).collect();
-            match is_strip {
+            match tag == STRIPS {
                 _ if !is_drawn => {}
                 true => corners.windows(3).enumerate().for_each(|(k, t)| {
                     // Every other one turns the other way.
-                    all.add(if k % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] });
+                    all.add(kind, if k % 2 == 0 { [t[0], t[1], t[2]] } else { [t[1], t[0], t[2]] });
                 }),
-                false => all.add(corners),
+                false => all.add(kind, corners),
             }
-            cell_of_each.resize(all.ends.len() - first, cell);
+            cell_of_each.resize(all.kinds.len() - first, cell);
             cell += 1;
         }
     }
-    let Some((association, values)) = values else { return Ok(()) };
+    if let Some(values) = values {
+        join(&mut all.values, values, &cell_of_each)?;
+    }
+    if let Some(colors) = own_colors {
+        join(&mut all.colors, colors, &cell_of_each)?;
+    }
+    // Either all pieces have colours, or none counts.
+    let (point_count, cell_count) = (all.points.len(), all.kinds.len());
+    all.colors.take_if(|(association, colors)| match association {
+        Association::Point => colors.len() != point_count,
+        Association::Cell => colors.len() != cell_count,
+    });
+    Ok(())
+}
+
+/// Adds the values of a piece, of its points or cells, to those of the pieces before.
+fn join<T: Copy>(
+    all: &mut Option<(Association, Vec<T>)>,
+    (association, values): (Association, Vec<T>),
+    cell_of_each: &[usize],
+) -> Result<()> {
     let values = match association {
         Association::Point => values,
         Association::Cell => cell_of_each.iter().map(|&cell| values[cell]).collect(),
     };
-    match &mut all.values {
+    match all {
         Some((own, known)) if *own == association => known.extend(values),
         Some(_) => return Err(Error::run("an array is of points in one piece and of cells in another")),
         none => *none = Some((association, values)),
     }
     Ok(())
+}
+
+/// The colours of an array of three or four bytes that the file marks as its scalars, as VTK's mappers take it: sRGB, and alpha.
+fn marked_colors(
+    element: &Element,
+    piece: &Piece,
+    meter: &Meter,
+) -> Result<Option<(Association, Vec<[f64; 4]>)>> {
+    for (section, association) in [("PointData", Association::Point), ("CellData", Association::Cell)] {
+        let Some(name) = marked(element, &[section], "Scalars") else { continue };
+        let is_color = |stored: &&Stored| {
+            stored.number_type == NumberType::U8 && matches!(stored.component_count, 3 | 4)
+        };
+        if let Some(stored) = piece.array(association, &name).filter(is_color) {
+            let colors = linear_colors(&stored.load::<f64>(meter)?, stored.component_count, 255.0)?;
+            return Ok(Some((association, colors)));
+        }
+    }
+    Ok(None)
 }
 
 /// The points of each cell of a section.
