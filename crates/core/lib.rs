@@ -15,6 +15,7 @@ pub mod field;
 pub mod grid;
 pub mod parameters;
 pub mod picture;
+pub mod picture_parts;
 pub mod probing;
 pub mod progress;
 pub mod reading;

@@ -40,7 +40,7 @@ pub(super) fn straight([r, g, b, opacity]: [f32; 4], largest: f32) -> ([u16; 4],
 }
 
 /// sRGB of linear light, clamped to 0 … 1, in whole numbers up to `largest`.
-fn code(linear: f32, largest: f32) -> u16 {
+pub(super) fn code(linear: f32, largest: f32) -> u16 {
     (srgb_from_linear(linear.clamp(0.0, 1.0)) * largest).round() as u16
 }
 

@@ -4,6 +4,7 @@
 
 mod annotation;
 mod camera;
+mod outputs;
 mod relative;
 mod surfaces;
 mod written;
