@@ -365,7 +365,7 @@ def image_writer(
     *,
     image: _Source | None = None,
     path: str | PathLike[str],
-    format: Literal["auto", "png", "exr", "tiff", "webp", "jpeg", "svg"] | None = None,
+    format: Literal["auto", "png", "exr", "tiff", "webp", "jpeg", "svg", "pdf"] | None = None,
     background: Sequence[float] | str | None = None,
     alpha: bool | None = None,
     bits: int | None = None,

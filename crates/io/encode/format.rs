@@ -4,7 +4,7 @@ use super::colors::{over, straight};
 use crate::provenance::Provenance;
 use std::io::{BufRead, Cursor, Seek};
 use voltet_core::picture::Picture;
-use voltet_core::picture_parts::{Annotation, PictureLayers, PictureParts};
+use voltet_core::picture_parts::{Annotation, PictureLayers, PictureParts, Shape};
 use voltet_core::{Error, Result, agreeing, counted};
 
 /// A format of picture files.
@@ -58,6 +58,16 @@ pub struct PictureContent<'a> {
     pub layers: Option<&'a PictureLayers>,
     /// The annotation apart from the picture, for formats that hold it.
     pub annotation: Option<&'a Annotation>,
+}
+
+impl<'a> PictureContent<'a> {
+    /// The picture under the shapes, and the shapes; of a picture without annotation itself and none.
+    pub(super) fn drawing(&self) -> (&'a Picture, &'a [Shape]) {
+        match self.annotation {
+            Some(Annotation { ground, shapes }) => (ground, shapes),
+            None => (self.picture, &[]),
+        }
+    }
 }
 
 impl<'a> From<&'a Picture> for PictureContent<'a> {

@@ -5,11 +5,13 @@ mod colors;
 mod exr;
 mod format;
 mod jpeg;
+mod pdf;
 mod png;
 mod read;
 mod svg;
 mod tiff;
 mod webp;
+mod xml;
 
 pub use colors::{linear_from_srgb, srgb_from_linear, srgb8, viridis};
 pub use format::{PictureContent, PictureFormat, SampleForm};
@@ -28,7 +30,7 @@ use voltet_graph::suggest;
 
 /// All formats; the first is written to streams.
 pub const FORMATS: &[PictureFormat] =
-    &[png::FORMAT, exr::FORMAT, tiff::FORMAT, webp::FORMAT, jpeg::FORMAT, svg::FORMAT];
+    &[png::FORMAT, exr::FORMAT, tiff::FORMAT, webp::FORMAT, jpeg::FORMAT, svg::FORMAT, pdf::FORMAT];
 
 /// Endings of all formats.
 pub fn all_endings() -> impl Iterator<Item = &'static str> {

@@ -1,15 +1,14 @@
 //! SVG: the picture as an embedded PNG, and its annotation as shapes over it (Scalable Vector Graphics 1.1, second edition).
 
-use super::colors::{code, srgb_from_linear};
+use super::colors::{code, srgb_opacity};
 use super::format::{PictureContent, PictureFile, PictureFormat, SampleForm};
-use super::png;
-use crate::provenance::{MAX_TEXT, PIPELINE, PROVENANCE, Provenance};
-use quick_xml::escape::{escape, resolve_xml_entity};
-use quick_xml::events::Event;
+use super::{png, xml};
+use crate::provenance::Provenance;
+use quick_xml::escape::escape;
 use std::fmt::Write;
 use std::io::Read;
+use voltet_core::Result;
 use voltet_core::picture_parts::{PathStep, Place, Shape, ShapeForm};
-use voltet_core::{Error, Result};
 
 /// The declaration.
 pub(super) const FORMAT: PictureFormat = PictureFormat {
@@ -25,33 +24,22 @@ pub(super) const FORMAT: PictureFormat = PictureFormat {
     embedded_texts: Some(embedded_texts),
 };
 
-/// Name of the namespace of the elements that hold the provenance.
-const NAMESPACE: &str = "https://github.com/voltet/voltet";
-
-/// Most bytes that provenance takes at the begin of a file: two texts, of each character of which an entity may stand.
-const MAX_BEGIN: u64 = 16 * MAX_TEXT as u64;
-
 /// The drawing, in pixels. What it was made from stands before the picture, so that it is found without reading that.
 fn svg(content: PictureContent, form: SampleForm, carried: Option<&Provenance>) -> Result<Vec<u8>> {
-    let (ground, shapes) = match content.annotation {
-        Some(annotation) => (&annotation.ground, annotation.shapes.as_slice()),
-        None => (content.picture, &[][..]),
-    };
+    let (ground, shapes) = content.drawing();
     let [width, height] = [ground.width, ground.height];
     let picture = (png::FORMAT.encode)(ground.into(), form, None)?;
     let mut text = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" xmlns:voltet=\"{NAMESPACE}\" \
-         width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\n"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" xmlns:voltet=\"{}\" \
+         width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\n",
+        xml::NAMESPACE
     );
     if let Some((carried, texts)) = carried.and_then(|carried| Some((carried, carried.texts()?))) {
         if let Some(title) = &carried.title {
             text += &format!("<title>{}</title>\n", escape(title.as_str()));
         }
         text += &format!("<!-- {} -->\n<metadata>\n", carried.program.replace("--", "—"));
-        for (name, value) in texts {
-            // A parser would make a line feed of a carriage return.
-            text += &format!("<{name}>{}</{name}>\n", escape(value.as_str()).replace('\r', "&#13;"));
-        }
+        text += &xml::elements(&texts);
         text += "</metadata>\n";
     }
     text += &format!("<image width=\"{width}\" height=\"{height}\" xlink:href=\"data:image/png;base64,");
@@ -67,7 +55,7 @@ fn element(shape: &Shape) -> String {
     let color = shape.color.map(|linear| code(linear, 255.0));
     let color = format!("#{:02x}{:02x}{:02x}", color[0], color[1], color[2]);
     let paint = |what: &str| {
-        let opacity = opacity(shape);
+        let opacity = srgb_opacity(shape);
         let opacity = if opacity < 1.0 { format!(" {what}-opacity=\"{opacity:.3}\"") } else { String::new() };
         format!("{what}=\"{color}\"{opacity}")
     };
@@ -95,14 +83,6 @@ fn element(shape: &Shape) -> String {
             paint("stroke")
         ),
     }
-}
-
-/// The opacity with which sRGB is mixed, as viewers do, to the colour that linear light mixes, over a ground from which the shape stands
-/// out: white under dark shapes, black under bright ones.
-fn opacity(Shape { color, opacity, .. }: &Shape) -> f32 {
-    let ground = if color[1] > 0.2 { 0.0 } else { 1.0 };
-    let mixed = srgb_from_linear(opacity * color[1] + (1.0 - opacity) * ground);
-    (mixed - ground) / (srgb_from_linear(color[1]) - ground)
 }
 
 /// Path data (section 8.3).
@@ -136,38 +116,7 @@ fn number(x: f32) -> String {
 
 /// The named texts of a drawing of this program.
 fn embedded_texts(file: &mut dyn PictureFile) -> Result<Vec<(String, String)>> {
-    let damaged =
-        |error: &dyn std::fmt::Display| Error::usage("the drawing cannot be read as SVG").got(error);
-    let mut reader = quick_xml::Reader::from_reader(file.take(MAX_BEGIN));
-    let (mut found, mut buffer) = (Vec::new(), Vec::new());
-    let mut open: Option<(String, String)> = None;
-    loop {
-        buffer.clear();
-        match reader.read_event_into(&mut buffer).map_err(|error| damaged(&error))? {
-            Event::Start(tag) => {
-                let name = [PIPELINE, PROVENANCE].into_iter().find(|name| tag.name().as_ref() == *name);
-                open = name.map(|name| (name.to_string(), String::new()));
-            }
-            Event::Text(part) => {
-                if let Some((_, text)) = &mut open {
-                    *text += &part.xml10_content();
-                }
-            }
-            Event::GeneralRef(entity) => {
-                if let Some((_, text)) = &mut open {
-                    match entity.resolve_char_ref().map_err(|error| damaged(&error))? {
-                        Some(letter) => text.push(letter),
-                        None => *text += resolve_xml_entity(&entity).ok_or_else(|| damaged(&&*entity))?,
-                    }
-                }
-            }
-            Event::End(tag) if tag.name().as_ref() == "metadata" => return Ok(found),
-            Event::End(_) => found.extend(open.take().filter(|(_, text)| text.len() <= MAX_TEXT)),
-            // The picture comes behind what it was made from.
-            Event::Empty(_) | Event::Eof => return Ok(found),
-            _ => {}
-        }
-    }
+    xml::texts("SVG", file.take(xml::MAX_BEGIN), "metadata")
 }
 
 #[cfg(test)]
