@@ -1,15 +1,18 @@
-//! `annotation`: a title, the scale of the colours, axes and a scale bar over a picture.
+//! `annotation`: a title, texts, the scale of the colours, axes and a scale bar over a picture.
 
 use crate::color_scale::{ColorScale, limits, refuse_fields};
 use std::sync::Arc;
 use voltet_core::arithmetic::decimal;
 use voltet_core::camera::Projection;
+use voltet_core::parameters::VariantSchema;
 use voltet_core::picture::Picture;
+use voltet_core::picture_parts::{Annotation, PictureParts};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
-use voltet_figure::canvas::{Canvas, Theme};
+use voltet_figure::canvas::{Align, Canvas, Theme};
 use voltet_figure::font_size;
-use voltet_figure::scale::Side;
+use voltet_figure::note::{Anchor, note};
+use voltet_figure::scale::{Border, Side};
 use voltet_figure::space::{View, box_axes, directions, scale_bar};
 use voltet_graph::{
     DefaultValue, Demand, DemandContext, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType,
@@ -19,7 +22,7 @@ use voltet_graph::{
 /// The declaration.
 pub const NODE: Node = Node {
     name: "annotation",
-    summary: "Writes a title, the scale of the colours, axes and a scale bar over a picture.",
+    summary: "Writes a title, texts, the scale of the colours, axes and a scale bar over a picture.",
     inputs: &[Port { name: "image", port_type: PortType::Image, summary: "the picture" }],
     optional_inputs: &[
         Port {
@@ -57,10 +60,19 @@ pub const NODE: Node = Node {
             ..TEXT
         },
         Parameter {
+            name: "texts",
+            parameter_type: ParameterType::Kinds(TEXT_KINDS),
+            default: DefaultValue::Unset("no texts"),
+            help: "texts of one's own; {time}, {file} and {scalar} as in the title",
+            ..TEXT
+        },
+        Parameter {
             name: "bar",
             parameter_type: ParameterType::Choice(&[
                 ("right", "at the right border"),
                 ("left", "at the left border"),
+                ("bottom", "level at the lower border; a plane in the lower right corner"),
+                ("top", "level at the upper border, below the title; a plane in the lower right corner"),
                 ("none", "no bar and no plane"),
             ]),
             default: DefaultValue::Text("right"),
@@ -121,7 +133,8 @@ pub const NODE: Node = Node {
     example: include_str!("examples/annotation.toml"),
     check: &|p| {
         limits(p)?;
-        TEMPLATES.into_iter().filter(|name| p.is_set(name)).try_for_each(|name| pieces(p, name).map(drop))
+        TEMPLATES.into_iter().filter(|name| p.is_set(name)).try_for_each(|name| pieces(p, name).map(drop))?;
+        p.kinds("texts")?.iter().try_for_each(|(_, own)| pieces(own, "text").map(drop))
     },
     demand: &demand,
     run: &run,
@@ -137,6 +150,68 @@ const TEXT: Parameter = Parameter {
 };
 
 const UNIT: Parameter = Parameter { default: DefaultValue::Unset("no unit"), ..TEXT };
+
+/// Places of texts of one's own.
+const TEXT_KINDS: &[VariantSchema] = &[
+    VariantSchema {
+        name: "border",
+        summary: "a text in a corner or at the middle of a border; it gives way to what stands there",
+        parameters: &[
+            OWN_TEXT,
+            Parameter {
+                name: "at",
+                parameter_type: ParameterType::Choice(&[
+                    ("top-left", "upper left corner"),
+                    ("top", "upper border, below the title"),
+                    ("top-right", "upper right corner"),
+                    ("left", "left border"),
+                    ("right", "right border"),
+                    ("bottom-left", "lower left corner"),
+                    ("bottom", "lower border"),
+                    ("bottom-right", "lower right corner"),
+                ]),
+                default: DefaultValue::Text("bottom-left"),
+                help: "where it stands",
+                ..TEXT
+            },
+            Parameter {
+                name: "margin",
+                parameter_type: ParameterType::Number(Range::within(0.3, 100.0)),
+                unit: "heights of letters",
+                default: DefaultValue::Number(0.8),
+                help: "least distance from the border",
+            },
+        ],
+    },
+    VariantSchema {
+        name: "point",
+        summary: "a text at a point of the picture, which stands there or is left out",
+        parameters: &[
+            OWN_TEXT,
+            Parameter {
+                name: "at",
+                parameter_type: ParameterType::Numbers(Some(2), Range::within(0.0, 1.0)),
+                unit: "shares of width and height",
+                default: DefaultValue::Required,
+                help: "the point, from the upper left corner: [0.5, 0.5] is the middle",
+            },
+            Parameter {
+                name: "align",
+                parameter_type: ParameterType::Choice(&[
+                    ("start", "the text begins there"),
+                    ("middle", "its middle is there"),
+                    ("end", "it ends there"),
+                ]),
+                default: DefaultValue::Text("start"),
+                help: "the part of the text that is at the point",
+                ..TEXT
+            },
+        ],
+    },
+];
+
+const OWN_TEXT: Parameter =
+    Parameter { name: "text", default: DefaultValue::Required, help: "the text; \\n begins a line", ..TEXT };
 
 /// Least height of letters of scale 1, pixels.
 const MIN_FONT: f32 = 10.0;
@@ -158,6 +233,9 @@ fn demand(asking: &mut DemandContext) -> Result<()> {
     for name in TEMPLATES.into_iter().filter(|name| p.is_set(name)) {
         needs.push((name, "volume", pieces(p, name)?.len() > 1));
     }
+    for (_, own) in p.kinds("texts")? {
+        needs.push(("texts", "volume", pieces(&own, "text")?.len() > 1));
+    }
     for (name, port, _) in needs.into_iter().filter(|(.., is_needed)| *is_needed) {
         if asking.fed_by(port)?.is_none() {
             let error =
@@ -177,10 +255,14 @@ fn demand(asking: &mut DemandContext) -> Result<()> {
 
 fn run(call: &mut RunContext) -> Result<Outputs> {
     let p = call.parameters;
-    let mut picture = Picture::clone(&*call.image("image")?);
+    let parts = call.picture_parts("image")?;
+    // An annotation under this one goes on.
+    let begun = call.demand.shapes.then(|| match &parts.annotation {
+        Some(annotation) => Annotation::clone(annotation),
+        None => Annotation { ground: Picture::clone(&parts.picture), shapes: Vec::new() },
+    });
+    let mut picture = Picture::clone(&parts.picture);
     let size = [picture.width, picture.height];
-    let volume = call.is_wired("volume")?.then(|| call.volume("volume")).transpose()?;
-    let [title, text, bar_title] = TEMPLATES.map(|name| filled(call, name, volume.as_deref()));
     let theme = if p.text("theme")? == "light" { Theme::LIGHT } else { Theme::DARK };
     let mut font = font_size(size);
     match call.allows_preview() && font < MIN_FONT {
@@ -190,47 +272,10 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     }
     font *= p.number("scale")? as f32;
     let mut canvas = Canvas::new(&mut picture, theme, font);
-    let mut missing: Vec<String> = Vec::new();
-    let heading = canvas.heading(&title?.unwrap_or_default(), &text?.unwrap_or_default());
-    if heading.is_none() {
-        missing.push("the title".into());
+    if let Some(begun) = begun {
+        canvas = canvas.recording(begun);
     }
-    let side = if p.text("bar")? == "left" { Side::Left } else { Side::Right };
-    if p.text("bar")? != "none" && call.is_wired("transfer_function")? {
-        let units = [unit(p, "unit"), unit(p, "length_unit")];
-        let scale = ColorScale::new(call, volume.as_deref(), bar_title?, units)?;
-        if !scale.draw(&mut canvas, side, heading.unwrap_or(0.0)) {
-            missing.push("the scale of the colours".into());
-        }
-    }
-    let axes = p.text("axes")?;
-    if axes != "none" || p.flag("scale_bar")? {
-        let camera = *call.camera("camera")?;
-        if camera.size.map(|side| side as usize) != size {
-            let error = Error::usage("the camera is that of a picture of another size");
-            let found = format!("{} × {}", camera.size[0], camera.size[1]);
-            return Err(error.got(found).expected(format!("that of the image, {} × {}", size[0], size[1])));
-        }
-        let (view, unit) = (View::new(camera)?, unit(p, "length_unit"));
-        if axes == "directions" && !directions(&mut canvas, &view, side.opposite()) {
-            missing.push("the directions".into());
-        }
-        if p.flag("scale_bar")? {
-            if let Projection::Perspective { .. } = camera.projection {
-                let error = p.error("scale_bar", "in perspective no length is the same everywhere");
-                return Err(error.expected("height in place of fov_y at the camera, or axes = \"box\""));
-            }
-            if scale_bar(&mut canvas, &view, unit).is_none() {
-                missing.push("the scale bar".into());
-            }
-        }
-        if let Some(bounds) =
-            volume.as_ref().filter(|_| axes == "box").and_then(|volume| volume.grid.bounds())
-        {
-            let unlabelled = box_axes(&mut canvas, &view, bounds, unit);
-            missing.extend(unlabelled.into_iter().map(|axis| format!("the labels of {axis}")));
-        }
-    }
+    let missing = write(call, &mut canvas)?;
     let lacking = canvas.lacking();
     if !lacking.is_empty() {
         call.notes.warnings.push(format!("the font has no letters '{lacking}': a box stands for each"));
@@ -239,7 +284,101 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
         let what = format!("a picture of {} × {} has no room for {}", size[0], size[1], missing.join(", "));
         call.notes.warnings.push(what + ": a smaller scale or a larger picture has");
     }
-    Ok(vec![Value::Image(Arc::new(picture))])
+    let annotation = canvas.into_record().map(Arc::new);
+    let picture = Arc::new(picture);
+    Ok(vec![match (&annotation, parts.layers) {
+        (None, None) => Value::Image(picture),
+        (_, layers) => Value::PictureParts(Arc::new(PictureParts { picture, layers, annotation })),
+    }])
+}
+
+/// Writes what the parameters state; gives names of what has no room.
+fn write(call: &RunContext, canvas: &mut Canvas) -> Result<Vec<String>> {
+    let p = call.parameters;
+    let volume = call.is_wired("volume")?.then(|| call.volume("volume")).transpose()?;
+    let [title, text, bar_title] = TEMPLATES.map(|name| filled(call, p, name, volume.as_deref()));
+    let mut missing: Vec<String> = Vec::new();
+    let heading = canvas.heading(&title?.unwrap_or_default(), &text?.unwrap_or_default());
+    if heading.is_none() {
+        missing.push("the title".into());
+    }
+    let bar = p.text("bar")?;
+    let side = if bar == "left" { Side::Left } else { Side::Right };
+    if bar != "none" && call.is_wired("transfer_function")? {
+        let units = [unit(p, "unit"), unit(p, "length_unit")];
+        let scale = ColorScale::new(call, volume.as_deref(), bar_title?, units)?;
+        let border = match bar {
+            "top" => Some(Border::Top),
+            "bottom" => Some(Border::Bottom),
+            _ => None,
+        };
+        if !scale.draw(canvas, side, border, heading.unwrap_or(0.0)) {
+            missing.push("the scale of the colours".into());
+        }
+    }
+    let axes = p.text("axes")?;
+    let view = match axes != "none" || p.flag("scale_bar")? {
+        true => Some(view(call, canvas.size())?),
+        false => None,
+    };
+    let length_unit = unit(p, "length_unit");
+    if let Some(view) = &view {
+        if axes == "directions" && !directions(canvas, view, side.opposite()) {
+            missing.push("the directions".into());
+        }
+        if p.flag("scale_bar")? && scale_bar(canvas, view, length_unit).is_none() {
+            missing.push("the scale bar".into());
+        }
+    }
+    for (kind, own) in p.kinds("texts")? {
+        let text = filled(call, &own, "text", volume.as_deref())?.unwrap_or_default();
+        if !note(canvas, &text, anchor(kind, &own)?) {
+            missing.push(format!("the text '{text}'"));
+        }
+    }
+    let bounds = volume.as_ref().filter(|_| axes == "box").and_then(|volume| volume.grid.bounds());
+    if let Some((view, bounds)) = view.zip(bounds) {
+        let unlabelled = box_axes(canvas, &view, bounds, length_unit);
+        missing.extend(unlabelled.into_iter().map(|axis| format!("the labels of {axis}")));
+    }
+    Ok(missing)
+}
+
+/// The view of the picture. Errors: a camera of another picture; a scale bar in perspective.
+fn view(call: &RunContext, size: [f32; 2]) -> Result<View> {
+    let p = call.parameters;
+    let camera = *call.camera("camera")?;
+    if camera.size.map(|side| side as f32) != size {
+        let error = Error::usage("the camera is that of a picture of another size");
+        let found = format!("{} × {}", camera.size[0], camera.size[1]);
+        return Err(error.got(found).expected(format!("that of the image, {} × {}", size[0], size[1])));
+    }
+    if let (true, Projection::Perspective { .. }) = (p.flag("scale_bar")?, camera.projection) {
+        let error = p.error("scale_bar", "in perspective no length is the same everywhere");
+        return Err(error.expected("height in place of fov_y at the camera, or axes = \"box\""));
+    }
+    View::new(camera)
+}
+
+/// Position of a text of one's own.
+fn anchor(kind: &str, p: &Parameters) -> Result<Anchor> {
+    if kind == "point" {
+        let share = p.vector::<2>("at")?.map(|share| share as f32);
+        let align = match p.text("align")? {
+            "start" => Align::Start,
+            "middle" => Align::Middle,
+            _ => Align::End,
+        };
+        return Ok(Anchor::Point { share, align });
+    }
+    let at = p.text("at")?;
+    let end = |low: &str, high: &str| match at {
+        _ if at.contains(low) => Align::Start,
+        _ if at.contains(high) => Align::End,
+        _ => Align::Middle,
+    };
+    let margin = p.number("margin")? as f32;
+    Ok(Anchor::Border { across: end("left", "right"), down: end("top", "bottom"), margin })
 }
 
 fn unit<'a>(p: &'a Parameters, name: &str) -> &'a str {
@@ -260,9 +399,8 @@ fn pieces<'a>(p: &'a Parameters, name: &str) -> Result<Vec<(Option<&'a str>, &'a
     parts.map(|(k, part)| if k == 0 { Ok((None, part)) } else { known(part) }).collect()
 }
 
-/// A text with what its names in braces stand for; `None` where the parameter is not set.
-fn filled(call: &RunContext, name: &str, volume: Option<&Volume>) -> Result<Option<String>> {
-    let p = call.parameters;
+/// A text of a parameter with what its names in braces stand for; `None` where the parameter is not set.
+fn filled(call: &RunContext, p: &Parameters, name: &str, volume: Option<&Volume>) -> Result<Option<String>> {
     if !p.is_set(name) {
         return Ok(None);
     }

@@ -1,11 +1,11 @@
 //! `composite`: integrates every ray segment and composites the pixels.
 
 use crate::drawing;
-use std::sync::Arc;
 use voltet_core::picture::Picture;
+use voltet_core::progress::Progress;
 use voltet_core::{Error, Result, counted};
 use voltet_cpu::{Projection, prepare};
-use voltet_graph::{DemandContext, Node, Outputs, Parameters, Port, PortType, RunContext, Value};
+use voltet_graph::{DemandContext, Node, Outputs, Parameters, Port, PortType, RunContext};
 use voltet_optics::engine::{RenderStats, Stage};
 use voltet_optics::integrators::stated;
 use voltet_optics::scene::Scene;
@@ -66,7 +66,8 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
         Some(engine) => drawing::draw_on(call, &scene, "projection", engine, false)?,
         None => composite(call, &projected.projection, &scene)?,
     };
-    Ok(vec![Value::Image(Arc::new(picture))])
+    let cells = |_: &RunContext, _: &dyn Progress| Ok(projected.projection.cells().ids.clone());
+    Ok(vec![drawing::image(call, &scene, picture, cells)?])
 }
 
 /// Integrates and composites on the CPU engine.

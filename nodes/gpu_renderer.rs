@@ -1,9 +1,9 @@
 //! `gpu-renderer`: culls, projects, sorts and composites on the graphics device.
 
 use crate::{drawing, renderer};
-use std::sync::Arc;
 use voltet_core::Result;
-use voltet_graph::{Node, Outputs, Parameter, RunContext, Value};
+use voltet_core::progress::Progress;
+use voltet_graph::{Node, Outputs, Parameter, RunContext};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -29,5 +29,7 @@ const PARAMETERS: &[Parameter] = match renderer::NODE.parameters {
 fn run(call: &mut RunContext) -> Result<Outputs> {
     let scene = drawing::scene(call)?;
     let picture = drawing::draw(call, &scene, drawing::DEVICE.name)?;
-    Ok(vec![Value::Image(Arc::new(picture))])
+    let cells =
+        |call: &RunContext, progress: &dyn Progress| drawing::contributing_cells(call, &scene, progress);
+    Ok(vec![drawing::image(call, &scene, picture, cells)?])
 }

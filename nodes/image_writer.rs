@@ -1,12 +1,17 @@
 //! `image-writer`: a picture to a file, or to the standard output.
 
 use crate::files::{self, BY_ENDING, FORMAT, PATH};
+use std::collections::BTreeSet;
 use std::path::Path;
+use std::sync::Arc;
 use voltet_core::Result;
+use voltet_core::parameters::LocatedValue;
+use voltet_core::picture_parts::{PictureLayer, PictureLayers};
 use voltet_graph::{
-    DefaultValue, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range, RunContext,
+    DefaultValue, Demand, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range,
+    RunContext, suggest,
 };
-use voltet_io::encode::{FORMATS, PictureFormat, SampleForm, all_endings};
+use voltet_io::encode::{FORMATS, PictureContent, PictureFormat, SampleForm, all_endings};
 use voltet_io::provenance::{self, Provenance};
 
 /// Names and contents of the formats, behind the word for the path's ending.
@@ -55,6 +60,13 @@ pub const NODE: Node = Node {
             help: "8 or 16; .exr has floats of 32 bits always",
         },
         Parameter {
+            name: "layers",
+            parameter_type: ParameterType::Texts,
+            unit: "",
+            default: DefaultValue::Unset("none"),
+            help: "of .exr: any of depth, first_hit, cell, optical_depth, as channels; of the rays through the pixels' centres",
+        },
+        Parameter {
             name: "provenance",
             parameter_type: ParameterType::Boolean,
             unit: "",
@@ -63,18 +75,35 @@ pub const NODE: Node = Node {
         },
     ],
     example: include_str!("examples/stages.toml"),
-    check: &|parameters| form(parameters).and_then(|_| format(parameters)).map(drop),
+    check: &|parameters| form(parameters).and_then(|_| layers(parameters)).map(drop),
+    demand: &|asking| {
+        let (layers, shapes) = (layers(asking.parameters)?, format(asking.parameters)?.has_shapes);
+        asking.ask("image", &Demand { layers, shapes, ..Demand::default() })
+    },
     prepare: &files::prepare,
     run: &run,
     ..Node::BLANK
 };
 
 fn run(call: &mut RunContext) -> Result<Outputs> {
-    let picture = call.image("image")?;
+    let picture = call.picture_parts("image")?;
     let path = call.path("path")?;
+    let requested = layers(call.parameters)?;
+    if !requested.is_empty() && picture.layers.is_none() {
+        let error = call.parameters.error("layers", "the picture has no layers");
+        let expected =
+            "the image of a node of type renderer, gpu-renderer or composite, or of an annotation over it";
+        return Err(error.expected(expected));
+    }
     let carried = carried(call, &path)?;
     let format = format(call.parameters)?;
-    let (file, unheld) = format.file(&picture, form(call.parameters)?, carried.as_ref())?;
+    // Others than these were requested for another file.
+    let own = |all: &Arc<PictureLayers>| {
+        all.iter().filter(|(layer, _)| requested.contains(layer)).map(|(k, v)| (*k, v.clone())).collect()
+    };
+    let layers: Option<PictureLayers> = picture.layers.as_ref().map(own);
+    let content = PictureContent { layers: layers.as_ref(), ..PictureContent::from(&picture) };
+    let (file, unheld) = format.file(content, form(call.parameters)?, carried.as_ref())?;
     call.notes.warnings.extend(unheld);
     files::write(call, &file)?;
     Ok(Vec::new())
@@ -102,6 +131,29 @@ fn form(p: &Parameters) -> Result<SampleForm> {
         other => return Err(p.error("bits", "no format has so many bits").got(other).expected("8 or 16")),
     };
     Ok(SampleForm { alpha: p.flag("alpha")?, background: p.color("background")?, bits })
+}
+
+/// The requested layers. Errors: a name that is none of theirs; a format that holds none.
+fn layers(p: &Parameters) -> Result<BTreeSet<PictureLayer>> {
+    let format = format(p)?;
+    let Some(list) = p.optional("layers").and_then(|setting| setting.list()) else {
+        return Ok(BTreeSet::new());
+    };
+    let layer = |setting: &LocatedValue| {
+        let name = setting.text().unwrap_or_default();
+        PictureLayer::named(name).ok_or_else(|| {
+            setting.error(
+                "there is no such layer",
+                suggest(name, PictureLayer::ALL.into_iter().map(PictureLayer::name)),
+            )
+        })
+    };
+    let layers = list.iter().map(layer).collect::<Result<BTreeSet<PictureLayer>>>()?;
+    if !layers.is_empty() && !format.has_layers {
+        let error = p.error("layers", format!("{} holds no layers", format.name));
+        return Err(error.expected("a path that ends in .exr"));
+    }
+    Ok(layers)
 }
 
 fn format(parameters: &Parameters) -> Result<&'static PictureFormat> {

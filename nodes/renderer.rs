@@ -1,9 +1,9 @@
 //! `renderer`: culls, sorts, projects and composites in one node, on the engine that is there.
 
 use crate::drawing;
-use std::sync::Arc;
 use voltet_core::Result;
-use voltet_graph::{Node, Outputs, Parameter, Port, PortType, RunContext, Value};
+use voltet_core::progress::Progress;
+use voltet_graph::{Node, Outputs, Parameter, Port, PortType, RunContext};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -45,5 +45,7 @@ const PARAMETERS: [Parameter; 9] = {
 fn run(call: &mut RunContext) -> Result<Outputs> {
     let scene = drawing::scene(call)?;
     let picture = drawing::draw(call, &scene, call.parameters.text("engine")?)?;
-    Ok(vec![Value::Image(Arc::new(picture))])
+    let cells =
+        |call: &RunContext, progress: &dyn Progress| drawing::contributing_cells(call, &scene, progress);
+    Ok(vec![drawing::image(call, &scene, picture, cells)?])
 }

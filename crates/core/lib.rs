@@ -16,6 +16,7 @@ pub mod flat_picture;
 pub mod grid;
 pub mod parameters;
 pub mod picture;
+pub mod picture_parts;
 pub mod probing;
 pub mod progress;
 pub mod reading;

@@ -1,13 +1,13 @@
 //! Lines, rectangles and text over a picture, in linear light.
 
+use crate::raster::{draw, draw_line, outside, over, visible_share};
 use std::collections::BTreeSet;
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 use ttf_parser::{Face, OutlineBuilder};
 use voltet_core::picture::Picture;
-use zeno::{Command, Fill, Mask, PathBuilder, Stroke, Style};
+use voltet_core::picture_parts::{Annotation, PathStep, Shape, ShapeForm};
 
-/// Place in the picture, pixels from its upper left corner.
-pub type Place = [f32; 2];
+pub use voltet_core::picture_parts::Place;
 
 /// The end of a text, or its middle, that stands at a place.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,10 +39,12 @@ impl Theme {
 /// A rectangle: its upper left and its lower right corner.
 pub type Rectangle = [Place; 2];
 
-/// A picture that is written over. Parts of it that are taken are not written over again.
+/// A picture that is written over, and, where they are recorded, the shapes that are written. Parts of it that are taken are not written
+/// over again.
 #[derive(Debug)]
 pub struct Canvas<'a> {
     picture: &'a mut Picture,
+    record: Option<Annotation>,
     theme: Theme,
     font: f32,
     taken: Vec<Rectangle>,
@@ -70,6 +72,7 @@ impl<'a> Canvas<'a> {
     pub fn new(picture: &'a mut Picture, theme: Theme, font: f32) -> Canvas<'a> {
         Canvas {
             picture,
+            record: None,
             theme,
             font,
             taken: Vec::new(),
@@ -77,6 +80,17 @@ impl<'a> Canvas<'a> {
             #[cfg(test)]
             texts: Vec::new(),
         }
+    }
+
+    /// Records shapes apart from the picture, behind those of `begun`. What is drawn behind the picture, and colours that are given pixel by
+    /// pixel, belong to the picture under the shapes.
+    pub fn recording(self, begun: Annotation) -> Canvas<'a> {
+        Canvas { record: Some(begun), ..self }
+    }
+
+    /// The recorded shapes; none where they are not recorded.
+    pub fn into_record(self) -> Option<Annotation> {
+        self.record
     }
 
     /// Width and height of the picture.
@@ -135,10 +149,10 @@ impl<'a> Canvas<'a> {
         #[cfg(test)]
         self.texts.push((text.into(), rectangle));
         self.lacking.extend(text.chars().filter(|letter| FONT.glyph_index(*letter).is_none()));
-        let outline = outline(text, [rectangle[0][0], at[1] + 0.36 * self.font], self.font);
+        let path = outline(text, [rectangle[0][0], at[1] + 0.36 * self.font], self.font);
         let Theme { ink, rim } = self.theme;
-        self.paint(&outline, Stroke::new(0.2 * self.font), rim, RIM);
-        self.paint(&outline, Fill::NonZero, ink, 1.0);
+        self.draw(ShapeForm::Outline { path: path.clone(), width: 0.2 * self.font }, rim, RIM);
+        self.draw(ShapeForm::Area(path), ink, 1.0);
     }
 
     /// Writes a title and a text below it in the middle of the upper border, in as many lines as they take. Gives the lower end; `None`
@@ -168,31 +182,32 @@ impl<'a> Canvas<'a> {
 
     /// Draws a line with a rim.
     pub fn line(&mut self, from: Place, to: Place) {
-        self.ink(from, to, |_| false);
+        self.ink_lines(&[[from, to]]);
     }
 
     /// Draws a line with a rim where nothing is taken.
     pub fn line_around(&mut self, from: Place, to: Place) {
-        let taken = self.taken.clone();
-        self.ink(from, to, |at| holds(&taken, at));
+        self.ink_lines(&outside([from, to], &self.taken));
     }
 
     /// Draws a line behind what the picture shows, where nothing is taken.
     pub fn line_behind(&mut self, from: Place, to: Place, opacity: f32) {
-        let (taken, ink) = (self.taken.clone(), self.theme.ink);
-        self.stroke(from, to, self.line_width(), |pixel, share, at| {
-            let behind = if holds(&taken, at) { 0.0 } else { seen(ink, share) * opacity };
-            over(pixel, [behind * ink[0], behind * ink[1], behind * ink[2], behind])
-        });
+        let (ink, width) = (self.theme.ink, self.line_width());
+        let ground = self.record.as_mut().map(|record| &mut record.ground);
+        for picture in ground.into_iter().chain([&mut *self.picture]) {
+            for part in outside([from, to], &self.taken) {
+                draw_line(picture, part, width, |pixel, share| {
+                    let behind = visible_share(ink, share) * opacity;
+                    over(pixel, [behind * ink[0], behind * ink[1], behind * ink[2], behind])
+                });
+            }
+        }
     }
 
-    fn ink(&mut self, from: Place, to: Place, is_left_out: impl Fn(Place) -> bool) {
+    fn ink_lines(&mut self, lines: &[[Place; 2]]) {
         let (width, Theme { ink, rim }) = (self.line_width(), self.theme);
         for (width, color, opacity) in [(2.0 * width + 1.0, rim, 0.5 * RIM), (width, ink, 1.0)] {
-            self.stroke(from, to, width, |pixel, share, at| match is_left_out(at) {
-                true => pixel,
-                false => paint(pixel, color, opacity * seen(color, share)),
-            });
+            lines.iter().for_each(|ends| self.draw(ShapeForm::Line { ends: *ends, width }, color, opacity));
         }
     }
 
@@ -200,13 +215,22 @@ impl<'a> Canvas<'a> {
     pub fn frame(&mut self, [[left, top], [right, bottom]]: Rectangle) {
         let (width, ink) = (self.line_width(), self.theme.ink);
         let half = 0.5 * width;
-        for [from, to] in [
+        for ends in [
             [[left - half, top], [right + half, top]],
             [[left - half, bottom], [right + half, bottom]],
             [[left, top], [left, bottom]],
             [[right, top], [right, bottom]],
         ] {
-            self.stroke(from, to, width, |pixel, share, _| paint(pixel, ink, seen(ink, share)));
+            self.draw(ShapeForm::Line { ends, width }, ink, 1.0);
+        }
+    }
+
+    /// Draws a form in a linear colour.
+    pub fn draw(&mut self, form: ShapeForm, color: [f32; 3], opacity: f32) {
+        let shape = Shape { form, color, opacity };
+        draw(self.picture, &shape);
+        if let Some(record) = &mut self.record {
+            record.shapes.push(shape);
         }
     }
 
@@ -222,104 +246,16 @@ impl<'a> Canvas<'a> {
         size: [usize; 2],
         color: impl Fn(usize, usize) -> [f32; 4],
     ) {
-        let Picture { width, height, rgba } = &mut *self.picture;
-        for row in 0..size[1].min(height.saturating_sub(top)) {
-            for column in 0..size[0].min(width.saturating_sub(left)) {
-                let pixel = &mut rgba[(top + row) * *width + left + column];
-                *pixel = over(color(column, row), *pixel);
+        let ground = self.record.as_mut().map(|record| &mut record.ground);
+        for Picture { width, height, rgba } in ground.into_iter().chain([&mut *self.picture]) {
+            for row in 0..size[1].min(height.saturating_sub(top)) {
+                for column in 0..size[0].min(width.saturating_sub(left)) {
+                    let pixel = &mut rgba[(top + row) * *width + left + column];
+                    *pixel = over(color(column, row), *pixel);
+                }
             }
         }
     }
-
-    /// Changes the pixels of a line by the share of each that it covers, found from the distance of the pixel's centre.
-    fn stroke(
-        &mut self,
-        from: Place,
-        to: Place,
-        width: f32,
-        change: impl Fn([f32; 4], f32, Place) -> [f32; 4],
-    ) {
-        let (half, size) = (0.5 * width + 0.5, self.size());
-        let around = [[-half; 2], [size[0] + half, size[1] + half]];
-        let Some([from, to]) = clipped([from, to], around) else { return };
-        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
-        if length == 0.0 {
-            return;
-        }
-        let [x, y] = [(to[0] - from[0]) / length, (to[1] - from[1]) / length];
-        // Along the axis of its larger extent, and across it as far as it reaches.
-        let (major, minor) = if x.abs() > y.abs() { (0, 1) } else { (1, 0) };
-        let [slope, reach] = [[x, y][minor] / [x, y][major], half / [x, y][major].abs()];
-        let pixels = |from: f32, to: f32, k: usize| {
-            from.floor().max(0.0) as usize..to.ceil().clamp(0.0, size[k]) as usize
-        };
-        let ends = [from[major].min(to[major]) - half, from[major].max(to[major]) + half];
-        for i in pixels(ends[0], ends[1], major) {
-            let middle = from[minor] + slope * (i as f32 + 0.5 - from[major]);
-            for j in pixels(middle - reach, middle + reach, minor) {
-                let (column, row) = if major == 0 { (i, j) } else { (j, i) };
-                let centre = [column as f32 + 0.5, row as f32 + 0.5];
-                let [dx, dy] = [centre[0] - from[0], centre[1] - from[1]];
-                let (along, across) = (dx * x + dy * y, (dx * y - dy * x).abs());
-                let share = |depth: f32| (depth + 0.5).clamp(0.0, 1.0);
-                let share = share(0.5 * width - across) * share(along) * share(length - along);
-                let pixel = &mut self.picture.rgba[row * self.picture.width + column];
-                *pixel = change(*pixel, share, centre);
-            }
-        }
-    }
-
-    /// Paints what a path covers.
-    fn paint<'s>(&mut self, path: &[Command], style: impl Into<Style<'s>>, color: [f32; 3], opacity: f32) {
-        let (shares, place) = Mask::new(path).style(style).render();
-        let [width, height] = [self.picture.width as i32, self.picture.height as i32];
-        for (k, share) in shares.into_iter().enumerate().filter(|(_, share)| *share > 0) {
-            let (column, row) = (k as i32 % place.width as i32, k as i32 / place.width as i32);
-            let (x, y) = (place.left + column, place.top + row);
-            if (0..width).contains(&x) && (0..height).contains(&y) {
-                let pixel = &mut self.picture.rgba[(y * width + x) as usize];
-                *pixel = paint(*pixel, color, opacity * seen(color, f32::from(share) / 255.0));
-            }
-        }
-    }
-}
-
-/// True if a place lies in one of several rectangles.
-fn holds(rectangles: &[Rectangle], at: Place) -> bool {
-    rectangles.iter().any(|[low, high]| (0..2).all(|k| low[k] <= at[k] && at[k] < high[k]))
-}
-
-/// The opacity of ink that covers a share of a pixel: bright lines are thinned and dark ones thickened, as they are where the share
-/// mixes sRGB. In linear light bright letters look bold.
-fn seen(ink: [f32; 3], share: f32) -> f32 {
-    if ink[1] > 0.2 { share.powf(1.5) } else { 1.0 - (1.0 - share).powf(1.5) }
-}
-
-fn paint(pixel: [f32; 4], [r, g, b]: [f32; 3], opacity: f32) -> [f32; 4] {
-    over([opacity * r, opacity * g, opacity * b, opacity], pixel)
-}
-
-/// The part of a line within a rectangle (Liang and Barsky, A new concept and method for line clipping, 1984).
-fn clipped(ends: [Place; 2], [low, high]: Rectangle) -> Option<[Place; 2]> {
-    // An end may lie far outside.
-    let [from, to] = ends.map(|end| end.map(f64::from));
-    let (mut first, mut last) = (0.0_f64, 1.0_f64);
-    for k in 0..2 {
-        let (by, low, high) = (to[k] - from[k], f64::from(low[k]), f64::from(high[k]));
-        if by != 0.0 {
-            let ends = [(low - from[k]) / by, (high - from[k]) / by];
-            first = first.max(ends[0].min(ends[1]));
-            last = last.min(ends[0].max(ends[1]));
-        } else if !(low..=high).contains(&from[k]) {
-            return None;
-        }
-    }
-    let at = |share: f64| [0, 1].map(|k: usize| (from[k] + share * (to[k] - from[k])) as f32);
-    (first < last).then(|| [at(first), at(last)])
-}
-
-fn over(front: [f32; 4], back: [f32; 4]) -> [f32; 4] {
-    std::array::from_fn(|channel| front[channel] + (1.0 - front[3]) * back[channel])
 }
 
 /// Width of a text at a font's size.
@@ -357,7 +293,7 @@ pub fn lines(text: &str, font: f32, width: f32) -> Vec<String> {
     lines
 }
 
-fn outline(text: &str, [x, y]: Place, font: f32) -> Vec<Command> {
+fn outline(text: &str, [x, y]: Place, font: f32) -> Arc<[PathStep]> {
     let mut pen =
         OutlinePath { path: Vec::new(), origin: [x, y], scale: font / f32::from(FONT.units_per_em()) };
     for letter in text.chars() {
@@ -365,12 +301,12 @@ fn outline(text: &str, [x, y]: Place, font: f32) -> Vec<Command> {
         FONT.outline_glyph(glyph, &mut pen);
         pen.origin[0] += f32::from(FONT.glyph_hor_advance(glyph).unwrap_or(0)) * pen.scale;
     }
-    pen.path
+    pen.path.into()
 }
 
 /// Turns outlines of letters, y up, into a path of the picture.
 struct OutlinePath {
-    path: Vec<Command>,
+    path: Vec<PathStep>,
     origin: Place,
     scale: f32,
 }
@@ -383,27 +319,23 @@ impl OutlinePath {
 
 impl OutlineBuilder for OutlinePath {
     fn move_to(&mut self, x: f32, y: f32) {
-        let to = self.at(x, y);
-        self.path.move_to(to);
+        self.path.push(PathStep::Move(self.at(x, y)));
     }
 
     fn line_to(&mut self, x: f32, y: f32) {
-        let to = self.at(x, y);
-        self.path.line_to(to);
+        self.path.push(PathStep::Line(self.at(x, y)));
     }
 
     fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
-        let (control, to) = (self.at(x1, y1), self.at(x, y));
-        self.path.quad_to(control, to);
+        self.path.push(PathStep::Quadratic(self.at(x1, y1), self.at(x, y)));
     }
 
     fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
-        let (first, second, to) = (self.at(x1, y1), self.at(x2, y2), self.at(x, y));
-        self.path.curve_to(first, second, to);
+        self.path.push(PathStep::Cubic(self.at(x1, y1), self.at(x2, y2), self.at(x, y)));
     }
 
     fn close(&mut self) {
-        self.path.close();
+        self.path.push(PathStep::Close);
     }
 }
 
@@ -460,25 +392,27 @@ mod tests {
         assert!(picture.pixel(2, 1)[3] > 0.9 && picture.pixel(2, 0)[3] == 0.0, "{:?}", picture.pixel(2, 1));
     }
 
-    /// A line of any slope, however far its ends lie outside, has an area of length × width.
+    /// Shapes over the picture under them are the picture.
     #[test]
-    fn a_line_covers_its_width_and_ends_where_it_is_told() {
-        let covered = |from, to| {
-            let mut picture = Picture::transparent(60, 60);
-            Canvas::new(&mut picture, Theme::LIGHT, 10.0).stroke(from, to, 2.0, |_, share, _| [share; 4]);
-            picture
-        };
-        for to in [[50.0, 20.5], [20.5, 50.0], [48.0, 37.0], [41.0, 55.0]] {
-            let from: Place = [20.5, 20.5];
-            let area: f32 = covered(from, to).rgba.iter().map(|pixel| pixel[3]).sum();
-            let length = (to[0] - from[0]).hypot(to[1] - from[1]);
-            // A pixel's share is found from its distance alone, which is a few percent off for slanted edges.
-            assert!((area / (2.0 * length) - 1.0).abs() < 0.06, "{to:?}: {area} of {}", 2.0 * length);
-        }
-        let far = covered([-1e8, 30.0], [1e8, 30.0]);
-        assert!(far.rgba[29 * 60..31 * 60].iter().all(|pixel| pixel[3] == 1.0));
-        assert!(far.rgba[..29 * 60].iter().all(|pixel| pixel[3] == 0.0));
-        assert_eq!(covered([-5.0, -5.0], [70.0, -5.0]), Picture::transparent(60, 60));
+    fn recorded_shapes_are_what_is_drawn() {
+        let mut picture = Picture { width: 60, height: 40, rgba: vec![[0.1, 0.2, 0.05, 0.4]; 2400] };
+        let ground = picture.clone();
+        let mut canvas = Canvas::new(&mut picture, Theme::DARK, 12.0)
+            .recording(Annotation { ground: ground.clone(), shapes: Vec::new() });
+        assert!(canvas.take([[30.0, 4.0], [40.0, 36.0]]));
+        canvas.text("12 Ω", [20.0, 10.0], Align::Middle);
+        canvas.line_around([2.0, 25.0], [58.0, 35.0]);
+        canvas.line_behind([5.0, 2.0], [50.0, 38.0], 0.5);
+        canvas.pixels([45, 4], [10, 8], |column, _| [column as f32 / 20.0, 0.0, 0.0, 0.5]);
+        canvas.frame([[45.0, 4.0], [55.0, 12.0]]);
+        let Annotation { ground: mut drawn, shapes } = canvas.into_record().unwrap();
+        // Rim and ink of the text, of two parts of the line, and the frame's four sides.
+        assert_eq!(shapes.len(), 2 + 4 + 4);
+        assert_ne!(drawn, ground);
+        shapes.iter().for_each(|shape| draw(&mut drawn, shape));
+        let channels = drawn.rgba.as_flattened().iter().zip(picture.rgba.as_flattened());
+        // Coats of paint in another order of brackets.
+        assert!(channels.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max) < 1e-6);
     }
 
     /// At four times the size, letters have edges as narrow as at one: fewer of their pixels are mixed.

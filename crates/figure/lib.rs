@@ -2,7 +2,8 @@
 //!
 //! | module | what |
 //! | --- | --- |
-//! | [`canvas`] | lines, rectangles and text over a picture, in linear light |
+//! | [`canvas`] | lines, rectangles and text over a picture, in linear light, or as shapes apart from it |
+//! | [`note`] | texts of one's own in corners, at borders and at points |
 //! | [`ticks`] | round numbers along an axis, and their labels |
 //! | [`scale`] | a colour bar along s; the plane of s and g |
 //! | [`space`] | box, axes and scale bar of a view |
@@ -10,6 +11,8 @@
 //! Lengths are in pixels, from the upper left corner of the picture. A size that is not stated follows from the height of the letters.
 
 pub mod canvas;
+pub mod note;
+mod raster;
 pub mod scale;
 pub mod space;
 pub mod ticks;
@@ -22,9 +25,11 @@ pub fn font_size([width, height]: [usize; 2]) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use canvas::Align;
     use canvas::{Canvas, Theme};
     use glam::DVec3;
-    use scale::{NamedAxis, Shade, Side};
+    use note::{Anchor, note};
+    use scale::{Border, NamedAxis, Shade, Side};
     use voltet_core::camera::{Camera, Projection};
     use voltet_core::grid::extent::corners;
     use voltet_core::picture::Picture;
@@ -33,14 +38,25 @@ mod tests {
         NamedAxis { name: name.into(), range }
     }
 
+    /// The scale of a figure.
+    #[derive(Debug, Clone, Copy)]
+    enum Scale {
+        Bar(Side),
+        Plane(Side),
+        Level(Border),
+    }
+
+    const SCALES: [Scale; 6] = [
+        Scale::Bar(Side::Left),
+        Scale::Bar(Side::Right),
+        Scale::Plane(Side::Left),
+        Scale::Plane(Side::Right),
+        Scale::Level(Border::Top),
+        Scale::Level(Border::Bottom),
+    ];
+
     /// Elements of a figure with everything, written over nothing. Gives the number of texts.
-    fn check_figure(
-        size: [usize; 2],
-        side: Side,
-        is_plane: bool,
-        direction: DVec3,
-        projection: Projection,
-    ) -> usize {
+    fn check_figure(size: [usize; 2], scale: Scale, direction: DVec3, projection: Projection) -> usize {
         let ends = [DVec3::new(-0.2, 3.0, 1e5), DVec3::new(7.5, 5.0, 1e5 + 3.0)];
         let (eye, up) = (direction, if direction.z.abs() > 0.99 { DVec3::Y } else { DVec3::Z });
         let camera = Camera {
@@ -58,16 +74,25 @@ mod tests {
         let mut canvas = Canvas::new(&mut picture, Theme::LIGHT, font_size(size).max(10.0));
         let top = canvas.heading("heat_sink.vtu", "t = 0.25 s, steady conduction").unwrap();
         let s = axis("Temperature of the fluid [°C]", [101325.0, 101325.01]);
-        if is_plane {
-            let g = axis("|∇T| [K/mm]", [0.0, 3e5]);
-            assert!(scale::plane(&mut canvas, side, [&s, &g], |_| [0.5, 0.5, 0.5, 1.0]).is_some());
-        } else {
-            let shade = |[low, _]: [f64; 2]| Shade { color: None, extinction: low };
-            assert!(scale::color_bar(&mut canvas, side, top, &s, shade).is_some());
-        }
+        let shade = |[low, _]: [f64; 2]| Shade { color: None, extinction: low - 101324.0 };
+        let (side, place) = match scale {
+            Scale::Bar(side) => (side, scale::color_bar(&mut canvas, side, top, &s, shade)),
+            Scale::Plane(side) => {
+                let g = axis("|∇T| [K/mm]", [0.0, 3e5]);
+                (side, scale::plane(&mut canvas, side, [&s, &g], |_| [0.5, 0.5, 0.5, 1.0]))
+            }
+            Scale::Level(border) => {
+                (Side::Right, scale::level_color_bar(&mut canvas, border, top, &s, shade))
+            }
+        };
+        assert!(place.is_some(), "{size:?} {scale:?}");
         assert!(space::directions(&mut canvas, &view, side.opposite()));
         let is_parallel = matches!(projection, Projection::Orthographic { .. });
         assert_eq!(space::scale_bar(&mut canvas, &view, "mm").is_some(), is_parallel);
+        for (across, down) in [(Align::Start, Align::End), (Align::End, Align::Start)] {
+            let anchor = Anchor::Border { across, down, margin: 0.5 };
+            assert!(note(&mut canvas, "run 7, refined", anchor), "{size:?} {scale:?}");
+        }
         let fixed = canvas.texts.len();
         let unlabelled = space::box_axes(&mut canvas, &view, ends, "mm");
         assert!(
@@ -75,7 +100,7 @@ mod tests {
             "{size:?} {direction} {projection:?}: {unlabelled:?}"
         );
         let texts = std::mem::take(&mut canvas.texts);
-        let what = format!("{size:?} {side:?} {is_plane} {direction} {projection:?}");
+        let what = format!("{size:?} {scale:?} {direction} {projection:?}");
         for (k, (text, [low, high])) in texts.iter().enumerate() {
             let is_within = (0..2).all(|k| low[k] >= 0.0 && high[k] <= size[k] as f32);
             assert!(is_within, "{what}: '{text}' is cut at {low:?} {high:?}");
@@ -100,17 +125,15 @@ mod tests {
         ];
         let projections = [Projection::Perspective { fov_y: 30.0 }, Projection::Orthographic { height: 1.0 }];
         for size in [[400, 300], [300, 400], [1024, 768], [3840, 2160]] {
-            for (side, is_plane) in
-                [(Side::Left, false), (Side::Right, false), (Side::Left, true), (Side::Right, true)]
-            {
+            for scale in SCALES {
                 for (view, projection) in
                     views.into_iter().flat_map(|view| projections.map(|one| (view, one)))
                 {
-                    let labels = check_figure(size, side, is_plane, view, projection);
+                    let labels = check_figure(size, scale, view, projection);
                     // Two ticks and the name of two axes at least.
                     assert!(
                         labels >= 6,
-                        "{size:?} {side:?} {is_plane} {view} {projection:?}: {labels} labels at the box"
+                        "{size:?} {scale:?} {view} {projection:?}: {labels} labels at the box"
                     );
                 }
             }

@@ -1,7 +1,8 @@
 //! The scale of a picture's colours: a bar along s, or the plane of s and g.
 
-use crate::canvas::{Align, Canvas, LEADING, Rectangle, lines, text_width};
+use crate::canvas::{Align, Canvas, LEADING, Place, Rectangle, lines, text_width};
 use crate::ticks::{Ticks, ticks};
+use voltet_core::picture_parts::{PathStep, ShapeForm};
 
 /// The side of the picture at which a scale stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,6 +24,15 @@ impl Side {
         let margin = 0.8 * canvas.font();
         if self == Side::Left { margin } else { canvas.size()[0] - margin - width }
     }
+}
+
+/// The border of the picture along which a level bar stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Border {
+    /// Upper.
+    Top,
+    /// Lower.
+    Bottom,
 }
 
 /// An axis with its name.
@@ -67,9 +77,94 @@ const ROOM: f32 = 1.8;
 /// Extinctions that differ by less, as a share of the largest, are the same.
 const EVEN: f64 = 0.01;
 
-/// Draws a bar whose pixels have the colours of the values that they stand for, with ticks, and the axis' name above it. Row k of n stands
-/// for the values from share k to share k + 1 of the axis. Where extinctions differ, their curve stands to the left of the bar.
-/// `top`: what is above is not for the bar.
+/// A bar of colours: cells of a pixel each, from the low end of the axis on, and the curve of the extinction beside them.
+struct Bar {
+    /// The corner at the low end and away from the ticks: upright the lower left one, else the upper left one.
+    origin: Place,
+    /// True if values grow upward, false if to the right.
+    is_upright: bool,
+    /// Number of cells.
+    length: usize,
+    /// Width across.
+    width: f32,
+    /// Reach of the curve, away from the ticks; 0 without.
+    curve: f32,
+    shades: Vec<Shade>,
+    max_extinction: f64,
+}
+
+impl Bar {
+    /// A bar at no place yet. `shade`: look of the values of a cell.
+    fn new(axis: &NamedAxis, length: f32, font: f32, shade: impl Fn([f64; 2]) -> Shade) -> Bar {
+        let (length, [low, high]) = (length as usize, axis.range);
+        let edge = |cell: usize| low + cell as f64 / length as f64 * (high - low);
+        let shades: Vec<Shade> = (0..length).map(|cell| shade([edge(cell), edge(cell + 1)])).collect();
+        let max_extinction = shades.iter().map(|shade| shade.extinction).fold(0.0, f64::max);
+        let is_even = shades.iter().all(|shade| shade.extinction >= (1.0 - EVEN) * max_extinction);
+        let curve = if is_even { 0.0 } else { (1.2 * font).round() };
+        let width = (1.1 * font).round();
+        Bar { origin: [0.0; 2], is_upright: true, length, width, curve, shades, max_extinction }
+    }
+
+    /// The place so far along the bar from its low end, and so far across it toward the ticks.
+    fn place(&self, along: f32, across: f32) -> Place {
+        let [x, y] = self.origin;
+        if self.is_upright { [x + across, y - along] } else { [x + along, y + across] }
+    }
+
+    /// The rectangle from one length along the bar to another, of its whole width.
+    fn rectangle(&self, from: f32, to: f32) -> Rectangle {
+        let ([ax, ay], [bx, by]) = (self.place(from, 0.0), self.place(to, self.width));
+        [[ax.min(bx), ay.min(by)], [ax.max(bx), ay.max(by)]]
+    }
+
+    /// Draws colours, curve and border.
+    fn draw(&self, canvas: &mut Canvas) {
+        if self.curve > 0.0 {
+            let (ink, path) = (canvas.theme().ink, self.curve_path());
+            canvas.draw(ShapeForm::Area(path.into()), ink, 0.6);
+        }
+        for (cell, shade) in self.shades.iter().enumerate() {
+            let Some(color) = shade.color else { continue };
+            // Under the next cell, too, so that no seam between the two is seen at any size.
+            let is_coloured = |shade: &Shade| shade.color.is_some();
+            let end = if self.shades.get(cell + 1).is_some_and(is_coloured) { cell + 2 } else { cell + 1 };
+            canvas.draw(ShapeForm::Rectangle(self.rectangle(cell as f32, end as f32)), color, 1.0);
+        }
+        canvas.frame(self.rectangle(0.0, self.length as f32));
+    }
+
+    /// The curve of the extinction, from the bar's side outward.
+    fn curve_path(&self) -> Vec<PathStep> {
+        let mut path = vec![PathStep::Move(self.place(0.0, 0.0))];
+        for (cell, shade) in self.shades.iter().enumerate() {
+            let across = -self.curve * (shade.extinction / self.max_extinction) as f32;
+            path.extend([cell, cell + 1].map(|along| PathStep::Line(self.place(along as f32, across))));
+        }
+        path.extend([PathStep::Line(self.place(self.length as f32, 0.0)), PathStep::Close]);
+        path
+    }
+
+    /// Draws the ticks' marks and labels. `align`: of labels at their places, the middle of which are so many font sizes off the bar.
+    fn draw_ticks(&self, canvas: &mut Canvas, axis: &NamedAxis, ticks: &Ticks, off: f32, align: Align) {
+        let font = canvas.font();
+        for (value, label) in &ticks.ticks {
+            let along = self.length as f32 * axis.share(*value);
+            canvas.line(self.place(along, self.width), self.place(along, self.width + 0.4 * font));
+            canvas.text(label, self.place(along, self.width + off * font), align);
+        }
+    }
+
+    /// The colours' first column and row and their numbers.
+    fn pixels(&self) -> [[usize; 2]; 2] {
+        let [[left, top], [right, bottom]] = self.rectangle(0.0, self.length as f32);
+        [[left as usize, top as usize], [(right - left) as usize, (bottom - top) as usize]]
+    }
+}
+
+/// Draws an upright bar whose pixels have the colours of the values that they stand for, with ticks, and the axis' name above it. Cell k of
+/// n stands for the values from share k/n to share (k + 1)/n of the axis. Where extinctions differ, their curve stands to the left of the
+/// bar. `top`: what is above is not for the bar.
 ///
 /// Gives the colours' first column and row and their numbers; `None` where there is no room.
 pub fn color_bar(
@@ -88,15 +183,8 @@ pub fn color_bar(
     }
     let ticks = axis.ticks(length, 9, |_| ROOM * font);
     let labels = ticks.ticks.iter().map(|(_, label)| text_width(label, font)).fold(0.0, f32::max);
-    let rows = length as usize;
-    let [low, high] = axis.range;
-    let edge = |row: usize| high - row as f64 / rows as f64 * (high - low);
-    let shades: Vec<Shade> = (0..rows).map(|row| shade([edge(row + 1), edge(row)])).collect();
-    let most = shades.iter().map(|shade| shade.extinction).fold(0.0, f64::max);
-    let is_even = shades.iter().all(|shade| shade.extinction >= (1.0 - EVEN) * most);
-    let curve = if is_even { 0.0 } else { (1.2 * font).round() };
-    let bar = (1.1 * font).round();
-    let content = curve + bar + 0.7 * font + labels;
+    let mut bar = Bar::new(axis, length, font, shade);
+    let content = bar.curve + bar.width + 0.7 * font + labels;
     let names = name.iter().chain(&ticks.note).map(|line| text_width(line, font)).fold(0.0, f32::max);
     let block = content.max(names);
     let left = side.left(canvas, block);
@@ -107,28 +195,57 @@ pub fn color_bar(
         return None;
     }
     let (named_at, align, bar_left) = match side {
-        Side::Left => (left, Align::Start, (left + curve).round()),
-        Side::Right => (left + block, Align::End, (left + block - content + curve).round()),
+        Side::Left => (left, Align::Start, (left + bar.curve).round()),
+        Side::Right => (left + block, Align::End, (left + block - content + bar.curve).round()),
     };
     for (k, line) in name.iter().chain(&ticks.note).enumerate() {
         canvas.text(line, [named_at, above + (k as f32 + 0.5) * LEADING * font], align);
     }
-    let ink = canvas.theme().ink;
-    canvas.pixels([(bar_left - curve) as usize, first as usize], [curve as usize, rows], |column, row| {
-        let reach = curve * (shades[row].extinction / most) as f32;
-        let share = 0.6 * (reach - (curve - 1.0 - column as f32)).clamp(0.0, 1.0);
-        [share * ink[0], share * ink[1], share * ink[2], share]
-    });
-    let place = [[bar_left as usize, first as usize], [bar as usize, rows]];
-    canvas
-        .pixels(place[0], place[1], |_, row| shades[row].color.map_or([0.0; 4], |[r, g, b]| [r, g, b, 1.0]));
-    canvas.frame([[bar_left, first], [bar_left + bar, first + length]]);
-    for (value, label) in &ticks.ticks {
-        let y = first + length * (1.0 - axis.share(*value));
-        canvas.line([bar_left + bar, y], [bar_left + bar + 0.4 * font, y]);
-        canvas.text(label, [bar_left + bar + 0.7 * font, y], Align::Start);
+    bar.origin = [bar_left, first + length];
+    bar.draw(canvas);
+    bar.draw_ticks(canvas, axis, &ticks, 0.7, Align::Start);
+    Some(bar.pixels())
+}
+
+/// Draws a level bar in the middle of a border, as [`color_bar`] draws an upright one: values grow to the right, the name is above, the
+/// curve of the extinction between the two.
+pub fn level_color_bar(
+    canvas: &mut Canvas,
+    border: Border,
+    top: f32,
+    axis: &NamedAxis,
+    shade: impl Fn([f64; 2]) -> Shade,
+) -> Option<[[usize; 2]; 2]> {
+    let (font, [width, height]) = (canvas.font(), canvas.size());
+    let length = (0.5 * width).floor();
+    if length < 4.0 * font {
+        return None;
     }
-    Some(place)
+    let ticks = axis.ticks(length, 9, |label| text_width(label, font) + 0.8 * font);
+    let widest = ticks.ticks.iter().map(|(_, label)| text_width(label, font)).fold(0.0, f32::max);
+    let note = ticks.note.as_ref().map_or(String::new(), |note| format!("  {note}"));
+    let name = lines(&format!("{}{note}", axis.name), font, 0.8 * width);
+    let mut bar = Bar::new(axis, length, font, shade);
+    let head = name.len() as f32 * LEADING * font + 0.3 * font + bar.curve;
+    let block_height = head + bar.width + 2.0 * font;
+    let above = match border {
+        Border::Top => top + 0.4 * font,
+        Border::Bottom => height - 0.4 * font - block_height,
+    };
+    let names = name.iter().map(|line| text_width(line, font)).fold(0.0, f32::max);
+    let half = 0.5 * names.max(length + widest);
+    let middle = 0.5 * width;
+    if above < top || !canvas.take([[middle - half, above], [middle + half, above + block_height]]) {
+        return None;
+    }
+    for (k, line) in name.iter().enumerate() {
+        canvas.text(line, [middle, above + (k as f32 + 0.5) * LEADING * font], Align::Middle);
+    }
+    bar.is_upright = false;
+    bar.origin = [(middle - 0.5 * length).round(), (above + head).round()];
+    bar.draw(canvas);
+    bar.draw_ticks(canvas, axis, &ticks, 1.3, Align::Middle);
+    Some(bar.pixels())
 }
 
 /// Draws the plane of s and g in the lower corner of a side, s to the right and g upward, with ticks and names of both axes. `color`: the
@@ -217,6 +334,30 @@ mod tests {
             let [r, g, b] = color(80.0 - (row as f64 + 0.5) / rows as f64 * 60.0);
             let found = picture.pixel(left + width / 2, top + row);
             assert!(found.iter().zip([r, g, b, 1.0]).all(|(a, b)| (a - b).abs() < 1e-6), "{row} {found:?}");
+        }
+    }
+
+    /// As [`a_bars_pixels_are_the_colours_of_their_values`], from left to right; columns without colour stay clear.
+    #[test]
+    fn a_level_bars_pixels_are_the_colours_of_their_values() {
+        for (border, above) in [(Border::Top, true), (Border::Bottom, false)] {
+            let mut picture = Picture::transparent(400, 300);
+            let mut canvas = Canvas::new(&mut picture, Theme::DARK, 11.0);
+            let color = |s: f64| [s as f32 / 80.0, 0.0, 0.5];
+            let shade = |[low, high]: [f64; 2]| Shade {
+                color: (low >= 50.0).then(|| color(0.5 * (low + high))),
+                extinction: 1.0,
+            };
+            let place = level_color_bar(&mut canvas, border, 20.0, &axis([20.0, 80.0]), shade);
+            let [[left, top], [columns, rows]] = place.unwrap();
+            assert_eq!((columns, top < 150), (200, above));
+            for column in 2..columns - 2 {
+                let value = 20.0 + (column as f64 + 0.5) / columns as f64 * 60.0;
+                let [r, g, b] = color(value);
+                let wanted = if value > 50.0 { [r, g, b, 1.0] } else { [0.0; 4] };
+                let found = picture.pixel(left + column, top + rows / 2);
+                assert!(found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-6), "{column} {found:?}");
+            }
         }
     }
 

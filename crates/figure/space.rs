@@ -7,6 +7,9 @@ use glam::DVec3;
 use voltet_core::Result;
 use voltet_core::camera::{Camera, Frame, Projection};
 
+/// Rows, of a font's size each, by which directions and scale bar give way to what stands at the lower border.
+const MAX_ROWS: usize = 12;
+
 const NAMES: [&str; 3] = ["x", "y", "z"];
 
 /// Places of points in a camera's picture.
@@ -257,15 +260,16 @@ fn labels(
     Labels { ticks, name, align }
 }
 
-/// Draws the directions of the axes in the lower corner of a side, the nearest last. False where there is no room.
+/// Draws the directions of the axes in the lower corner of a side, or above what stands there, the nearest last. False where there is no
+/// room.
 pub fn directions(canvas: &mut Canvas, view: &View, side: Side) -> bool {
     let font = canvas.font();
     let (length, half) = (2.0 * font, 3.8 * font);
     let left = side.left(canvas, 2.0 * half);
-    let centre = [left + half, canvas.size()[1] - 0.5 * font - half];
-    if !canvas.take([centre.map(|x| x - half), centre.map(|x| x + half)]) {
-        return false;
-    }
+    let centres = (0..MAX_ROWS).map(|row| [left + half, canvas.size()[1] - (0.5 + row as f32) * font - half]);
+    let around = |centre: Place| [centre.map(|x| x - half), centre.map(|x| x + half)];
+    let free: Option<Place> = centres.into_iter().find(|centre| canvas.is_free(around(*centre)));
+    let Some(centre) = free.filter(|centre| canvas.take(around(*centre))) else { return false };
     let Frame { right, up, forward, .. } = view.frame;
     let mut axes = [0, 1, 2].map(|axis| (axis, DVec3::AXES[axis]));
     axes.sort_by(|a, b| b.1.dot(forward).total_cmp(&a.1.dot(forward)));
@@ -298,13 +302,13 @@ pub fn scale_bar(canvas: &mut Canvas, view: &View, unit: &str) -> Option<f64> {
     };
     let half = (0.5 * length / pixel) as f32;
     let around = half.max(0.5 * text_width(&label, font)) + 0.3 * font;
-    let y = height - font;
-    // In the middle, or beside what stands in the corners.
+    // In the middle, or beside what stands in the corners, or above what stands at the border.
     let [low, high] = [around + 0.5 * font, width - around - 0.5 * font];
     let middles = [4, 3, 5, 2, 6, 1, 7, 0, 8].map(|k| low + k as f32 / 8.0 * (high - low));
-    let x = middles
-        .into_iter()
-        .find(|x| canvas.take([[x - around, y - 1.9 * font], [x + around, y + 0.5 * font]]))?;
+    let heights = (0..MAX_ROWS).map(|row| height - (1.0 + row as f32) * font);
+    let [x, y] = heights
+        .flat_map(|y| middles.map(|x| [x, y]))
+        .find(|[x, y]| canvas.take([[x - around, y - 1.9 * font], [x + around, y + 0.5 * font]]))?;
     canvas.line([x - half, y], [x + half, y]);
     for end in [x - half, x + half] {
         canvas.line([end, y - 0.4 * font], [end, y + 0.4 * font]);

@@ -162,8 +162,8 @@ fn drawn(
     let taker = *graph.order.iter().find(takes).ok_or_else(missing)?;
     let edge = graph.nodes[taker].inputs.iter().position(|edge| edge.node == place).ok_or_else(missing)?;
     let (values, report) = session.feed(graph, taker, &Default::default(), observer)?;
-    let Some(voltet_graph::Value::Image(picture)) = values.get(edge) else { return Err(missing()) };
-    let picture: &Arc<Picture> = picture;
+    let picture: &Arc<Picture> =
+        values.get(edge).and_then(voltet_graph::Value::picture).ok_or_else(missing)?;
     let engine = report.engine.map(|(engine, _)| engine).unwrap_or_else(|| "the stages".into());
     let engine = [Some(engine), report.adapter].into_iter().flatten().collect::<Vec<_>>().join(", ");
     Ok(EnginePixel { engine, rgba: picture.pixel(x as usize, y as usize).map(f64::from) })

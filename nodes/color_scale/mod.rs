@@ -7,7 +7,7 @@ use voltet_core::probing::{Axis, Histogram, histogram};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_figure::canvas::{Canvas, Theme};
-use voltet_figure::scale::{NamedAxis, Shade, Side, color_bar, plane};
+use voltet_figure::scale::{Border, NamedAxis, Shade, Side, color_bar, level_color_bar, plane};
 use voltet_graph::{Parameters, RunContext};
 use voltet_optics::{CompiledTransferFunction, Contribution, Segment, WidgetBlend};
 
@@ -88,12 +88,15 @@ impl ColorScale {
         Ok(ColorScale { function: CompiledTransferFunction::new(&function)?, peak, s, plane })
     }
 
-    /// Draws it; false where there is no room.
-    pub fn draw(&self, canvas: &mut Canvas, side: Side, top: f32) -> bool {
+    /// Draws it; false where there is no room. `border`: that of a level bar, which has no side.
+    pub fn draw(&self, canvas: &mut Canvas, side: Side, border: Option<Border>, top: f32) -> bool {
         let Some((g_axis, Distribution(found))) = self.plane.as_ref().map(|(axis, found)| (axis, &**found))
         else {
             let shade = |[low, high]: [f64; 2]| self.shade([low, 0.0], [high, 0.0]);
-            return color_bar(canvas, side, top, &self.s, shade).is_some();
+            return match border {
+                Some(border) => level_color_bar(canvas, border, top, &self.s, shade).is_some(),
+                None => color_bar(canvas, side, top, &self.s, shade).is_some(),
+            };
         };
         let most = found.volumes.iter().copied().fold(0.0, f64::max);
         let Theme { ink, rim } = canvas.theme();

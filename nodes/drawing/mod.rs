@@ -2,9 +2,11 @@
 
 mod diagnostics;
 mod engines;
+mod layers;
 mod scene;
 
 pub use diagnostics::warnings as picture_warnings;
 pub(crate) use diagnostics::{note, note_bands, note_unsorted, record_unsorted};
 pub use engines::*;
+pub(crate) use layers::{contributing_cells, image};
 pub use scene::*;

@@ -389,7 +389,8 @@ def annotation(
     camera: _Source | None = None,
     title: str | None = None,
     text: str | None = None,
-    bar: Literal["right", "left", "none"] | None = None,
+    texts: Sequence[Mapping[str, Any]] | None = None,
+    bar: Literal["right", "left", "bottom", "top", "none"] | None = None,
     bar_title: str | None = None,
     bar_range: Sequence[float] | None = None,
     unit: str | None = None,
@@ -399,7 +400,7 @@ def annotation(
     theme: Literal["dark", "light"] | None = None,
     scale: float | None = None,
 ) -> Node:
-    """Writes a title, the scale of the colours, axes and a scale bar over a picture."""
+    """Writes a title, texts, the scale of the colours, axes and a scale bar over a picture."""
 def grid_writer(
     pipeline: Pipeline,
     node: str,
@@ -423,10 +424,11 @@ def image_writer(
     *,
     image: _Source | None = None,
     path: str | PathLike[str],
-    format: Literal["auto", "png", "exr", "tiff", "webp", "jpeg"] | None = None,
+    format: Literal["auto", "png", "exr", "tiff", "webp", "jpeg", "svg", "pdf"] | None = None,
     background: Sequence[float] | str | None = None,
     alpha: bool | None = None,
     bits: int | None = None,
+    layers: Sequence[str] | None = None,
     provenance: bool | None = None,
 ) -> Node:
     """Writes a picture in the format that its path ends in."""

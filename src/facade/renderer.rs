@@ -115,7 +115,7 @@ impl Image {
     pub fn save_over(&self, path: impl AsRef<Path>, background: [f64; 3]) -> Result<()> {
         let path = path.as_ref();
         let format = encode::format_by_ending(path)?;
-        let (file, _) = format.file(&self.0, encode::SampleForm::over(background), None)?;
+        let (file, _) = format.file(&*self.0, encode::SampleForm::over(background), None)?;
         write_whole(path, &file)
     }
 }

@@ -151,11 +151,10 @@ impl Query for PreviewQuery {
         let graph = wanted.graph(run.registry, divisor)?;
         let place = graph.nodes.len() - 1;
         let (fed, _) = run.session.feed(&graph, place, &Demand::default(), run.observer)?;
-        let mut pictures =
-            graph.nodes[place].inputs.iter().zip(fed).filter_map(|(edge, value)| match value {
-                Value::Image(picture) if graph.nodes[edge.node].name == wanted.node => Some(picture),
-                _ => None,
-            });
+        let fed = graph.nodes[place].inputs.iter().zip(fed);
+        let mut pictures = fed
+            .filter(|(edge, _)| graph.nodes[edge.node].name == wanted.node)
+            .filter_map(|(_, value)| value.picture().cloned());
         let picture = pictures.next().ok_or_else(|| wanted.no_picture())?;
         Ok(Pixels::new(picture, wanted, divisor, 0))
     }

@@ -316,6 +316,7 @@ fn describe(value: &Value) -> String {
             (count(grid.tetrahedra.len(), "tetrahedron"), count(grid.points.len(), "point"));
         format!("{cells}, {points}{}", ranges.collect::<String>())
     };
+    let size = |picture: &Picture| format!("{} × {} pixels", picture.width, picture.height);
     match value {
         Value::Grid(of) => grid(of, of.scalar.as_deref(), None),
         Value::Volume(of) => grid(&of.grid, Some(&of.scalar), of.gradient_magnitude.as_deref()),
@@ -323,7 +324,8 @@ fn describe(value: &Value) -> String {
         Value::Camera(camera) => format!("{} × {} pixels", camera.size[0], camera.size[1]),
         Value::Cells(_) => "cells that can contribute".into(),
         Value::Projection(_) => "projected cells".into(),
-        Value::Image(picture) => format!("{} × {} pixels", picture.width, picture.height),
+        Value::Image(picture) => size(picture),
+        Value::PictureParts(parts) => size(&parts.picture),
         Value::Report(report) => format!("{} characters of JSON", report.len()),
         Value::Surface(surface) => counted(surface.triangles.len(), "triangle"),
         Value::CellValues(values) => match values.arrays.keys().cloned().collect::<Vec<_>>().join(", ") {

@@ -14,6 +14,7 @@ use voltet_core::field::Method;
 use voltet_core::grid::Grid;
 use voltet_core::parameters::Parameters;
 use voltet_core::picture::Picture;
+use voltet_core::picture_parts::PictureParts;
 use voltet_core::progress::Progress;
 use voltet_core::surface::Surface;
 use voltet_core::volume::Volume;
@@ -376,7 +377,15 @@ impl RunContext<'_> {
 
     /// The picture at an input.
     pub fn image(&self, port: &str) -> Result<Arc<Picture>> {
-        of_kind!(self, port, self.value(port)?, Image)
+        self.value(port)?.picture().cloned().ok_or_else(|| self.miswired(port, PortType::Image))
+    }
+
+    /// The picture at an input with what belongs to it.
+    pub fn picture_parts(&self, port: &str) -> Result<PictureParts> {
+        match self.value(port)? {
+            Value::PictureParts(parts) => Ok(PictureParts::clone(parts)),
+            _ => Ok(self.image(port)?.into()),
+        }
     }
 
     /// The cells at an optional input, as the engine of type `T` prepared them; `None` where it is not wired.

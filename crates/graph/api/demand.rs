@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use voltet_core::Error;
 use voltet_core::parameters::SourceSpan;
+use voltet_core::picture_parts::PictureLayer;
 
 /// Demand on a node's outputs. Nothing else is read, computed or sorted.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -32,6 +33,10 @@ pub struct Demand {
     pub cell_values: bool,
     /// The list of kept cells as a result of its own: every cell is tested, also where a picture would be drawn sooner without.
     pub kept_cells: bool,
+    /// Numbers of each pixel beside its colour, at ports of images.
+    pub layers: BTreeSet<PictureLayer>,
+    /// The annotation of a picture as shapes apart from it, at ports of images.
+    pub shapes: bool,
 }
 
 /// Requested arrays: some by name, or those and all others of the file.
@@ -117,6 +122,8 @@ impl Demand {
         self.file_cells |= other.file_cells;
         self.cell_values |= other.cell_values;
         self.kept_cells |= other.kept_cells;
+        self.layers.extend(&other.layers);
+        self.shapes |= other.shapes;
     }
 
     /// True if an output made for this demand satisfies the other one, which then adds nothing to it.

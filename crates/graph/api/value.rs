@@ -9,6 +9,7 @@ use voltet_core::field::Method;
 use voltet_core::grid::{Grid, extent};
 use voltet_core::parameters::SourceSpan;
 use voltet_core::picture::Picture;
+use voltet_core::picture_parts::PictureParts;
 use voltet_core::surface::Surface;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
@@ -21,7 +22,7 @@ pub struct Revision(pub(crate) u64);
 /// Data of an engine for its own next stage; opaque to the graph.
 pub type StagePayload = Arc<dyn Any + Send + Sync>;
 
-/// A value at a port, of the type of its name in [`PortType`]. A report is JSON text.
+/// A value at a port, of the type of its name in [`PortType`]. A report is JSON text; picture parts are an image with more than its pixels.
 #[allow(missing_docs)]
 #[derive(Debug, Clone)]
 pub enum Value {
@@ -32,6 +33,7 @@ pub enum Value {
     Cells(StagePayload),
     Projection(StagePayload),
     Image(Arc<Picture>),
+    PictureParts(Arc<PictureParts>),
     Report(Arc<str>),
     CellValues(Arc<CellValues>),
     Surface(Arc<Surface>),
@@ -47,10 +49,19 @@ impl Value {
             Value::Camera(_) => PortType::Camera,
             Value::Cells(_) => PortType::Cells,
             Value::Projection(_) => PortType::Projection,
-            Value::Image(_) => PortType::Image,
+            Value::Image(_) | Value::PictureParts(_) => PortType::Image,
             Value::Report(_) => PortType::Report,
             Value::CellValues(_) => PortType::CellValues,
             Value::Surface(_) => PortType::Surface,
+        }
+    }
+
+    /// The picture; `None` for values of other types.
+    pub fn picture(&self) -> Option<&Arc<Picture>> {
+        match self {
+            Value::Image(picture) => Some(picture),
+            Value::PictureParts(parts) => Some(&parts.picture),
+            _ => None,
         }
     }
 

@@ -197,10 +197,8 @@ impl RunReport {
     pub(super) fn add(&mut self, name: &str, node_type: &str, done: &Done) {
         let Done { notes, seconds, reused, outputs, is_preview } = done;
         self.is_preview |= is_preview;
-        let pictures = outputs.iter().filter_map(|(value, _)| match value {
-            Value::Image(picture) => Some((name.to_string(), picture.clone())),
-            _ => None,
-        });
+        let pictures =
+            outputs.iter().filter_map(|(value, _)| Some((name.to_string(), value.picture()?.clone())));
         self.pictures.extend(pictures);
         let mut stages = BTreeMap::new();
         for (stage, seconds) in notes.stages.iter().filter(|_| reused.is_none()) {

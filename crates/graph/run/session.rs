@@ -56,7 +56,7 @@ impl Session {
 
     /// Drops the former runs that gave this picture, so that its owner may modify it.
     pub fn release(&mut self, picture: &Arc<Picture>) {
-        let is_it = |value: &Value| matches!(value, Value::Image(known) if Arc::ptr_eq(known, picture));
+        let is_it = |value: &Value| value.picture().is_some_and(|known| Arc::ptr_eq(known, picture));
         self.cache.entries.retain(|entry| !entry.done.outputs.iter().any(|(value, _)| is_it(value)));
     }
 

@@ -3,6 +3,7 @@
 use std::sync::LazyLock;
 use voltet_core::color;
 use voltet_core::colormap::{ColorCurve, Colormap};
+use voltet_core::picture_parts::Shape;
 
 /// White, red, green and blue of Rec. 709 and sRGB: x and y of CIE 1931, in ten-thousandths.
 pub(super) const REC_709: [[u32; 2]; 4] = [[3127, 3290], [6400, 3300], [3000, 6000], [1500, 600]];
@@ -40,8 +41,16 @@ pub(super) fn straight([r, g, b, opacity]: [f32; 4], largest: f32) -> ([u16; 4],
 }
 
 /// sRGB of linear light, clamped to 0 … 1, in whole numbers up to `largest`.
-fn code(linear: f32, largest: f32) -> u16 {
+pub(super) fn code(linear: f32, largest: f32) -> u16 {
     (srgb_from_linear(linear.clamp(0.0, 1.0)) * largest).round() as u16
+}
+
+/// The opacity with which sRGB is mixed, as viewers do, to the colour that linear light mixes, over a ground from which the shape stands
+/// out: white under dark shapes, black under bright ones.
+pub(super) fn srgb_opacity(Shape { color, opacity, .. }: &Shape) -> f32 {
+    let ground = if color[1] > 0.2 { 0.0 } else { 1.0 };
+    let mixed = srgb_from_linear(opacity * color[1] + (1.0 - opacity) * ground);
+    (mixed - ground) / (srgb_from_linear(color[1]) - ground)
 }
 
 /// The colour of a level from 0 (dark violet) to 1 (yellow) of the map viridis; linear, opaque.

@@ -15,9 +15,16 @@ pub(super) const FORMAT: PictureFormat = PictureFormat {
     signature: b"\xff\xd8\xff",
     bits: &[8],
     has_alpha: false,
-    encode: |picture, form, _| {
-        encoded("JPEG", picture, |file, width, height| {
-            JpegEncoder::new_with_quality(file, QUALITY).encode(&form.bytes(picture), width, height, Rgb8)
+    has_layers: false,
+    has_shapes: false,
+    encode: |content, form, _| {
+        encoded("JPEG", content, |file, width, height| {
+            JpegEncoder::new_with_quality(file, QUALITY).encode(
+                &form.bytes(content.picture),
+                width,
+                height,
+                Rgb8,
+            )
         })
     },
     embedded_texts: None,

@@ -5,13 +5,16 @@ mod colors;
 mod exr;
 mod format;
 mod jpeg;
+mod pdf;
 mod png;
 mod read;
+mod svg;
 mod tiff;
 mod webp;
+mod xml;
 
 pub use colors::{linear_from_srgb, srgb_from_linear, srgb8, viridis};
-pub use format::{PictureFormat, SampleForm};
+pub use format::{PictureContent, PictureFormat, SampleForm};
 pub use png::png;
 pub use read::{read_image, read_picture};
 
@@ -26,7 +29,8 @@ use voltet_files::{argument, names_beside};
 use voltet_graph::suggest;
 
 /// All formats; the first is written to streams.
-pub const FORMATS: &[PictureFormat] = &[png::FORMAT, exr::FORMAT, tiff::FORMAT, webp::FORMAT, jpeg::FORMAT];
+pub const FORMATS: &[PictureFormat] =
+    &[png::FORMAT, exr::FORMAT, tiff::FORMAT, webp::FORMAT, jpeg::FORMAT, svg::FORMAT, pdf::FORMAT];
 
 /// Endings of all formats.
 pub fn all_endings() -> impl Iterator<Item = &'static str> {
@@ -35,7 +39,11 @@ pub fn all_endings() -> impl Iterator<Item = &'static str> {
 
 /// Endings of all formats in one phrase: ".png or .exr or …".
 pub fn endings() -> String {
-    all_endings().map(|ending| format!(".{ending}")).collect::<Vec<_>>().join(" or ")
+    phrase(all_endings())
+}
+
+fn phrase(endings: impl Iterator<Item = &'static str>) -> String {
+    endings.map(|ending| format!(".{ending}")).collect::<Vec<_>>().join(" or ")
 }
 
 /// The format that a path's ending states.

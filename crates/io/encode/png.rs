@@ -16,11 +16,13 @@ pub(super) const FORMAT: PictureFormat = PictureFormat {
     signature: b"\x89PNG\r\n\x1a\n",
     bits: &[8, 16],
     has_alpha: true,
-    encode: |picture, form, carried| {
-        encoded("PNG", picture, |file, width, height| {
+    has_layers: false,
+    has_shapes: false,
+    encode: |content, form, carried| {
+        encoded("PNG", content, |file, width, height| {
             let samples = match form.bits {
-                8 => form.bytes(picture),
-                _ => form.samples(picture).into_iter().flat_map(u16::to_be_bytes).collect(),
+                8 => form.bytes(content.picture),
+                _ => form.samples(content.picture).into_iter().flat_map(u16::to_be_bytes).collect(),
             };
             png_file(file, [width, height], form, &samples, carried)
         })
@@ -30,7 +32,7 @@ pub(super) const FORMAT: PictureFormat = PictureFormat {
 
 /// 8-bit sRGB: the premultiplied picture over a linear background, clamped to 0 … 1, with what it was made from.
 pub fn png(picture: &Picture, background: [f64; 3], carried: Option<&Provenance>) -> Result<Vec<u8>> {
-    (FORMAT.encode)(picture, SampleForm::over(background), carried)
+    (FORMAT.encode)(picture.into(), SampleForm::over(background), carried)
 }
 
 /// The file of these samples. It says that it is sRGB, to readers that know gamma and chromaticities only too (PNG, third edition,

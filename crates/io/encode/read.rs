@@ -28,7 +28,9 @@ pub fn read_image(path: &Path, max_side: u32) -> std::result::Result<DynamicImag
 /// - a file that cannot be read, or holds no picture.
 pub fn read_picture(path: &Path) -> Result<(Picture, bool)> {
     let image = read_image(path, MAX_SIDE).map_err(|error| {
-        let expected = format!("a picture ({})", super::endings());
+        let readable = super::FORMATS.iter().filter(|format| !format.has_shapes);
+        let endings = readable.flat_map(|format| format.endings).copied();
+        let expected = format!("a picture ({})", super::phrase(endings));
         Error::usage("the picture cannot be read").got(error).expected(expected).in_file(path)
     })?;
     let has_opacity = image.color().has_alpha();

@@ -15,12 +15,14 @@ pub(super) const FORMAT: PictureFormat = PictureFormat {
     signature: if cfg!(target_endian = "big") { b"MM\0*" } else { b"II*\0" },
     bits: &[8, 16],
     has_alpha: true,
-    encode: |picture, form, _| {
-        encoded("TIFF", picture, |file, width, height| match (form.bits, form.alpha) {
-            (8, false) => write::<RGB8>(file, [width, height], &form.bytes(picture)),
-            (8, true) => write::<RGBA8>(file, [width, height], &form.bytes(picture)),
-            (_, false) => write::<RGB16>(file, [width, height], &form.samples(picture)),
-            (_, true) => write::<RGBA16>(file, [width, height], &form.samples(picture)),
+    has_layers: false,
+    has_shapes: false,
+    encode: |content, form, _| {
+        encoded("TIFF", content, |file, width, height| match (form.bits, form.alpha) {
+            (8, false) => write::<RGB8>(file, [width, height], &form.bytes(content.picture)),
+            (8, true) => write::<RGBA8>(file, [width, height], &form.bytes(content.picture)),
+            (_, false) => write::<RGB16>(file, [width, height], &form.samples(content.picture)),
+            (_, true) => write::<RGBA16>(file, [width, height], &form.samples(content.picture)),
         })
     },
     embedded_texts: None,

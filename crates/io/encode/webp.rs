@@ -12,10 +12,12 @@ pub(super) const FORMAT: PictureFormat = PictureFormat {
     signature: b"RIFF",
     bits: &[8],
     has_alpha: true,
-    encode: |picture, form, _| {
+    has_layers: false,
+    has_shapes: false,
+    encode: |content, form, _| {
         let color = if form.alpha { Rgba8 } else { Rgb8 };
-        encoded("WebP", picture, |file, width, height| {
-            WebPEncoder::new_lossless(file).encode(&form.bytes(picture), width, height, color)
+        encoded("WebP", content, |file, width, height| {
+            WebPEncoder::new_lossless(file).encode(&form.bytes(content.picture), width, height, color)
         })
     },
     embedded_texts: None,

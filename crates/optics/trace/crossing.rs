@@ -1,5 +1,6 @@
 //! Crossings of a ray with tetrahedra and triangles, by exact signs of edge functions.
 
+use glam::DVec3;
 use voltet_core::arithmetic::edge_sign;
 
 /// A ray through the picture: positions on it are z·(x, y, 1) (perspective) or (x, y, z) (orthographic).
@@ -88,6 +89,54 @@ pub(super) fn cross(ray: &Ray, cell: u32, corners: &[[f64; 3]; 4], near: f64) ->
     (entry >= near && exit > entry).then_some(crossing)
 }
 
+/// A tetrahedron by its faces: crossings by planes in plain 64 bits, many times as fast as [`cross`]. A ray in a shared face may be given to
+/// both cells or none, over a length of rounding.
+pub(super) struct FacePlanes {
+    /// For the face opposite each corner its inward normal, and the offset c with n · p + c = 0 on the face and 1 at the corner. So n · p + c is
+    /// the corner's weight.
+    faces: [[f64; 4]; 4],
+}
+
+impl FacePlanes {
+    /// Planes of a tetrahedron with the given corners (right, up, forward); `None` for a flat one, in which no ray has a length.
+    pub fn new(corners: &[[f64; 3]; 4]) -> Option<FacePlanes> {
+        let points = corners.map(DVec3::from);
+        let face = |corner: usize| {
+            let [a, b, c] = [1, 2, 3].map(|k| points[(corner + k) % 4]);
+            let normal = (b - a).cross(c - a);
+            let normal = normal / normal.dot(points[corner] - a);
+            normal.is_finite().then(|| [normal.x, normal.y, normal.z, -normal.dot(a)])
+        };
+        Some(FacePlanes { faces: [face(0)?, face(1)?, face(2)?, face(3)?] })
+    }
+
+    /// The crossing from z = `near` on.
+    pub fn cross(&self, ray: &Ray, cell: u32, near: f64) -> Option<Crossing> {
+        // Each weight along the ray: value at z = 0, and slope.
+        let lines = self.faces.map(|[x, y, z, offset]| {
+            let across = x * ray.x + y * ray.y;
+            if ray.perspective { [offset, across + z] } else { [across + offset, z] }
+        });
+        let (mut entry, mut exit) = (near, f64::INFINITY);
+        for [value, slope] in lines {
+            let zero = -value / slope;
+            if slope > 0.0 {
+                entry = entry.max(zero);
+            } else if slope < 0.0 {
+                exit = exit.min(zero);
+            } else if value < 0.0 {
+                return None;
+            }
+        }
+        let weights = |z: f64| lines.map(|[value, slope]| (value + z * slope).max(0.0));
+        (entry < exit && exit < f64::INFINITY).then(|| Crossing {
+            cell,
+            depth: [entry, exit],
+            weights: [weights(entry), weights(exit)],
+        })
+    }
+}
+
 /// Twice the area of (origin, a, b), accurate to the last digits (Kahan's difference of products).
 fn edge(a: [f64; 3], b: [f64; 3]) -> f64 {
     let (p, q) = (a[0] * b[1], a[1] * b[0]);
@@ -109,6 +158,7 @@ pub(super) fn cross_triangle(ray: &Ray, corners: &[[f64; 3]; 3]) -> Option<(f64,
 #[cfg(test)]
 mod tests {
     use super::*;
+    use voltet_core::grid::generate::Random;
 
     const UNIT: [[f64; 3]; 4] = [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [0.0, 0.0, 2.0]];
 
@@ -150,6 +200,33 @@ mod tests {
             let expected = f64::from(u8::from(k % 5 < 4 && k / 5 < 4));
             assert_eq!(*length, expected, "ray {}, {}", k % 5, k / 5);
         }
+    }
+
+    /// Planes find what signs of edge functions find.
+    #[test]
+    fn face_planes_find_the_crossings_of_exact_signs() {
+        let mut random = Random(7);
+        let mut hit_count = 0;
+        for _ in 0..20_000 {
+            let corners = [0; 4].map(|_| [0; 3].map(|_| 2.0 * random.next() - 0.8));
+            let ray = Ray { x: random.next(), y: random.next(), perspective: random.next() < 0.5 };
+            let planes = FacePlanes::new(&corners).expect("is not flat");
+            let (found, exact) = (planes.cross(&ray, 3, 0.1), cross(&ray, 3, &corners, 0.1));
+            // A ray may graze a cell by a rounding.
+            let length = |crossing: Option<Crossing>| crossing.map_or(0.0, |c| c.depth[1] - c.depth[0]);
+            if length(found).max(length(exact)) < 1e-6 {
+                continue;
+            }
+            let (found, exact) = (found.expect("hits"), exact.expect("hits"));
+            hit_count += 1;
+            let numbers = |c: Crossing| c.depth.into_iter().chain(c.weights.into_iter().flatten());
+            for (a, b) in numbers(found).zip(numbers(exact)) {
+                // Roundings of a normal of a thin cell, times its height's inverse.
+                assert!((a - b).abs() < 1e-8, "{found:?} {exact:?}");
+            }
+        }
+        assert!(hit_count > 500, "{hit_count}");
+        assert!(FacePlanes::new(&[[0.0; 3], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]]).is_none());
     }
 
     /// A cell behind the eye is not hit, one around it from the eye on: a line has two sides, a ray one.

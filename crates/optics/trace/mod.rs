@@ -10,16 +10,21 @@
 //! threshold is needed.
 
 mod crossing;
+mod layers;
+mod ray_parts;
 pub mod tiles;
 
 pub use crossing::{Crossing, Ray};
+pub use layers::layers;
 
 use crate::scene::Scene;
 use crate::shading::{Light, Ordering};
 use crate::{CompiledTransferFunction, Contribution, Segment, WidgetBlend};
 use crossing::{cross, cross_triangle};
 use glam::DVec3;
+use ray_parts::{Event, EventKind, RayPart, visit_parts};
 use rayon::prelude::*;
+use std::ops::ControlFlow;
 use voltet_core::arithmetic::unit_vector;
 use voltet_core::camera::{Camera, Frame, Projection};
 use voltet_core::clip::{Clip, kept};
@@ -27,21 +32,6 @@ use voltet_core::surface::Surface;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result, counted};
-
-/// Event along a ray beside its cells.
-struct Event {
-    /// z, internal units.
-    depth: f64,
-    kind: EventKind,
-}
-
-/// Kind of an event.
-enum EventKind {
-    /// Premultiplied colour and opacity.
-    Surface([f64; 4]),
-    Hide,
-    Show,
-}
 
 /// Integral of a ray segment. Ends are [s, g, fields …], the fields in the order of [`TransferFunction::fields`].
 pub trait SegmentIntegral: Send + Sync {
@@ -260,18 +250,24 @@ impl<'a> Tracer<'a> {
 
     /// Length and end values ([s, g, fields …]) of a crossing, world units.
     pub fn segment(&self, ray: &Ray, crossing: &Crossing) -> (f64, [Vec<f64>; 2]) {
-        let length = (crossing.depth[1] - crossing.depth[0]) * ray.stretch() * self.unit;
-        let corners = self.volume.grid.tetrahedra[crossing.cell as usize];
-        let ends = crossing.weights.map(|weights| {
-            let value = |q: usize| {
-                let at = |k: usize| self.quantities[corners[k] as usize * self.stride + q];
-                // From the smallest corner value, so that values that hardly vary keep their differences.
-                let base = (0..4).map(at).fold(f64::INFINITY, f64::min);
-                base + (0..4).map(|k| weights[k] * (at(k) - base)).sum::<f64>()
-            };
-            (0..self.stride).map(value).collect()
-        });
+        let mut ends = [Vec::new(), Vec::new()];
+        let length = self.segment_into(ray, crossing, &mut ends);
         (length, ends)
+    }
+
+    /// [`Tracer::segment`] into lists that are used again.
+    fn segment_into(&self, ray: &Ray, crossing: &Crossing, ends: &mut [Vec<f64>; 2]) -> f64 {
+        let corners = self.volume.grid.tetrahedra[crossing.cell as usize];
+        for (end, weights) in ends.iter_mut().zip(crossing.weights) {
+            end.clear();
+            for q in 0..self.stride {
+                let values = corners.map(|corner| self.quantities[corner as usize * self.stride + q]);
+                // From the smallest corner value, so that values that hardly vary keep their differences.
+                let base = values[0].min(values[1]).min(values[2]).min(values[3]);
+                end.push(base + (0..4).map(|k| weights[k] * (values[k] - base)).sum::<f64>());
+            }
+        }
+        (crossing.depth[1] - crossing.depth[0]) * ray.stretch() * self.unit
     }
 
     /// Contribution of one cell to a ray, silhouette and light included.
@@ -325,66 +321,26 @@ impl<'a> Tracer<'a> {
         let nearest = crossings.iter().map(|crossing| crossing.depth[0]).fold(farthest, f64::min);
         let lit = self.light.map_or(1.0, |light| light.ambient + light.diffuse);
         let brightest = lit * self.integral.max_color((farthest - nearest) * ray.stretch() * self.unit);
-        let events = self.events(ray);
-        let (mut events, mut hidden) = (events.iter().peekable(), false);
-        // A crossing or a surface: what it adds.
-        let mut add = |crossing: Option<&Crossing>, part: Contribution, passed: f64| {
-            if let Some(crossing) = crossing {
-                each(crossing, transmittance, &part);
-            }
+        visit_parts(crossings, &self.events(ray), |part| {
+            let (part, passed) = match part {
+                RayPart::Cell(crossing) => {
+                    let part = self.contribution(ray, crossing)?;
+                    each(crossing, transmittance, &part);
+                    let is_thinned = self.silhouette.is_some();
+                    (part, if is_thinned { 1.0 - part.opacity } else { (-part.optical_depth).exp() })
+                }
+                RayPart::Surface { rgba: [r, g, b, opacity], .. } => {
+                    (Contribution { optical_depth: f64::NAN, color: [r, g, b], opacity }, 1.0 - opacity)
+                }
+            };
             for (total, color) in seen.color.iter_mut().zip(part.color) {
                 *total += transmittance * color;
             }
             seen.opacity += transmittance * part.opacity;
             transmittance *= passed;
-            transmittance == 0.0 || transmittance * brightest.max(1.0) < DARK
-        };
-        let shaded = |crossing: &Crossing| -> Result<(Contribution, f64)> {
-            let part = self.contribution(ray, crossing)?;
-            let passed =
-                if self.silhouette.is_some() { 1.0 - part.opacity } else { (-part.optical_depth).exp() };
-            Ok((part, passed))
-        };
-        let on_surface = |[r, g, b, opacity]: [f64; 4]| {
-            (Contribution { optical_depth: f64::NAN, color: [r, g, b], opacity }, 1.0 - opacity)
-        };
-        for crossing in crossings {
-            let mut rest = *crossing;
-            while let Some(event) = events.next_if(|event| event.depth < rest.depth[1]) {
-                if rest.depth[0] < event.depth {
-                    let [before, behind] = rest.cut(event.depth);
-                    rest = behind;
-                    if !hidden {
-                        let (part, passed) = shaded(&before)?;
-                        if add(Some(&before), part, passed) {
-                            return Ok(seen);
-                        }
-                    }
-                }
-                match event.kind {
-                    EventKind::Surface(rgba) => {
-                        let (part, passed) = on_surface(rgba);
-                        if add(None, part, passed) {
-                            return Ok(seen);
-                        }
-                    }
-                    EventKind::Hide => hidden = true,
-                    EventKind::Show => hidden = false,
-                }
-            }
-            if !hidden {
-                let (part, passed) = shaded(&rest)?;
-                if add(Some(&rest), part, passed) {
-                    return Ok(seen);
-                }
-            }
-        }
-        for event in events {
-            if let EventKind::Surface(rgba) = event.kind {
-                let (part, passed) = on_surface(rgba);
-                add(None, part, passed);
-            }
-        }
+            let is_dark = transmittance == 0.0 || transmittance * brightest.max(1.0) < DARK;
+            Ok(if is_dark { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+        })?;
         Ok(seen)
     }
 

@@ -1,6 +1,6 @@
 //! The picture: cells put into screen tiles by conservative bounds, tiles drawn on all cores.
 
-use crate::trace::{Crossing, Tracer, sample_places};
+use crate::trace::{Crossing, Ray, Tracer, sample_places};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
@@ -10,7 +10,7 @@ use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 
 /// Side of a tile, pixels.
-const SIDE: usize = 16;
+pub(super) const SIDE: usize = 16;
 
 /// Part of the picture in pixel coordinates, row 0 at the top: [left, right], [top, bottom].
 type Box2 = [[f64; 2]; 2];
@@ -36,7 +36,7 @@ impl Tracer<'_> {
     pub fn draw_further(&self, tiles: &mut Tiles, progress: &dyn Progress) -> Result<Picture> {
         let [width, height] = self.camera.size.map(|n| n as usize);
         let columns = width.div_ceil(SIDE);
-        let lists = self.tile_lists(columns, height.div_ceil(SIDE));
+        let lists = self.tile_lists([columns, height.div_ceil(SIDE)], 0..self.cell_count());
         tiles.retain(|&tile, pixels| (tile as usize) < lists.len() && pixels.len() == TILE_PIXELS);
         let missing: Vec<usize> =
             (0..lists.len()).filter(|&tile| !tiles.contains_key(&(tile as u32))).collect();
@@ -72,24 +72,13 @@ impl Tracer<'_> {
         let mut sums = vec![[0.0; 4]; SIDE * SIDE];
         let mut lists: Vec<Vec<Crossing>> = vec![Vec::new(); SIDE * SIDE];
         for place in &samples {
-            lists.iter_mut().for_each(Vec::clear);
-            let position = |k: usize, index: usize| (corner[k] + index) as f64 + place[k];
-            for &cell in cells {
-                let Some(bounds) = self.bounds(cell) else { continue };
-                let covers =
-                    |k: usize, index: usize| (bounds[k][0]..=bounds[k][1]).contains(&position(k, index));
-                for row in (0..SIDE).filter(|&row| covers(1, row)) {
-                    for column in (0..SIDE).filter(|&column| covers(0, column)) {
-                        let ray = self.ray(position(0, column), position(1, row));
-                        lists[row * SIDE + column].extend(self.crossing(&ray, cell));
-                    }
-                }
-            }
+            let of_cell = |cell: u32| Some(move |ray: &Ray| self.crossing(ray, cell));
+            self.find_crossings(corner, *place, cells, &mut lists, of_cell);
             for (k, list) in
                 lists.iter_mut().enumerate().filter(|(_, list)| !list.is_empty() || !self.surfaces.is_empty())
             {
                 self.sort(list);
-                let ray = self.ray(position(0, k % SIDE), position(1, k / SIDE));
+                let ray = self.tile_ray(corner, *place, k);
                 let seen = self.composite(&ray, list, |_, _, _| {})?;
                 let [r, g, b] = seen.color;
                 for (sum, part) in sums[k].iter_mut().zip([r, g, b, seen.opacity]) {
@@ -100,10 +89,43 @@ impl Tracer<'_> {
         Ok(sums.iter().map(|pixel| pixel.map(|x| x as f32)).collect())
     }
 
-    /// The cells that may touch each tile, in grid order.
-    fn tile_lists(&self, columns: usize, rows: usize) -> Vec<Vec<u32>> {
+    /// The ray through a pixel of a tile, by the pixel's number row by row, at a place from its upper left corner.
+    pub(super) fn tile_ray(&self, corner: [usize; 2], place: [f64; 2], pixel: usize) -> Ray {
+        self.ray((corner[0] + pixel % SIDE) as f64 + place[0], (corner[1] + pixel / SIDE) as f64 + place[1])
+    }
+
+    /// Replaces the lists of a tile's pixels by the crossings of their rays with these cells. `of_cell`: the crossings of a cell.
+    pub(super) fn find_crossings<F: Fn(&Ray) -> Option<Crossing>>(
+        &self,
+        corner: [usize; 2],
+        place: [f64; 2],
+        cells: &[u32],
+        lists: &mut [Vec<Crossing>],
+        of_cell: impl Fn(u32) -> Option<F>,
+    ) {
+        lists.iter_mut().for_each(Vec::clear);
+        for &cell in cells {
+            let Some((bounds, crossing)) = self.bounds(cell).zip(of_cell(cell)) else { continue };
+            let covers = |k: usize, index: usize| {
+                (bounds[k][0]..=bounds[k][1]).contains(&((corner[k] + index) as f64 + place[k]))
+            };
+            for row in (0..SIDE).filter(|&row| covers(1, row)) {
+                for column in (0..SIDE).filter(|&column| covers(0, column)) {
+                    let pixel = row * SIDE + column;
+                    lists[pixel].extend(crossing(&self.tile_ray(corner, place, pixel)));
+                }
+            }
+        }
+    }
+
+    /// Numbers of the cells, of some, that may touch each tile, in their order.
+    pub(super) fn tile_lists(
+        &self,
+        [columns, rows]: [usize; 2],
+        cells: impl Iterator<Item = u32>,
+    ) -> Vec<Vec<u32>> {
         let mut lists = vec![Vec::new(); columns * rows];
-        for cell in 0..self.cell_count() {
+        for cell in cells {
             let Some(bounds) = self.bounds(cell) else { continue };
             let corners = self.corners(cell);
             let range = |k: usize, count: usize| {

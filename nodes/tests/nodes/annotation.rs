@@ -92,6 +92,34 @@ fn a_stated_range_and_widgets_without_ends_are_shown() {
     assert!((found.len() as f64 / whole.len() as f64 - 0.25).abs() < 0.02, "{} {}", found.len(), whole.len());
 }
 
+/// Columns of a level bar from left to right: its middle row.
+#[test]
+fn a_level_bar_has_the_colours_of_the_map() {
+    for place in ["bottom", "top"] {
+        let lines = format!("bar = \"{place}\"\ntitle = \"of the middle\"");
+        let report = run(AWAY, VIRIDIS, &lines, ALL).unwrap();
+        assert!(!report.warnings.iter().any(|warning| warning.contains("no room")), "{:?}", report.warnings);
+        let figure = figure(&report);
+        let is_coloured = |pixel: &[f32; 4]| pixel[3] > 0.999 && (pixel[0] - pixel[2]).abs() > 0.02;
+        let rows = figure.rgba.chunks(figure.width);
+        let rows: Vec<(usize, Vec<[f32; 4]>)> = rows
+            .map(|row| row.iter().copied().filter(is_coloured).collect::<Vec<_>>())
+            .enumerate()
+            .filter(|(_, found)| found.len() > 100)
+            .collect();
+        let (middle, found) = &rows[rows.len() / 2];
+        assert_eq!(*middle > figure.height / 2, place == "bottom");
+        // The first column and the last lie half below the frame.
+        for (column, pixel) in found.iter().enumerate().skip(1).take(found.len() - 2) {
+            let level = (column as f64 + 0.5) / found.len() as f64;
+            let wanted = Colormap::Viridis.color(level);
+            // A column at an end that is hidden moves each value by less than a hundredth of the map.
+            let off = (0..3).map(|k| (f64::from(pixel[k]) - wanted[k]).abs()).fold(0.0, f64::max);
+            assert!(off < 0.03, "{level}: {pixel:?}, {wanted:?}");
+        }
+    }
+}
+
 /// Premultiplied: no colour is above its opacity. What is not written over stays.
 #[test]
 fn letters_are_composited_over_the_picture() {

@@ -6,6 +6,7 @@ mod annotation;
 mod axes;
 mod camera;
 mod lines;
+mod outputs;
 mod relative;
 mod slice_image;
 mod surfaces;
