@@ -168,7 +168,8 @@ fn classified(
         let segment =
             Segment { length, front: place, back: place, fields_front: fields, fields_back: fields };
         // Where nothing changes along a segment, this is exact, too.
-        let Contribution { color: [r, g, b], opacity, .. } = compiled.integrate(&segment, WidgetBlend::Mix);
+        let Contribution { color: [r, g, b], opacity, .. } =
+            compiled.integrate_values(&segment, WidgetBlend::Mix);
         [r, g, b, opacity]
     };
     call.stage("draw", |progress| flat_picture(camera, &points, &surface.triangles, color, progress))

@@ -35,7 +35,7 @@ mod tests {
     use voltet_core::picture::Picture;
 
     fn axis(name: &str, range: [f64; 2]) -> NamedAxis {
-        NamedAxis { name: name.into(), range }
+        NamedAxis { name: name.into(), scale: voltet_core::transfer::AxisScale::Linear, range }
     }
 
     /// The scale of a figure.

@@ -3,6 +3,7 @@
 use crate::canvas::{Align, Canvas, LEADING, Place, Rectangle, lines, text_width};
 use crate::ticks::{Ticks, ticks};
 use voltet_core::picture_parts::{PathStep, ShapeForm};
+use voltet_core::transfer::AxisScale;
 
 /// The side of the picture at which a scale stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,13 +41,15 @@ pub enum Border {
 pub struct NamedAxis {
     /// Quantity and unit, as a reader shall see them.
     pub name: String,
-    /// Its ends, the smaller first.
+    /// Its scale.
+    pub scale: AxisScale,
+    /// Positions of its ends, the smaller first.
     pub range: [f64; 2],
 }
 
 impl NamedAxis {
-    fn share(&self, value: f64) -> f32 {
-        ((value - self.range[0]) / (self.range[1] - self.range[0])) as f32
+    fn share(&self, position: f64) -> f32 {
+        ((position - self.range[0]) / (self.range[1] - self.range[0])) as f32
     }
 
     /// As many ticks, at most so many, as have room for their labels along a length; `room`: of a label.
@@ -58,7 +61,7 @@ impl NamedAxis {
                 .windows(2)
                 .all(|pair| length * (self.share(pair[1].0) - self.share(pair[0].0)) >= widest)
         };
-        (1..=most).rev().map(|most| ticks(self.range, most)).find(has_room).unwrap_or_default()
+        (1..=most).rev().map(|most| ticks(self.scale, self.range, most)).find(has_room).unwrap_or_default()
     }
 }
 
@@ -318,7 +321,7 @@ mod tests {
     use voltet_core::picture::Picture;
 
     fn axis(range: [f64; 2]) -> NamedAxis {
-        NamedAxis { name: "Temperature [°C]".into(), range }
+        NamedAxis { name: "Temperature [°C]".into(), scale: AxisScale::Linear, range }
     }
 
     /// A measured pixel of the bar has the colour of the value that the ticks give it.

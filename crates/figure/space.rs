@@ -6,6 +6,7 @@ use crate::ticks::{Ticks, ticks, values};
 use glam::DVec3;
 use voltet_core::Result;
 use voltet_core::camera::{Camera, Frame, Projection};
+use voltet_core::transfer::AxisScale;
 
 /// Rows, of a font's size each, by which directions and scale bar give way to what stands at the lower border.
 const MAX_ROWS: usize = 12;
@@ -127,7 +128,7 @@ impl<'a> Faces<'a> {
 /// Gives the names of axes with an edge at the rim whose labels have no room.
 pub fn box_axes(canvas: &mut Canvas, view: &View, ends: [DVec3; 2], unit: &str) -> Vec<&'static str> {
     let faces = Faces::new(view, ends);
-    let along: [Ticks; 3] = [0, 1, 2].map(|axis| ticks([ends[0][axis], ends[1][axis]], 6));
+    let along: [Ticks; 3] = [0, 1, 2].map(|axis| ticks(AxisScale::Linear, [ends[0][axis], ends[1][axis]], 6));
     for axis in 0..3 {
         for (end, _) in faces.is_behind[axis].iter().enumerate().filter(|(_, is_behind)| **is_behind) {
             for (across, other) in [((axis + 1) % 3, (axis + 2) % 3), ((axis + 2) % 3, (axis + 1) % 3)] {

@@ -1,9 +1,11 @@
 //! Round numbers along an axis, and their labels.
 
+use voltet_core::transfer::AxisScale;
+
 /// Ticks of an axis.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Ticks {
-    /// Values with their labels, ascending.
+    /// Positions with their labels, ascending.
     pub ticks: Vec<(f64, String)>,
     /// Way from a label to its value, where they differ: "×10⁻³ + 101325".
     pub note: Option<String>,
@@ -49,8 +51,85 @@ fn multiple(k: f64, step: f64) -> f64 {
     0.0 + if step < 1.0 && inverse.is_finite() { k / inverse } else { k * step }
 }
 
+/// Ticks of an axis between two positions, at most so many: on a logarithmic one at powers of ten; at 1, 2 and 5 times these where there
+/// are few; and as on a linear one where the range is a part of a decade.
+pub fn ticks(scale: AxisScale, range: [f64; 2], most: usize) -> Ticks {
+    let within = |position: &f64| (range[0] - SAME_POSITION..=range[1] + SAME_POSITION).contains(position);
+    let ends = range.map(|position| scale.value(position));
+    let largest = ends[0].abs().max(ends[1].abs());
+    if !scale.is_curved() || !(largest > 0.0 && largest.is_finite()) || most == 0 {
+        return linear_ticks(range, most);
+    }
+    let highest = largest.log10().ceil() as i32;
+    let lowest = match scale {
+        AxisScale::SymLog { linear_below } => linear_below.log10().ceil() as i32,
+        _ => ends[0].log10().floor() as i32,
+    };
+    let powers = |digits: &[f64], step: i32| -> Vec<f64> {
+        let exponents = (lowest..=highest).filter(|exponent| exponent.rem_euclid(step) == 0);
+        let positive =
+            exponents.flat_map(|exponent| digits.iter().map(move |digit| digit * power_of_ten(exponent)));
+        let positive: Vec<f64> = positive.collect();
+        let negative = positive.iter().rev().map(|value| -value).filter(|_| scale != AxisScale::Log);
+        let zero = (scale != AxisScale::Log).then_some(0.0);
+        let all = negative.chain(zero).chain(positive.iter().copied());
+        all.filter(|value| within(&scale.position(*value))).collect()
+    };
+    let few = [
+        (&[1.0, 2.0, 5.0][..], 1),
+        (&[1.0], 1),
+        (&[1.0], 2),
+        (&[1.0], 3),
+        (&[1.0], 5),
+        (&[1.0], 10),
+        (&[1.0], 20),
+    ];
+    let found = few.into_iter().map(|(digits, step)| powers(digits, step)).find(|all| all.len() <= most);
+    match found {
+        Some(all) if all.len() >= MIN_POWERS.min(most) => {
+            let position = |value: f64| scale.position(value).clamp(range[0], range[1]);
+            Ticks {
+                ticks: all.into_iter().map(|value| (position(value), power_label(value))).collect(),
+                note: None,
+            }
+        }
+        _ => {
+            let Ticks { ticks, note } = linear_ticks(ends, most);
+            let ticks = ticks.into_iter().map(|(value, label)| (scale.position(value), label));
+            Ticks { ticks: ticks.collect(), note }
+        }
+    }
+}
+
+/// Distance of positions that are the same but for rounding.
+const SAME_POSITION: f64 = 1e-9;
+
+/// Ticks at powers of ten, or 2 and 5 times these, that tell a scale.
+const MIN_POWERS: usize = 2;
+
+/// 10ⁿ, as it is written.
+fn power_of_ten(exponent: i32) -> f64 {
+    if exponent < 0 { 1.0 / 10_f64.powi(-exponent) } else { 10_f64.powi(exponent) }
+}
+
+/// "0.01", "500", "2·10⁻⁶".
+fn power_label(value: f64) -> String {
+    if value == 0.0 {
+        return "0".into();
+    }
+    let exponent = (value.abs().log10() + SAME_POSITION).floor() as i32;
+    let digit = (value.abs() / power_of_ten(exponent)).round();
+    let sign = if value < 0.0 { "−" } else { "" };
+    if PLAIN.contains(&exponent) {
+        let decimals = (-exponent).max(0) as usize;
+        return format!("{sign}{:.decimals$}", value.abs());
+    }
+    let factor = if digit == 1.0 { String::new() } else { format!("{digit}·") };
+    format!("{sign}{factor}10{}", superscript(exponent))
+}
+
 /// Ticks at round values, at most so many, with labels as short as tell them apart.
-pub fn ticks(range: [f64; 2], most: usize) -> Ticks {
+fn linear_ticks(range: [f64; 2], most: usize) -> Ticks {
     let span = range[1] - range[0];
     let middle = 0.5 * range[0] + 0.5 * range[1];
     let offset = if middle.abs() > OFFSET * span && span > 0.0 {
@@ -96,7 +175,7 @@ mod tests {
     use super::*;
 
     fn labels(range: [f64; 2], most: usize) -> (Vec<String>, Option<String>) {
-        let Ticks { ticks, note } = ticks(range, most);
+        let Ticks { ticks, note } = ticks(AxisScale::Linear, range, most);
         (ticks.into_iter().map(|(_, label)| label).collect(), note)
     }
 
@@ -135,5 +214,29 @@ mod tests {
         );
         assert_eq!(labels([1e8, 1e8 + 1e-2], 3).1.as_deref(), Some("+ 100000000"));
         assert_eq!(labels([0.0, 4e-6], 3).1.as_deref(), Some("×10⁻⁶"));
+    }
+
+    #[test]
+    fn decades_have_their_powers() {
+        let labels = |scale, range, most| -> Vec<String> {
+            ticks(scale, range, most).ticks.into_iter().map(|(_, label)| label).collect()
+        };
+        let log = AxisScale::Log;
+        assert_eq!(labels(log, [-6.0, 6.0], 5), ["10⁻⁵", "1", "10⁵"]);
+        assert_eq!(labels(log, [-6.0, 6.0], 7), ["10⁻⁶", "10⁻⁴", "0.01", "1", "100", "10000", "10⁶"]);
+        assert_eq!(labels(log, [0.0, 2.0], 9), ["1", "2", "5", "10", "20", "50", "100"]);
+        assert_eq!(labels(log, [-7.0, -5.9], 9), ["10⁻⁷", "2·10⁻⁷", "5·10⁻⁷", "10⁻⁶"]);
+        // Less than a decade: round values, where they lie.
+        let part = ticks(log, [1.01, 1.2], 4);
+        assert_eq!(part.ticks[0].1, "11");
+        assert!((part.ticks[0].0 - 11_f64.log10()).abs() < 1e-12);
+        let symlog = AxisScale::SymLog { linear_below: 1.0 };
+        let ends = [-1000.0, 1000.0].map(|x| symlog.position(x));
+        assert_eq!(labels(symlog, ends, 9), ["−1000", "−100", "−10", "−1", "0", "1", "10", "100", "1000"]);
+        for most in 1..9 {
+            let found = ticks(log, [-11.7, 8.3], most).ticks;
+            assert!(!found.is_empty() && found.len() <= most, "{found:?}");
+            assert!(found.windows(2).all(|pair| pair[0].0 < pair[1].0));
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! Compiled transfer functions, for integrating many segments.
 
 use super::clip::ClippedSpan;
-use super::curved_axes::CurvedAxes;
+use super::curved_axes::{CurvedAxes, each_segment, integrate_values};
 use super::kinds::{CompiledProfile, Cutoff, Path, WidgetLight, WidgetPart};
 use super::overlap::{Glow, Member, Ordered, Quadrature, ordered};
 use super::special::{mean_transmittance, opacity};
@@ -64,29 +64,14 @@ impl CompiledTransferFunction {
 
     /// The contribution of a cell's crossing, whose values, not positions, vary linearly from front to back.
     pub fn integrate_values(&self, crossing: &Segment, overlap: WidgetBlend) -> Contribution {
-        let Some(axes) = &self.curved_axes else { return self.integrate(crossing, overlap) };
-        let mut sum = Contribution::default();
-        axes.cut(crossing.front, crossing.back, &mut Vec::new(), |piece| {
-            let [from, to] = piece.shares;
-            let fields = piece.shares.map(|share| {
-                let ends = crossing.fields_front.iter().zip(crossing.fields_back);
-                ends.map(|(front, back)| front + share * (back - front)).collect::<Vec<f64>>()
-            });
-            let part = self.integrate(
-                &Segment {
-                    length: crossing.length * (to - from),
-                    front: piece.ends[0],
-                    back: piece.ends[1],
-                    fields_front: &fields[0],
-                    fields_back: &fields[1],
-                },
-                overlap,
-            );
-            let light = (-sum.optical_depth).exp();
-            sum.color.iter_mut().zip(part.color).for_each(|(sum, color)| *sum += light * color);
-            sum.optical_depth += part.optical_depth;
-        });
-        Contribution { opacity: opacity(sum.optical_depth), ..sum }
+        integrate_values(self.curved_axes.as_ref(), crossing, |segment| self.integrate(segment, overlap))
+    }
+
+    /// T of a cell's crossing, whose values, not positions, vary linearly from front to back.
+    pub fn optical_depth_of_values(&self, crossing: &Segment) -> f64 {
+        let mut sum = 0.0;
+        each_segment(self.curved_axes.as_ref(), crossing, |segment| sum += self.optical_depth(segment));
+        sum
     }
 
     /// T of the segment: the sum of the widgets' closed forms.

@@ -6,6 +6,8 @@
 //! h = ln r, and of mean 0: a profile that is linear over the piece is integrated exactly, and one of width w to a share of some
 //! (h²/50 w)² of its peak. So h is a share of √w. Where a profile jumps on an axis, a piece ends.
 
+use crate::special::opacity;
+use crate::{Contribution, Segment};
 use voltet_core::transfer::{
     AxisScale, ColorSource, ControlPoint, DECADES, Region, TransferFunction, Widget,
 };
@@ -140,6 +142,44 @@ impl CurvedAxes {
         put(StraightPiece { shares: [from, middle], ends: [first, between] });
         put(StraightPiece { shares: [middle, to], ends: [between, last] });
     }
+}
+
+/// The contribution of a cell's crossing, whose values vary linearly from front to back, by an integral of segments between positions.
+/// `axes`: none where these are the values.
+pub fn integrate_values(
+    axes: Option<&CurvedAxes>,
+    crossing: &Segment,
+    mut integrate: impl FnMut(&Segment) -> Contribution,
+) -> Contribution {
+    if axes.is_none() {
+        return integrate(crossing);
+    }
+    let mut sum = Contribution::default();
+    each_segment(axes, crossing, |segment| {
+        let part = integrate(segment);
+        let light = (-sum.optical_depth).exp();
+        sum.color.iter_mut().zip(part.color).for_each(|(sum, color)| *sum += light * color);
+        sum.optical_depth += part.optical_depth;
+    });
+    Contribution { opacity: opacity(sum.optical_depth), ..sum }
+}
+
+/// Calls `each` with the segments of a crossing: itself, or pieces along curved axes, front to back.
+pub(super) fn each_segment(axes: Option<&CurvedAxes>, crossing: &Segment, mut each: impl FnMut(&Segment)) {
+    let Some(axes) = axes else { return each(crossing) };
+    axes.cut(crossing.front, crossing.back, &mut Vec::new(), |StraightPiece { shares, ends }| {
+        let fields = shares.map(|share| {
+            let ends = crossing.fields_front.iter().zip(crossing.fields_back);
+            ends.map(|(front, back)| front + share * (back - front)).collect::<Vec<f64>>()
+        });
+        each(&Segment {
+            length: crossing.length * (shares[1] - shares[0]),
+            front: ends[0],
+            back: ends[1],
+            fields_front: &fields[0],
+            fields_back: &fields[1],
+        });
+    });
 }
 
 /// Cut of a segment at which a position is known.

@@ -14,6 +14,7 @@ use voltet_core::{Error, Result, agreeing, counted};
 use voltet_cpu::cull;
 use voltet_graph::{Graph, Observer, Session};
 use voltet_io::encode::srgb_from_linear;
+use voltet_optics::curved_axes::{CurvedAxes, integrate_values};
 use voltet_optics::integrators::{Integrator, SegmentIntegrator};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::Shading;
@@ -226,7 +227,10 @@ fn all_integrators(
         };
         let shading = Shading { integrator, ..scene.shading };
         let ready = voltet_cpu::integrator(&cells, &scene.transfer_function, &shading);
-        let rgba = ready.and_then(|ready| Tracer::new(scene, Box::new(Integrated(ready)))?.pixel(rays));
+        let rgba = ready.and_then(|ready| {
+            Tracer::new(scene, Box::new(Integrated(ready, CurvedAxes::new(&scene.transfer_function))))?
+                .pixel(rays)
+        });
         // The reason, without alternatives.
         let rgba = rgba.map_err(|error| error.got.unwrap_or(error.what));
         let numbers = Numbers::of(&integrator).labels().join(", ");
@@ -236,18 +240,19 @@ fn all_integrators(
 }
 
 /// An integrator as rays ask for it.
-struct Integrated(Box<dyn SegmentIntegrator>);
+struct Integrated(Box<dyn SegmentIntegrator>, Option<CurvedAxes>);
 
 impl SegmentIntegral for Integrated {
     fn integrate(&self, length: f64, front: &[f64], back: &[f64]) -> Result<Contribution> {
-        let Integrated(integrator) = self;
-        let part = integrator.integrate(&Segment {
+        let Integrated(integrator, axes) = self;
+        let crossing = Segment {
             length,
             front: [front[0], front[1]],
             back: [back[0], back[1]],
             fields_front: &front[2..],
             fields_back: &back[2..],
-        });
+        };
+        let part = integrate_values(axes.as_ref(), &crossing, |segment| integrator.integrate(segment));
         integrator.failure().map_or(Ok(part), |error| Err(error.clone()))
     }
 }

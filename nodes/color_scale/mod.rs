@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::grid::Grid;
+use voltet_core::grid::{Grid, extent};
 use voltet_core::probing::{Axis, Histogram, histogram};
-use voltet_core::transfer::TransferFunction;
+use voltet_core::transfer::{AxisScale, TransferFunction};
 use voltet_core::volume::Volume;
 use voltet_figure::canvas::{Canvas, Theme};
 use voltet_figure::scale::{Border, NamedAxis, Shade, Side, color_bar, level_color_bar, plane};
@@ -47,8 +47,11 @@ pub(crate) struct ColorScale {
     plane: Option<(NamedAxis, Arc<Distribution>)>,
 }
 
-/// The distribution of data with one revision, kept between runs.
-struct Distribution(Histogram);
+/// The distribution of data with one revision over axes of these scales, kept between runs.
+struct Distribution {
+    axes: [AxisScale; 2],
+    histogram: Histogram,
+}
 
 impl ColorScale {
     /// The scale of the transfer function that is wired in. `title`: the name along s; `units`: of the scalar and of length.
@@ -62,27 +65,30 @@ impl ColorScale {
         // Extinctions are compared with each other alone, whatever length they are stated for.
         let function = call.look("transfer_function")?.for_diagonal(100.0);
         refuse_fields(p, &function)?;
+        let axes = function.axes;
         let scalar = volume.map_or("s", |volume| volume.grid.scalar_name.as_str());
         let bracketed = |unit: &str| if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
         let ends = |axis: Axis| [axis.low, axis.high];
         let plane = if function.uses_gradient_magnitude() {
-            let found = distribution(call, volume)?;
+            let found = distribution(call, volume, axes)?;
             let per_length = if length.is_empty() { String::new() } else { format!("{unit}/{length}") };
             let per_length = if unit.is_empty() { "" } else { per_length.as_str() };
             let name = format!("|∇{scalar}|{}", bracketed(per_length));
-            Some((NamedAxis { name, range: ends(found.0.axes[1]) }, found))
+            Some((NamedAxis { name, scale: axes[1], range: ends(found.histogram.axes[1]) }, found))
         } else {
             None
         };
-        let range = match (limits(p)?, drawn_range(&function, true).filter(|_| plane.is_none()), volume) {
+        let limits = limits(p)?.map(|range| axes[0].positions(range));
+        let range = match (limits, drawn_range(&function, true).filter(|_| plane.is_none()), volume) {
             (Some(range), ..) | (None, Some(range), _) => range,
-            (None, None, Some(volume)) => ends(Axis::over(&volume.scalar, 1)),
+            (None, None, Some(volume)) => axes[0].positions(ends(Axis::over(&volume.scalar, 1))),
             (None, None, None) => drawn_range(&function, false).ok_or_else(|| {
                 let what = "the transfer function has no ends, so the range of the bar is not known";
                 p.error("bar", what).expected("inputs = { volume = \"NODE\" }, or bar_range = [low, high]")
             })?,
         };
-        let s = NamedAxis { name: title.unwrap_or_else(|| format!("{scalar}{}", bracketed(unit))), range };
+        let s = title.unwrap_or_else(|| format!("{scalar}{}", bracketed(unit)));
+        let s = NamedAxis { name: s, scale: axes[0], range };
         let peak = function.widgets.iter().map(|widget| widget.peak()).fold(f64::MIN_POSITIVE, f64::max);
         let peak = peak / function.unit_distance;
         Ok(ColorScale { function: CompiledTransferFunction::new(&function)?, peak, s, plane })
@@ -90,8 +96,7 @@ impl ColorScale {
 
     /// Draws it; false where there is no room. `border`: that of a level bar, which has no side.
     pub fn draw(&self, canvas: &mut Canvas, side: Side, border: Option<Border>, top: f32) -> bool {
-        let Some((g_axis, Distribution(found))) = self.plane.as_ref().map(|(axis, found)| (axis, &**found))
-        else {
+        let Some((g_axis, found)) = self.plane.as_ref().map(|(axis, found)| (axis, &found.histogram)) else {
             let shade = |[low, high]: [f64; 2]| self.shade([low, 0.0], [high, 0.0]);
             return match border {
                 Some(border) => level_color_bar(canvas, border, top, &self.s, shade).is_some(),
@@ -148,7 +153,11 @@ fn drawn_range(function: &TransferFunction, of_own_colors: bool) -> Option<[f64;
 }
 
 /// The distribution of the data over s and g, up to where nearly all of them are.
-fn distribution(call: &RunContext, volume: Option<&Volume>) -> Result<Arc<Distribution>> {
+fn distribution(
+    call: &RunContext,
+    volume: Option<&Volume>,
+    axes: [AxisScale; 2],
+) -> Result<Arc<Distribution>> {
     let without = |found: &str| {
         let what = "the transfer function looks at the gradient, so its colours lie in a plane";
         let wanted =
@@ -157,17 +166,26 @@ fn distribution(call: &RunContext, volume: Option<&Volume>) -> Result<Arc<Distri
     };
     let volume = volume.ok_or_else(|| without("no volume"))?;
     let g = volume.gradient_magnitude.as_ref().ok_or_else(|| without("a volume without gradient"))?;
-    call.keep(call.revision("volume")?, || {
-        let s_axis = Axis::over(&volume.scalar, BINS[0]);
-        let whole = Axis { low: 0.0, ..Axis::over(g, 16 * BINS[1]) };
+    let find = || {
+        let on_axis = |scale: AxisScale, values: &[f64]| -> Vec<f64> {
+            let least = scale.positions(extent::range(values).unwrap_or_default())[0];
+            values.iter().map(|value| scale.position(*value).max(least)).collect()
+        };
+        let (s, g) = (on_axis(axes[0], &volume.scalar), on_axis(axes[1], g));
+        let s_axis = Axis::over(&s, BINS[0]);
+        let whole = Axis::over(&g, 16 * BINS[1]);
+        let whole = if axes[1].is_curved() { whole } else { Axis { low: 0.0, ..whole } };
         // All cells where there are few: the exact distribution of many takes as long as the picture.
         let stride = volume.grid.tetrahedra.len().div_ceil(MAX_CELLS).max(1);
         let tetrahedra = volume.grid.tetrahedra.iter().step_by(stride).copied().collect();
         let some = Grid { points: volume.grid.points.clone(), tetrahedra, ..Grid::default() };
-        let found = |axes| histogram(&some, [&volume.scalar, g], axes, call.progress());
+        let found = |axes| histogram(&some, [&s, &g], axes, call.progress());
         let high = found([Axis { bins: 1, ..s_axis }, whole])?.nearly_all();
-        Ok(Distribution(found([s_axis, Axis { low: 0.0, high, bins: BINS[1] }])?))
-    })
+        let histogram = found([s_axis, Axis { low: whole.low, high, bins: BINS[1] }])?;
+        Ok(Distribution { axes, histogram })
+    };
+    let kept = call.keep(call.revision("volume")?, find)?;
+    if kept.axes == axes { Ok(kept) } else { find().map(Arc::new) }
 }
 
 /// The volume in the bin of a place; 0 beyond the axes.

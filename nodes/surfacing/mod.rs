@@ -278,6 +278,7 @@ impl Shape {
             triangles: sharp.triangles,
             normals: sharp.normals,
             values: self.values.map(|values| sharp.origins.iter().map(|p| values[of(p)]).collect()),
+            colors: self.colors.map(|colors| sharp.origins.iter().map(|p| colors[of(p)]).collect()),
         }
     }
 

@@ -130,7 +130,7 @@ impl Tracer<'_> {
                     let [silhouette, _] = self.surface(ray, crossing);
                     let mut optical_depth = |crossing: &Crossing| {
                         let length = self.segment_into(ray, crossing, &mut ends);
-                        let own = function.optical_depth(&segment(length, &ends));
+                        let own = function.optical_depth_of_values(&segment(length, &ends));
                         // Opacity that the silhouette thins.
                         if silhouette == 1.0 { own } else { -(-silhouette * opacity(own)).ln_1p() }
                     };
