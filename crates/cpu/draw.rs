@@ -3,7 +3,7 @@
 use crate::attribute::{attributes_of, gradient_attributes, on_axes};
 use crate::cast::RayCastPolicy;
 use crate::cells::Cells;
-use crate::composite::segment_parts::LaneAxes;
+use crate::composite::lane_axes::LaneAxes;
 use crate::counts::Counts;
 use crate::frame_renderer::FrameRenderer;
 use crate::memory::drawing_bytes_of;

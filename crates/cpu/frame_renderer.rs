@@ -2,7 +2,7 @@
 
 use crate::attribute::{Attribute, gradient_attributes};
 use crate::composite::frame::{FrameContext, SegmentSource};
-use crate::composite::segment_parts::LaneAxes;
+use crate::composite::lane_axes::LaneAxes;
 use crate::composite::worker::{Worker, WorkerOutput};
 use crate::counts::Counts;
 use crate::projection::{Projection, SubpixelView};

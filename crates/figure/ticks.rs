@@ -57,7 +57,8 @@ pub fn ticks(scale: AxisScale, range: [f64; 2], most: usize) -> Ticks {
     let within = |position: &f64| (range[0] - SAME_POSITION..=range[1] + SAME_POSITION).contains(position);
     let ends = range.map(|position| scale.value(position));
     let largest = ends[0].abs().max(ends[1].abs());
-    if !scale.is_curved() || !(largest > 0.0 && largest.is_finite()) || most == 0 {
+    let has_decades = scale.is_curved() && largest > 0.0 && largest.is_finite() && most > 0;
+    if !has_decades {
         return linear_ticks(range, most);
     }
     let highest = largest.log10().ceil() as i32;

@@ -82,7 +82,7 @@ impl CurvedAxes {
         &self,
         front: [f64; 2],
         back: [f64; 2],
-        cuts: &mut Vec<Cut>,
+        cuts: &mut Vec<AxisCut>,
         mut put: impl FnMut(StraightPiece),
     ) {
         let mut range = [0.0, 1.0];
@@ -90,7 +90,7 @@ impl CurvedAxes {
             axis.limit(ends, &mut range);
         }
         let [from, to] = range;
-        if !(from < to) {
+        if from >= to {
             return;
         }
         cuts.clear();
@@ -104,9 +104,9 @@ impl CurvedAxes {
         let end_at = |share: f64| {
             [0, 1].map(|axis| self.axes[axis].scale.position(line(share, axis)).max(least[axis]))
         };
-        let mut begin = Cut { share: from, axis: 2, position: 0.0 };
+        let mut begin = AxisCut { share: from, axis: 2, position: 0.0 };
         let mut first = end_at(from);
-        cuts.push(Cut { share: to, axis: 2, position: 0.0 });
+        cuts.push(AxisCut { share: to, axis: 2, position: 0.0 });
         for &cut in cuts.iter() {
             let mut last = end_at(cut.share);
             if let Some(position) = last.get_mut(cut.axis) {
@@ -184,7 +184,7 @@ pub(super) fn each_segment(axes: Option<&CurvedAxes>, crossing: &Segment, mut ea
 
 /// Cut of a segment at which a position is known.
 #[derive(Debug, Clone, Copy)]
-pub struct Cut {
+pub struct AxisCut {
     share: f64,
     /// The axis of the position; another number: none.
     axis: usize,
@@ -206,7 +206,7 @@ impl CurvedAxis {
             return;
         }
         let least = 10f64.powf(-DECADES) * front.max(back);
-        if !(least > 0.0) {
+        if least.is_nan() || least <= 0.0 {
             *range = [1.0, 0.0];
         } else if front < least {
             range[0] = range[0].max((least - front) / (back - front));
@@ -216,12 +216,12 @@ impl CurvedAxis {
     }
 
     /// Adds the cuts within a range of shares: at jumps, and so that no step is longer than allowed.
-    fn add_cuts(&self, axis: usize, [front, back]: [f64; 2], [from, to]: [f64; 2], cuts: &mut Vec<Cut>) {
+    fn add_cuts(&self, axis: usize, [front, back]: [f64; 2], [from, to]: [f64; 2], cuts: &mut Vec<AxisCut>) {
         let share_at = |value: f64| (value - front) / (back - front);
         let mut add = |value: f64, position: f64| {
             let share = share_at(value);
             if from < share && share < to {
-                cuts.push(Cut { share, axis, position });
+                cuts.push(AxisCut { share, axis, position });
             }
         };
         if self.scale == AxisScale::Linear {
@@ -285,8 +285,8 @@ fn bends(points: &[ControlPoint]) -> Vec<f64> {
     slopes.push([0.0; 4]);
     let bend = |pair: &[[f64; 4]]| (0..4).map(|k| (pair[1][k] - pair[0][k]).abs()).fold(0.0, f64::max);
     let found = points.iter().zip(slopes.windows(2));
-    // No number where two points have one place.
-    found.filter(|(_, pair)| !(bend(pair) < SLIGHT_BEND)).map(|(point, _)| point.s).collect()
+    // Infinite where two points have one place.
+    found.filter(|(_, pair)| bend(pair) >= SLIGHT_BEND).map(|(point, _)| point.s).collect()
 }
 
 /// Positions on an axis at which a widget jumps, or bends sharply.

@@ -42,7 +42,7 @@ pub struct CurvedQuadrature {
     fields: Vec<Vec<usize>>,
 }
 
-/// What glows and absorbs at a place: extinction, and emission of each channel (1/L).
+/// Extinction at a place, then the emission of each channel (1/L).
 type Density = [f64; 4];
 
 impl CurvedQuadrature {
@@ -63,7 +63,7 @@ impl CurvedQuadrature {
         let axes = self.transfer_function.axes_read();
         let place = [axes[0].position(values[0]), axes[1].position(values[1])];
         let mut sum = [0.0; 4];
-        if place.iter().any(|u| *u == f64::NEG_INFINITY) {
+        if place.contains(&f64::NEG_INFINITY) {
             return sum;
         }
         for (widget, own) in widgets.iter().zip(&self.fields) {

@@ -3,7 +3,7 @@
 use crate::cache::FreeList;
 use crate::cast::RayCaster;
 use crate::composite::fragment_lists::FragmentLists;
-use crate::composite::segment_parts::LaneAxes;
+use crate::composite::lane_axes::LaneAxes;
 use crate::fragments::batch::{Batch, DepthLimits};
 use crate::fragments::crossing::Near;
 use crate::project::cells::Input;

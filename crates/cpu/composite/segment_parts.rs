@@ -1,64 +1,19 @@
 //! Parts of segments, in place of the whole: between surfaces and clips of their rays ([`voltet_optics::ray_events`]), whose colours take
 //! their places among them; and, where an axis is logarithmic, straight pieces along it ([`voltet_optics::curved_axes`]).
 
-use crate::attribute::Attribute;
 use crate::composite::frame::FrameContext;
+use crate::composite::lane_axes::LaneAxes;
 use crate::fragments::batch::{BATCH, Batch};
 use crate::tile::{PIXELS, TILE, TilePicture, TileRect};
-use voltet_core::transfer::TransferFunction;
-use voltet_optics::curved_axes::{CurvedAxes, Cut, StraightPiece};
+use voltet_optics::curved_axes::{AxisCut, StraightPiece};
 use voltet_optics::ray_events::{RayEvent, RayEventKind, RayEvents, composite_behind};
-
-/// Curved axes of s and g, with the scales of what batches hold.
-pub(crate) struct LaneAxes {
-    curved: CurvedAxes,
-    /// Value = scale × what is projected, since values of curved axes are counted from 0; of straight ones values and positions are stored
-    /// alike.
-    values: [f64; 2],
-    /// Offset and scale of positions.
-    positions: [[f64; 2]; 2],
-    /// True if g is among the attributes.
-    has_g: bool,
-}
-
-impl LaneAxes {
-    /// Axes of a transfer function; none where they are straight. `projected`, `shaded`: attributes as segments and as widgets have them.
-    pub fn new(
-        transfer_function: &TransferFunction,
-        projected: &[Attribute<'_>],
-        shaded: &[Attribute<'_>],
-    ) -> Option<LaneAxes> {
-        let curved = CurvedAxes::new(transfer_function)?;
-        let (mut values, mut positions) = ([1.0; 2], [[0.0, 1.0]; 2]);
-        for (axis, (from, to)) in projected.iter().zip(shaded).take(2).enumerate() {
-            if curved.scale(axis).is_curved() {
-                (values[axis], positions[axis]) = (from.scale, [to.offset, to.scale]);
-            }
-        }
-        Some(LaneAxes { curved, values, positions, has_g: projected.len() > 1 })
-    }
-
-    /// Values at a share of a segment of a batch.
-    fn at(&self, batch: &Batch, k: usize, share: f64) -> [f64; 2] {
-        let value = |axis: usize| {
-            let [front, back] = [&batch.front, &batch.back].map(|columns| f64::from(columns[axis][k]));
-            self.values[axis] * (front + share * (back - front))
-        };
-        [value(0), if self.has_g { value(1) } else { 0.0 }]
-    }
-
-    /// Positions as widgets read them.
-    fn stored(&self, position: [f64; 2]) -> [f32; 2] {
-        [0, 1].map(|axis| ((position[axis] - self.positions[axis][0]) / self.positions[axis][1]) as f32)
-    }
-}
 
 /// Cutter of a tile's segments.
 pub(crate) struct SegmentCutter {
     pixels: [Cursor; PIXELS],
     /// Parts of each lane of the batch's slices, front to back.
     lanes: [Vec<Part>; TILE],
-    scratch: Vec<Cut>,
+    scratch: Vec<AxisCut>,
 }
 
 /// Cursor of a pixel among its events.
@@ -79,7 +34,7 @@ pub(crate) struct Part {
     depths: [f32; 2],
     /// Shares of the segment at which it begins and ends.
     shares: [f32; 2],
-    /// Those of the part between two events that it is a piece of.
+    /// Shares of the part between two events that it is a piece of.
     whole: [f32; 2],
     /// Positions of s and g at its ends, along curved axes.
     ends: Option<[[f32; 2]; 2]>,
@@ -103,7 +58,7 @@ impl Part {
         self,
         axes: Option<&LaneAxes>,
         batch: &Batch,
-        scratch: &mut Vec<Cut>,
+        scratch: &mut Vec<AxisCut>,
         put: &mut impl FnMut(Part),
     ) {
         let Some(axes) = axes.filter(|_| self.surface.is_none()) else { return put(self) };
