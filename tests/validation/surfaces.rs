@@ -35,4 +35,11 @@ macro_rules! tests {
     };
 }
 
-tests!(fifty_surfaces, surfaces_in_faces_of_cells, surfaces_without_cells, clips, deep_pixels);
+tests!(
+    fifty_surfaces,
+    tubes_and_spheres,
+    surfaces_in_faces_of_cells,
+    surfaces_without_cells,
+    clips,
+    deep_pixels
+);
