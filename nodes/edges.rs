@@ -35,7 +35,7 @@ const PARAMETERS: [Parameter; 12] = {
             Parameter {
                 name: "kind",
                 parameter_type: ParameterType::Choice(&[
-                    ("features", "where the boundary turns by more than 'angle'"),
+                    ("features", "where the boundary turns by more than 'feature_angle'"),
                     ("cells", "of the faces of the file's cells on the boundary, without diagonals"),
                     ("outline", "of the box of the data"),
                 ]),
@@ -44,7 +44,7 @@ const PARAMETERS: [Parameter; 12] = {
                 help: "which edges",
             },
             Parameter {
-                name: "angle",
+                name: "feature_angle",
                 parameter_type: ParameterType::Number(Range::within(0.0, 180.0)),
                 unit: "degrees",
                 default: DefaultValue::Number(30.0),
@@ -61,9 +61,9 @@ const PARAMETERS: [Parameter; 12] = {
 
 fn check(p: &Parameters) -> Result<()> {
     let kind = p.text("kind")?;
-    if kind != "features" && p.is_set("angle") {
-        let error = p.error("angle", format!("edges of the kind \"{kind}\" have no angle"));
-        return Err(error.expected("kind = \"features\", or no angle"));
+    if kind != "features" && p.is_set("feature_angle") {
+        let error = p.error("feature_angle", format!("edges of the kind \"{kind}\" have no such angle"));
+        return Err(error.expected("kind = \"features\", or no feature_angle"));
     }
     if kind == "outline" && p.is_set("color_by") {
         let error = p.error("color_by", "a box has no values");
@@ -81,7 +81,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     let (points, edges): (&[DVec3], _) = match p.text("kind")? {
         "outline" => (&extent::corners(grid.bounds().unwrap_or_default()), box_edges()),
         "cells" => (&grid.points, cell_edges(call, grid)?),
-        _ => (&grid.points, of_features(call, grid, p.number("angle")?)?),
+        _ => (&grid.points, of_features(call, grid, p.number("feature_angle")?)?),
     };
     let tubes = tubing::made(call, &own, points, &edges, &[])?;
     Shape::of_tubes(tubes, values, None).painted(call, &own, "the boundary of the grid has no such edges")

@@ -208,7 +208,7 @@ def edges(
     *,
     volume: _Source | None = None,
     kind: Literal["features", "cells", "outline"] | None = None,
-    angle: float | None = None,
+    feature_angle: float | None = None,
     radius: float | str | None = None,
     sides: int | None = None,
     color: Sequence[float] | str | None = None,

@@ -37,6 +37,7 @@ macro_rules! tests {
 
 tests!(
     surfaces::fifty_surfaces,
+    surfaces::tubes_and_spheres,
     surfaces::surfaces_in_faces_of_cells,
     surfaces::surfaces_without_cells,
     surfaces::clips,

@@ -13,6 +13,7 @@ use voltet_core::picture::Picture;
 use voltet_core::progress::NoProgress;
 use voltet_core::surface::{EyeLight, Paint, Surface};
 use voltet_core::transfer::TransferFunction;
+use voltet_core::tubes::{TubeShape, tubes};
 use voltet_core::volume::Volume;
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Light, Shading, VisibilityOrder};
@@ -79,6 +80,33 @@ pub fn fifty_surfaces(draw: Draw) {
         let mut scene = scene(&volume, overlapping(), camera, &SHADING);
         scene.surfaces = (0..50).map(|_| Arc::new(triangles(&mut random, 3))).collect();
         compare(draw, &format!("fifty surfaces, {name}"), &scene);
+    }
+}
+
+/// A helix as a tube and points as spheres, translucent and of colours that change along them, in every view.
+pub fn tubes_and_spheres(draw: Draw) {
+    let volume = smooth(cube([5, 5, 5], 0.2));
+    let mut random = Random(7);
+    let turn = |k: u32| 0.4 * f64::from(k);
+    let helix =
+        (0..24).map(turn).map(|t| DVec3::new(0.5 + 0.3 * t.cos(), 0.5 + 0.3 * t.sin(), 0.1 + 0.08 * t));
+    let points: Vec<DVec3> = helix.chain((0..4).map(|_| random_point(&mut random))).collect();
+    let line: Vec<u32> = (0..24).collect();
+    let shape = TubeShape { radius: 0.07, sides: 8 };
+    let made = tubes(&points, &[line], &[24, 25, 26, 27], shape, &NoProgress).expect("tubes");
+    let color = |&p: &u32| [0.03 * f64::from(p), 0.3, 1.0 - 0.03 * f64::from(p), 0.2 + 0.02 * f64::from(p)];
+    let surface = Arc::new(Surface {
+        paint: Paint::Points(made.origins.iter().map(color).collect()),
+        points: made.points,
+        triangles: made.triangles,
+        normals: made.normals,
+        opacity: 0.9,
+        light: Some(EyeLight { ambient: 0.3, diffuse: 0.7 }),
+    });
+    for (name, camera) in cameras() {
+        let mut scene = scene(&volume, overlapping(), camera, &SHADING);
+        scene.surfaces = vec![surface.clone()];
+        compare(draw, &format!("tubes and spheres, {name}"), &scene);
     }
 }
 

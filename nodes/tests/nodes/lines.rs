@@ -14,11 +14,12 @@ pub const STREAMLINE: &str = r#"<VTKFile type="PolyData" version="1.0" byte_orde
 <Lines><DataArray type="Int32" Name="connectivity" format="ascii">0 1 2</DataArray>
 <DataArray type="Int32" Name="offsets" format="ascii">3</DataArray></Lines></Piece></PolyData></VTKFile>"#;
 
-/// Two coloured points, and a triangle with a line that has none of its points.
+/// Two coloured points.
 pub const CLOUD: &str = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n\
                          property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\nend_header\n\
                          0 0 0 255 0 0 255\n10 0 0 0 0 255 51\n";
 
+/// A triangle, and lines: one with a repeated point, one without length, one with a point that is not finite.
 pub const PART: &str =
     "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 5\nv nan 0 0\nf 1 2 3\nl 4 5 5\nl 4 4\nl 6 4\n";
 
@@ -119,7 +120,7 @@ fn edges_of_the_box_of_cells_and_of_features() {
     for (keys, count) in [
         ("kind = \"cells\"", 6 * 60 - 60),
         ("kind = \"features\"", 60),
-        ("kind = \"features\"\nangle = 100.0\nsides = 5", 0),
+        ("kind = \"features\"\nfeature_angle = 100.0\nsides = 5", 0),
         ("kind = \"outline\"\nradius = 0.1", 12),
     ] {
         let (found, report) = made(&format!("type = \"edges\"\n{keys}")).unwrap();
@@ -148,7 +149,10 @@ fn wrong_lines_are_refused() {
         ("type = \"surface-reader\"\npath = \"lines.vtp\"\ncolor_by = \"sped\"", "'speed'"),
         ("type = \"surface-reader\"\npath = \"one.csv\"", "diagonal is the same everywhere"),
         ("type = \"edges\"\nkind = \"outline\"\ncolor_by = \"s\"", "a box has no values"),
-        ("type = \"edges\"\nkind = \"cells\"\nangle = 3.0", "edges of the kind \"cells\" have no angle"),
+        (
+            "type = \"edges\"\nkind = \"cells\"\nfeature_angle = 3.0",
+            "edges of the kind \"cells\" have no such angle",
+        ),
         ("type = \"edges\"\nkind = \"wires\"", "expected one of features, cells, outline"),
     ] {
         let error = refused(keys);

@@ -30,7 +30,14 @@ macro_rules! tests {
     };
 }
 
-tests!(fifty_surfaces, surfaces_in_faces_of_cells, surfaces_without_cells, clips, deep_pixels);
+tests!(
+    fifty_surfaces,
+    tubes_and_spheres,
+    surfaces_in_faces_of_cells,
+    surfaces_without_cells,
+    clips,
+    deep_pixels
+);
 
 /// Tiles that stop within their lists go on with what is behind, surfaces among it.
 #[test]
