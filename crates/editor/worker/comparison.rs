@@ -4,7 +4,7 @@ use super::request::{Pixels, Query, QueryRun, RenderRequest, retain_widgets};
 use std::sync::Arc;
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
-use voltet_graph::{Demand, Graph, Registry, RunReport, Value};
+use voltet_graph::{Demand, Graph, Registry, RunReport};
 
 /// Pixels that are compared, at most.
 const PIXELS: f64 = 3072.0;
