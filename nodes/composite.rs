@@ -4,8 +4,8 @@ use crate::drawing;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result, counted};
-use voltet_cpu::{Projection, prepare};
-use voltet_graph::{DemandContext, Node, Outputs, Parameters, Port, PortType, RunContext};
+use voltet_cpu::{Projection, prepare_scene};
+use voltet_graph::{DemandContext, Node, Outputs, Parameter, Parameters, Port, PortType, RunContext};
 use voltet_optics::engine::{RenderStats, Stage};
 use voltet_optics::integrators::stated;
 use voltet_optics::scene::Scene;
@@ -20,8 +20,9 @@ pub const NODE: Node = Node {
         Port { name: "transfer_function", port_type: PortType::TransferFunction, summary: "what is drawn" },
     ],
     outputs: &[Port { name: "image", port_type: PortType::Image, summary: "the picture" }],
-    parameters: &drawing::PARAMETERS,
+    parameters: &PARAMETERS,
     example: include_str!("examples/stages.toml"),
+    optional_inputs: &[drawing::SURFACES],
     check: &check,
     demand: &|asking: &mut DemandContext| {
         let (engine, why) = match stated(asking.parameters)?.extension() {
@@ -35,7 +36,13 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
+const PARAMETERS: [Parameter; 5] = {
+    let [integrator, overlap, silhouette, light] = drawing::PARAMETERS;
+    [integrator, overlap, silhouette, light, drawing::CLIP]
+};
+
 fn check(parameters: &Parameters) -> Result<()> {
+    drawing::check(parameters)?;
     let integrator = drawing::shading(parameters)?.integrator;
     if integrator.kind().scene_preparation().is_some() {
         let name = integrator.name();
@@ -60,7 +67,11 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
         );
     }
     drawing::note_bands(call, &cells.volume, &transfer_function)?;
-    let scene = projected.scene(shading);
+    let scene = Scene {
+        surfaces: call.surfaces("surfaces")?,
+        clips: drawing::clips(call.parameters)?,
+        ..projected.scene(shading)
+    };
     let picture = match shading.integrator.extension() {
         // Every projected cell is drawn.
         Some(engine) => drawing::draw_on(call, &scene, "projection", engine, false)?,
@@ -72,9 +83,9 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
 
 /// Integrates and composites on the CPU engine.
 fn composite(call: &mut RunContext, projection: &Projection, scene: &Scene) -> Result<Picture> {
-    let Scene { transfer_function, shading, .. } = scene;
-    let ready = call.stage(Stage::SetUp.name(), |_| prepare(projection, transfer_function, shading))?;
-    let (picture, composited) = call.stage(Stage::Composite.name(), |progress| ready.composite(progress))?;
+    let ready = call.stage(Stage::SetUp.name(), |_| prepare_scene(projection, scene))?;
+    let composite = |progress: &dyn Progress| ready.composite_scene(scene, None, progress);
+    let (picture, composited) = call.stage(Stage::Composite.name(), composite)?;
     let mut counts = RenderStats::default();
     composited.count(&mut counts);
     composited.note(&mut call.notes);

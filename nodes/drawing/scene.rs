@@ -210,6 +210,7 @@ pub fn ask(asking: &mut DemandContext, port: &str, look_port: &str) -> Result<De
     if let Some(look) = &look {
         // Refused before any data are read.
         check_engine(&voltet_cpu::ENGINE, asking.parameters, &look.transfer_function, &shading)?;
+        shading.check(&look.transfer_function)?;
     }
     let mut demand = demand(look.as_deref(), &shading);
     // Surfaces and the ends of clips have their places in the order.

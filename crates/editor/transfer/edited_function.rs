@@ -26,6 +26,8 @@ pub(super) struct EditedFunction<'a> {
     /// Lengths of the axes of the data.
     pub extent: [f64; 2],
     pub plane: Plane,
+    /// True if its axes are logarithmic, unlike those of the plane, which its widgets do not lie in then.
+    pub is_curved: bool,
 }
 
 impl<'a> EditedFunction<'a> {
@@ -44,14 +46,20 @@ impl<'a> EditedFunction<'a> {
         let metric = plane.map_or(extent, Plane::metric);
         let known = found.map(|found| &found.known);
         let on = PlaneContext { axes: &axes, extent: metric, known, images };
-        let widget = |entry: &LocatedValue| ScreenWidget::new(entry.table().unwrap_or_default(), &on);
+        let is_linear =
+            |name: &str| matches!(node.setting(name).and_then(LocatedValue::text), None | Some("linear"));
+        let is_curved = axes == S_AND_G && !(is_linear("s_scale") && is_linear("g_scale"));
+        let widget = |entry: &LocatedValue| {
+            let widget = ScreenWidget::new(entry.table().unwrap_or_default(), &on);
+            if is_curved { widget.without_shape() } else { widget }
+        };
         let widgets: Vec<ScreenWidget> = list.iter().map(widget).collect();
         let peak = former_peak.unwrap_or_else(|| {
             let most = widgets.iter().filter_map(ScreenWidget::peak_of_curve).fold(0.0, f64::max);
             if most > 0.0 { 1.1 * most } else { 1.0 }
         });
         let plane = Plane { rect: Rect::ZERO, shown: [[0.0, 1.0]; 2], extent: metric, peak };
-        EditedFunction { scene, actions: scene.actions, node, list, widgets, axes, extent, plane }
+        EditedFunction { scene, actions: scene.actions, node, list, widgets, axes, extent, plane, is_curved }
     }
 
     pub fn histogram(&self) -> Option<&Histogram> {
@@ -152,6 +160,9 @@ const EXTINCTION: f64 = 10.0;
 
 /// A Gaussian at the bin with the most volume that no widget holds; `None` on axes that no kind of widget is over.
 pub(super) fn at_peak(look: &EditedFunction) -> Option<ParameterValue> {
+    if look.is_curved {
+        return None;
+    }
     let (mut centre, mut sigma) = ([0.5, 0.0], [0.1, 0.1]);
     if let Some(histogram) = look.histogram() {
         let [s, g] = histogram.axes;
@@ -176,7 +187,7 @@ pub(super) fn at_peak(look: &EditedFunction) -> Option<ParameterValue> {
 /// axes. In a direction in which the values hardly vary it is as wide as a hand can take hold of; a quantity that is the same in
 /// all of the data is not looked at. `None` without values.
 pub(super) fn at_probe(look: &EditedFunction, probed: &PixelProbe) -> Option<ParameterValue> {
-    let (mean, covariance) = probed.moments()?;
+    let (mean, covariance) = probed.moments().filter(|_| !look.is_curved)?;
     let known = look.known();
     let extent: Vec<f64> = ["s", "g"]
         .into_iter()

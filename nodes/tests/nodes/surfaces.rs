@@ -274,3 +274,65 @@ fn what_is_empty_or_wrong_is_said() {
         assert!(error.contains(said), "{keys}: {error}");
     }
 }
+
+/// Stages as nodes of their own draw surfaces and clips in the same picture as the node that holds all of them, also where cells alone
+/// would need no order.
+#[test]
+fn stages_draw_surfaces_and_clips_as_the_renderer_does() {
+    let folder = folder();
+    let scene = |drawing: &str| {
+        let text = format!(
+            r#"[pipeline]
+format = 1
+[nodes.grid]
+type = "reader"
+path = "a.vtk"
+scalar = "a"
+[nodes.look]
+type = "transfer-function"
+unit_distance = 1.0
+[[nodes.look.widgets]]
+kind = "gaussian"
+color = [1.0, 0.5, 0.1]
+extinction = 0.5
+centre = [20.0, 0.0]
+sigma = [6.0, inf]
+[nodes.level]
+type = "contour"
+values = [18.0, 22.0]
+opacity = 0.5
+inputs = {{ volume = "grid" }}
+[nodes.view]
+type = "camera"
+view = "isometric"
+size = [40, 30]
+inputs = {{ volume = "grid" }}
+{drawing}
+inputs = {{ {inputs}, transfer_function = "look", surfaces = "level" }}
+clip = [{{ kind = "sphere", centre = [2.5, 2.5, 2.5], radius = 1.6, invert = true }}]
+[nodes.file]
+type = "image-writer"
+path = "out.exr"
+inputs = {{ image = "picture" }}
+"#,
+            inputs = if drawing.contains("composite") {
+                "projection = \"cover\""
+            } else {
+                "volume = \"grid\", camera = \"view\""
+            }
+        );
+        let graph =
+            Pipeline::parse(&text).unwrap().graph(&registry().unwrap(), folder.path().into()).unwrap();
+        let report = session().run(&graph, &NoObserver).unwrap_or_else(|error| panic!("{error}"));
+        report.pictures[0].1.rgba.clone()
+    };
+    let whole = scene("[nodes.picture]\ntype = \"renderer\"\nengine = \"cpu\"");
+    let staged = scene(
+        "[nodes.cells]\ntype = \"cull\"\ninputs = { volume = \"grid\", transfer_function = \"look\", camera = \"view\" }\n\
+         [nodes.order]\ntype = \"sort\"\ninputs = { cells = \"cells\", camera = \"view\" }\n\
+         [nodes.cover]\ntype = \"project\"\ninputs = { cells = \"order\", camera = \"view\" }\n\
+         [nodes.picture]\ntype = \"composite\"",
+    );
+    assert!(whole.iter().filter(|pixel| pixel[3] > 0.3).count() > 200);
+    assert!(whole == staged);
+}
