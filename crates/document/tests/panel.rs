@@ -121,6 +121,7 @@ fn every_text_and_every_three_numbers_are_told_apart() {
             "expression",
             "eye",
             "high",
+            "layers",
             "length_unit",
             "low",
             "name",
