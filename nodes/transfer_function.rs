@@ -60,18 +60,6 @@ pub const NODE: Node = Node {
             help: "the length over which extinction is stated; \"auto\": a hundredth of the data's diagonal",
         },
         Parameter {
-            name: "s_scale",
-            help: "scale of the scalar: widgets have values as positions, and decades as widths",
-            ..SCALE
-        },
-        Parameter {
-            name: "s_linear_below",
-            help: "\"symlog\" of the scalar: about linear up to this value",
-            ..LINEAR_BELOW
-        },
-        Parameter { name: "g_scale", help: "scale of the gradient magnitude", ..SCALE },
-        Parameter { name: "g_linear_below", help: "\"symlog\" of the gradient magnitude", ..LINEAR_BELOW },
-        Parameter {
             name: "relative_to",
             parameter_type: ParameterType::Choice(&[
                 ("step", "the volume that is wired in"),
@@ -88,6 +76,18 @@ pub const NODE: Node = Node {
             default: DefaultValue::Unset("no widgets: an empty picture"),
             help: "the widgets, whose extinctions add up",
         },
+        Parameter {
+            name: "s_scale",
+            help: "scale of the scalar: widgets have values as positions, and decades as widths",
+            ..SCALE
+        },
+        Parameter {
+            name: "s_linear_below",
+            help: "\"symlog\" of the scalar: about linear up to this value",
+            ..LINEAR_BELOW
+        },
+        Parameter { name: "g_scale", help: "scale of the gradient magnitude", ..SCALE },
+        Parameter { name: "g_linear_below", help: "\"symlog\" of the gradient magnitude", ..LINEAR_BELOW },
     ],
     example: include_str!("examples/stages.toml"),
     early: true,

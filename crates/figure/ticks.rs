@@ -223,7 +223,8 @@ mod tests {
             ticks(scale, range, most).ticks.into_iter().map(|(_, label)| label).collect()
         };
         let log = AxisScale::Log;
-        assert_eq!(labels(log, [-6.0, 6.0], 5), ["10⁻⁵", "1", "10⁵"]);
+        assert_eq!(labels(log, [-6.0, 6.0], 4), ["10⁻⁵", "1", "10⁵"]);
+        assert_eq!(labels(log, [-6.0, 6.0], 5), ["10⁻⁶", "0.001", "1", "1000", "10⁶"]);
         assert_eq!(labels(log, [-6.0, 6.0], 7), ["10⁻⁶", "10⁻⁴", "0.01", "1", "100", "10000", "10⁶"]);
         assert_eq!(labels(log, [0.0, 2.0], 9), ["1", "2", "5", "10", "20", "50", "100"]);
         assert_eq!(labels(log, [-7.0, -5.9], 9), ["10⁻⁷", "2·10⁻⁷", "5·10⁻⁷", "10⁻⁶"]);

@@ -131,12 +131,12 @@ def transfer_function(
     model: Literal["density-emitter", "constant-emitter"] | None = None,
     cutoff: float | None = None,
     unit_distance: float | str | None = None,
+    relative_to: Literal["step", "series"] | None = None,
+    widgets: Sequence[Mapping[str, Any]] | None = None,
     s_scale: Literal["linear", "log", "symlog"] | None = None,
     s_linear_below: float | None = None,
     g_scale: Literal["linear", "log", "symlog"] | None = None,
     g_linear_below: float | None = None,
-    relative_to: Literal["step", "series"] | None = None,
-    widgets: Sequence[Mapping[str, Any]] | None = None,
 ) -> Node:
     """Turns the scalar and its gradient magnitude into colour and extinction, by a list of widgets."""
 def bands(

@@ -51,8 +51,12 @@ fn axes_are_counted_from_a_single_centre_and_widths_from_zero() {
     let even = Widget { profile: Profile::Uniform, ..cut.clone() };
     let (cut, even, two) = (of(vec![cut]), of(vec![even.clone()]), of(vec![gaussian(RED, 1.0), even]));
     assert_eq!([0, 1].map(|axis| cut.axis_origin(axis)), [Some(3.0), Some(1.0)]);
-    assert_eq!([0, 1, 2].map(|axis| even.axis_origin(axis)), [Some(5.0), Some(-2.0), None]);
+    assert_eq!([0, 1, 2].map(|axis| even.axis_origin(axis)), [Some(5.0), Some(0.0), None]);
     assert_eq!([0, 1].map(|axis| two.axis_origin(axis)), [Some(5.0), Some(-1.5)]);
+    // Of places of very different sizes the smaller keeps its digits.
+    let region = Some(Region::rectangle([1e-3, 1e4], [5.0, 1e3]));
+    let far = of(vec![Widget { profile: Profile::Uniform, region, ..gaussian(RED, 1.0) }]);
+    assert_eq!([0, 1].map(|axis| far.axis_origin(axis)), [Some(0.0), Some(502.5)]);
     // Fields are counted in the order of their names, a widget's own in the order that it names them.
     let fields = ["q", "p"].map(String::from).to_vec();
     let matrix = vec![vec![1.0, 0.0], vec![0.0, 1.0]];
