@@ -48,6 +48,9 @@ def calculator(
     cell_values: Literal["average", "constant"] | None = None,
     scalar: bool | None = None,
     method: str | None = None,
+    units: Sequence[str] | None = None,
+    unit: str | None = None,
+    length_unit: str | None = None,
     **of_method: Any,
 ) -> Node:
     """Computes an array from others by an expression, and makes it the scalar that is drawn."""
