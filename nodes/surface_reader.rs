@@ -5,7 +5,9 @@ use crate::surfacing::{self, SMOOTH, Shape, with_paint};
 use voltet_core::probing::value_range;
 use voltet_core::transfer::{DataStatistics, resolved};
 use voltet_core::{Error, Result};
-use voltet_graph::{ArrayRef, DefaultValue, Node, Outputs, Parameter, ParameterType, RunContext};
+use voltet_graph::{
+    ArrayRef, DefaultValue, Node, Outputs, Parameter, ParameterType, Parameters, Range, RunContext,
+};
 use voltet_io::formats::{SURFACE_FILES, read_surface};
 
 /// The declaration.
@@ -15,7 +17,7 @@ pub const NODE: Node = Node {
     outputs: surfacing::OUTPUTS,
     parameters: &PARAMETERS,
     example: include_str!("examples/surface_reader.toml"),
-    check: &surfacing::check,
+    check: &check,
     // A source has no inputs to ask.
     demand: &|_| Ok(()),
     prepare: &|preparation| refuse_missing(&preparation.path("path")?),
@@ -23,7 +25,7 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-const PARAMETERS: [Parameter; 10] = {
+const PARAMETERS: [Parameter; 11] = {
     let mut all = with_paint(
         [
             Parameter {
@@ -38,17 +40,33 @@ const PARAMETERS: [Parameter; 10] = {
                 help: "true: light by the file's normals, or averages over triangles; false: by each triangle's own",
                 ..SMOOTH
             },
+            Parameter {
+                name: "bad",
+                parameter_type: ParameterType::Color(Range::at_least(0.0)),
+                unit: "linear RGB",
+                default: DefaultValue::Unset("they are left out, with a warning"),
+                help: "colour of triangles with a value of color_by that is not finite, such as nan",
+            },
         ],
         "one colour",
         1.0,
         0.3,
     );
-    all[3] = Parameter {
+    all[4] = Parameter {
         help: "colours by values: an array of the file; \"NAME:magnitude\" or \"NAME:0\" for vectors",
-        ..all[3]
+        ..all[4]
     };
     all
 };
+
+/// Mistakes in the paint, and a colour of values where there are none.
+fn check(p: &Parameters) -> Result<()> {
+    if p.is_set("bad") && !p.is_set("color_by") {
+        let error = p.error("bad", "'bad' is a colour of values, and nothing is coloured by values");
+        return Err(error.expected("color_by = \"ARRAY\" too"));
+    }
+    surfacing::check(p)
+}
 
 /// Values of a surface.
 struct SurfaceStatistics<'a>(&'a [f64]);
@@ -71,8 +89,13 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     call.notes.warnings.extend(file.warnings);
     let values = SurfaceStatistics(file.values.as_deref().unwrap_or_default());
     let own = surfacing::known(call, color_by.is_some(), |p, _| resolved(p, &values))?;
-    let shape =
-        Shape { points: file.points, triangles: file.triangles, normals: file.normals, values: file.values };
+    let shape = Shape {
+        points: file.points,
+        triangles: file.triangles,
+        normals: file.normals,
+        values: file.values,
+        bad: p.optional_color("bad")?,
+    };
     let shape = match p.optional("smooth") {
         None => shape,
         Some(_) if p.flag("smooth")? && !shape.normals.is_empty() => shape,

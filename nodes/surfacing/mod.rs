@@ -248,13 +248,15 @@ pub struct Shape {
     pub normals: Vec<DVec3>,
     /// Values that give the colours, one a point.
     pub values: Option<Vec<f64>>,
+    /// Linear RGB of triangles with a value that is not finite; none: they are left out.
+    pub bad: Option<[f64; 3]>,
 }
 
 impl Shape {
     /// The triangles of a grid.
     pub fn of_grid(surface: GridSurface, points: &[DVec3], values: Option<Vec<f64>>) -> Shape {
         let points = surface.positions(points);
-        Shape { points, triangles: surface.triangles, normals: Vec::new(), values }
+        Shape { points, triangles: surface.triangles, values, ..Shape::default() }
     }
 
     /// The shape with averaged normals where they are asked for and count.
@@ -274,6 +276,7 @@ impl Shape {
             triangles: sharp.triangles,
             normals: sharp.normals,
             values: self.values.map(|values| sharp.origins.iter().map(|p| values[of(p)]).collect()),
+            bad: self.bad,
         }
     }
 
@@ -283,6 +286,7 @@ impl Shape {
         let is_finite = |corners: &[u32; 3]| {
             corners.iter().all(|&p| {
                 let value = self.values.as_ref().map_or(0.0, |values| values[p as usize]);
+                let value = if self.bad.is_some() { 0.0 } else { value };
                 self.points[p as usize].is_finite() && value.is_finite()
             })
         };
@@ -299,7 +303,7 @@ impl Shape {
         let paint = match self.values {
             Some(values) => {
                 let curve = color_curve(p, &FilesFrom(&|path| call.resolve(path)))?;
-                Paint::Mapped { values, range: range(p)?, curve }
+                Paint::Mapped { values, range: range(p)?, curve, bad: self.bad }
             }
             None => Paint::Uniform(p.optional_color("color")?.unwrap_or(LIGHT_GREY)),
         };

@@ -211,6 +211,7 @@ def surface_reader(
     *,
     path: str | PathLike[str],
     smooth: bool | None = None,
+    bad: Sequence[float] | str | None = None,
     color: Sequence[float] | str | None = None,
     color_by: str | None = None,
     colormap: str | PathLike[str] | None = None,
