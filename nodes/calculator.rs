@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
-use voltet_core::expression::{Expression, NamedArray};
+use voltet_core::expression::{Dimension, Expression, NamedArray};
 use voltet_core::field::Derivative;
 use voltet_core::grid::{Array, CellValues, Grid, add_from_cells};
 use voltet_core::parameters::suggest;
@@ -65,12 +65,40 @@ pub const NODE: Node = Node {
             default: DefaultValue::Text("least-squares"),
             help: "the filter for gradients in the expression; its own parameters stand beside this one",
         },
+        Parameter {
+            name: "units",
+            parameter_type: ParameterType::Texts,
+            unit: "",
+            default: DefaultValue::Unset("none are checked"),
+            help: "units of arrays, such as [\"p = kPa\", \"U = m/s\"]: sums of unlike units are errors; numbers are not converted",
+        },
+        Parameter {
+            name: "unit",
+            default: DefaultValue::Unset("any"),
+            help: "unit of the result, which those of the arrays must give; numbers are not converted",
+            ..UNIT
+        },
+        Parameter {
+            name: "length_unit",
+            default: DefaultValue::Unset("not known, nor are units of gradients"),
+            help: "unit of the coordinates, for gradients in the expression",
+            ..UNIT
+        },
     ],
     example: include_str!("examples/calculator.toml"),
     check: &|parameters| Calculation::new(parameters).map(drop),
     demand: &demand,
     run: &run,
     ..Node::BLANK
+};
+
+/// A unit.
+const UNIT: Parameter = Parameter {
+    name: "",
+    parameter_type: ParameterType::Text,
+    unit: "",
+    default: DefaultValue::Unset(""),
+    help: "",
 };
 
 /// Beginning of the names of arrays of the input `other`.
@@ -106,6 +134,7 @@ impl Calculation {
                 return Err(error.expected("a method that computes gradients"));
             }
         }
+        check_units(p, &expression)?;
         let cell_values = crate::reader::cell_values(p)?;
         Ok(Calculation { expression, name, at_cells, cell_values, is_scalar: p.flag("scalar")? })
     }
@@ -115,6 +144,69 @@ impl Calculation {
         let as_cell_array = self.at_cells && demand.cell_arrays.contains(&self.name);
         self.is_scalar || demand.arrays.contains(&self.name) || as_cell_array
     }
+}
+
+/// Checks that the units of the expression agree, where some are stated.
+fn check_units(p: &Parameters, expression: &Expression) -> Result<()> {
+    let units = units(p, expression)?;
+    let unit = |name: &str| {
+        let read = |text| Dimension::parse(text).map_err(|error| p.locate(name, error));
+        p.optional(name).and_then(|setting| setting.text()).map(read).transpose()
+    };
+    let (length, wanted) = (unit("length_unit")?, unit("unit")?);
+    if units.is_empty() {
+        let Some(name) = ["unit", "length_unit"].into_iter().find(|name| p.is_set(name)) else {
+            return Ok(());
+        };
+        let error =
+            p.error(name, format!("'{name}' is checked against units of arrays, and none are stated"));
+        return Err(error.expected("units = [\"ARRAY = UNIT\"] too"));
+    }
+    let of = |array: &str| units.get(own_name(array)).or_else(|| units.get(vector_name(array))).copied();
+    let text = p.text("expression")?;
+    let found = expression.dimension(text, of, length);
+    let found = found.map_err(|(error, span)| origin(p, &span).locate(error))?;
+    match (found, wanted) {
+        (Some(found), Some(wanted)) if !found.is_like(wanted) => {
+            let error = p.error("unit", "the expression has another unit").got(found);
+            Err(error.expected(format!("{wanted}, as {} says", p.get("unit")?.datum)))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The unit of each array that has one. Errors: it cannot be read, is stated twice, or the expression has no such array.
+fn units<'a>(p: &'a Parameters, expression: &Expression) -> Result<BTreeMap<&'a str, Dimension>> {
+    let mut units = BTreeMap::new();
+    for setting in p.optional("units").and_then(|setting| setting.list()).unwrap_or_default() {
+        let Some((name, unit)) = setting.text().and_then(|text| text.rsplit_once('=')) else {
+            return Err(setting.error("a unit names no array", "\"ARRAY = UNIT\", such as \"p = kPa\""));
+        };
+        let name = name.trim();
+        let dimension = Dimension::parse(unit.trim()).map_err(|error| setting.origin.locate(error))?;
+        let names = || expression.arrays.iter().map(|array| own_name(&array.name));
+        if !names().any(|own| own == name || vector_name(own) == name) {
+            return Err(
+                setting.error("a unit is of an array that the expression lacks", suggest(name, names()))
+            );
+        }
+        if units.insert(name, dimension).is_some() {
+            return Err(
+                setting.error(format!("the unit of '{name}' is stated twice"), "one unit for each array")
+            );
+        }
+    }
+    Ok(units)
+}
+
+/// The array's name in its own grid.
+fn own_name(array: &str) -> &str {
+    array.strip_prefix(OTHER).unwrap_or(array)
+}
+
+/// The name of the array whose component or length this is.
+fn vector_name(array: &str) -> &str {
+    own_name(array).rsplit_once(':').map_or(own_name(array), |(name, _)| name)
 }
 
 /// Location of some bytes of the expression.

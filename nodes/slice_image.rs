@@ -135,7 +135,7 @@ fn mapped(
     let values = surface.values(surfacing::values(call.parameters, "color_by", volume, name)?);
     let curve = color_curve(own, &FilesFrom(&|path| call.resolve(path)))?;
     let Shape { points, triangles, .. } = Shape::of_grid(surface, &volume.grid.points, None);
-    let paint = Paint::Mapped { values, range: range(own)?, curve };
+    let paint = Paint::Mapped { values, range: range(own)?, curve, bad: None };
     let surface = Surface { points, triangles, paint, opacity: 1.0, light: None, normals: Vec::new() };
     surface.check()?;
     let color = |triangle, weights| surface.color(triangle, weights, DVec3::ZERO);

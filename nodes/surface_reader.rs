@@ -7,7 +7,9 @@ use voltet_core::grid::extent;
 use voltet_core::probing::value_range;
 use voltet_core::transfer::{DataStatistics, resolved};
 use voltet_core::{Error, Result};
-use voltet_graph::{ArrayRef, DefaultValue, Node, Outputs, Parameter, ParameterType, RunContext};
+use voltet_graph::{
+    ArrayRef, DefaultValue, Node, Outputs, Parameter, ParameterType, Parameters, Range, RunContext,
+};
 use voltet_io::formats::{SURFACE_FILES, SurfaceColors, SurfaceFile, read_surface};
 
 /// The declaration.
@@ -17,7 +19,7 @@ pub const NODE: Node = Node {
     outputs: surfacing::OUTPUTS,
     parameters: &PARAMETERS,
     example: include_str!("examples/surface_reader.toml"),
-    check: &surfacing::check,
+    check: &check,
     // A source has no inputs to ask.
     demand: &|_| Ok(()),
     prepare: &|preparation| refuse_missing(&preparation.path("path")?),
@@ -25,7 +27,7 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-const PARAMETERS: [Parameter; 13] = {
+const PARAMETERS: [Parameter; 14] = {
     let [radius, sides] = tube_parameters("0.5 %");
     let mut all = with_paint(
         [
@@ -53,17 +55,33 @@ const PARAMETERS: [Parameter; 13] = {
             },
             radius,
             sides,
+            Parameter {
+                name: "bad",
+                parameter_type: ParameterType::Color(Range::at_least(0.0)),
+                unit: "linear RGB",
+                default: DefaultValue::Unset("they are left out, with a warning"),
+                help: "colour of triangles with a value of color_by that is not finite, such as nan",
+            },
         ],
         "the file's own colours, or else one colour",
         1.0,
         0.3,
     );
-    all[6] = Parameter {
+    all[7] = Parameter {
         help: "colours by values: an array of the file; \"NAME:magnitude\" or \"NAME:0\" for vectors",
-        ..all[6]
+        ..all[7]
     };
     all
 };
+
+/// Mistakes in the paint, and a colour of values where there are none.
+fn check(p: &Parameters) -> Result<()> {
+    if p.is_set("bad") && !p.is_set("color_by") {
+        let error = p.error("bad", "'bad' is a colour of values, and nothing is coloured by values");
+        return Err(error.expected("color_by = \"ARRAY\" too"));
+    }
+    surfacing::check(p)
+}
 
 /// Values and places of a surface.
 struct SurfaceStatistics<'a>(&'a SurfaceFile);
@@ -113,11 +131,12 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
         false => Shape::default(),
     };
     let SurfaceFile { points, triangles, normals, values, colors, .. } = file;
-    let shape = Shape { points, triangles, normals, values, colors };
+    let shape = Shape { points, triangles, normals, values, colors, bad: None };
     let shape = match p.optional("smooth") {
         None => shape,
         Some(_) if p.flag("smooth")? && !shape.normals.is_empty() => shape,
         Some(_) => Shape { normals: Vec::new(), ..shape }.smoothed(p)?,
     };
-    shape.joined(tubes).painted(call, &own, "the file holds no polygons, lines or points of their own")
+    let shape = Shape { bad: p.optional_color("bad")?, ..shape.joined(tubes) };
+    shape.painted(call, &own, "the file holds no polygons, lines or points of their own")
 }

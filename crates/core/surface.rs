@@ -37,6 +37,8 @@ pub enum Paint {
         range: [f64; 2],
         /// The map.
         curve: ColorCurve,
+        /// Linear RGB of a triangle with a value that is not finite; none: there is no such value.
+        bad: Option<[f64; 3]>,
     },
 }
 
@@ -56,7 +58,10 @@ impl Surface {
     /// - what is wrong, with its number.
     pub fn check(&self) -> Result<()> {
         let count = self.points.len();
-        let values = if let Paint::Mapped { values, .. } = &self.paint { values.as_slice() } else { &[] };
+        let (values, bad) = match &self.paint {
+            Paint::Mapped { values, bad, .. } => (values.as_slice(), *bad),
+            Paint::Uniform(_) | Paint::Points(_) => (&[][..], None),
+        };
         let colors = if let Paint::Points(colors) = &self.paint { colors.as_slice() } else { &[] };
         let of_paint = match &self.paint {
             Paint::Uniform(_) => None,
@@ -84,14 +89,16 @@ impl Surface {
                 .expected("red, green and blue of at least 0, and an opacity from 0 to 1"));
         }
         for (number, corners) in self.triangles.iter().enumerate() {
-            let good = |&p: &u32| {
-                let p = p as usize;
-                self.points.get(p).is_some_and(|at| at.is_finite())
-                    && values.get(p).is_none_or(|value| value.is_finite())
-            };
-            if let Some(&point) = corners.iter().find(|point| !good(point)) {
+            let is_placed = |&p: &u32| self.points.get(p as usize).is_some_and(|at| at.is_finite());
+            if let Some(&point) = corners.iter().find(|point| !is_placed(point)) {
                 return Err(Error::run("a surface has a point that does not exist or is not finite")
                     .got(format!("point {point} of triangle {number}")));
+            }
+            let is_bad = |p: &&u32| values.get(**p as usize).is_some_and(|value| !value.is_finite());
+            if let Some(point) = corners.iter().find(is_bad).filter(|_| bad.is_none()) {
+                let error = Error::run("a surface has a value that is not finite, and no colour for it");
+                let error = error.got(format!("{} at point {point}", values[*point as usize]));
+                return Err(error.expected("a colour 'bad' for places without a value"));
             }
         }
         Ok(())
@@ -109,7 +116,12 @@ impl Surface {
                 opacity *= component(3);
                 [0, 1, 2].map(component)
             }
-            Paint::Mapped { values, range: [low, high], curve } => {
+            Paint::Mapped { values, bad: Some(bad), .. }
+                if corners.iter().any(|&p| !values[p].is_finite()) =>
+            {
+                *bad
+            }
+            Paint::Mapped { values, range: [low, high], curve, .. } => {
                 // From one corner, so that equal values stay what they are.
                 let base = values[corners[0]];
                 let above = weights.iter().zip(corners).map(|(w, p)| w * (values[p] - base)).sum::<f64>();
@@ -135,6 +147,7 @@ impl Surface {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::colormap::Colormap;
 
     fn surface(colors: Vec<[f64; 4]>) -> Surface {
         let points = vec![DVec3::ZERO, DVec3::X, DVec3::Y];
@@ -161,5 +174,30 @@ mod tests {
             let error = surface(vec![[0.0; 4]; count]).check().unwrap_err().to_string();
             assert!(error.contains("one colour a point"), "{error}");
         }
+    }
+
+    #[test]
+    fn a_triangle_without_a_value_has_the_colour_for_it() {
+        let points = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::ONE];
+        let paint = |bad| {
+            let (values, curve) = (vec![0.0, 1.0, 1.0, f64::NAN], Colormap::Viridis.curve());
+            Paint::Mapped { values, range: [0.0, 1.0], curve, bad }
+        };
+        let surface = |bad| Surface {
+            points: points.clone(),
+            triangles: vec![[0, 1, 2], [1, 2, 3]],
+            paint: paint(bad),
+            opacity: 0.5,
+            light: None,
+            normals: Vec::new(),
+        };
+        let error = surface(None).check().unwrap_err().to_string();
+        assert!(error.contains("NaN at point 3") && error.contains("'bad'"), "{error}");
+        let surface = surface(Some([1.0, 0.0, 1.0]));
+        surface.check().unwrap();
+        // Also where the corner without a value counts for nothing.
+        assert_eq!(surface.color(1, [0.5, 0.5, 0.0], DVec3::Z), [0.5, 0.0, 0.5, 0.5]);
+        let [r, g, b] = Colormap::Viridis.curve().at(0.5).map(|c| 0.5 * c);
+        assert_eq!(surface.color(0, [0.5, 0.25, 0.25], DVec3::Z), [r, g, b, 0.5]);
     }
 }

@@ -252,6 +252,8 @@ pub struct Shape {
     pub values: Option<Vec<f64>>,
     /// Colours in place of them, linear RGB and opacity, one a point.
     pub colors: Option<Vec<[f64; 4]>>,
+    /// Linear RGB of triangles with a value that is not finite; none: they are left out.
+    pub bad: Option<[f64; 3]>,
 }
 
 impl Shape {
@@ -279,6 +281,7 @@ impl Shape {
             normals: sharp.normals,
             values: self.values.map(|values| sharp.origins.iter().map(|p| values[of(p)]).collect()),
             colors: self.colors.map(|colors| sharp.origins.iter().map(|p| colors[of(p)]).collect()),
+            bad: self.bad,
         }
     }
 
@@ -288,6 +291,7 @@ impl Shape {
         let is_finite = |corners: &[u32; 3]| {
             corners.iter().all(|&p| {
                 let value = self.values.as_ref().map_or(0.0, |values| values[p as usize]);
+                let value = if self.bad.is_some() { 0.0 } else { value };
                 self.points[p as usize].is_finite() && value.is_finite()
             })
         };
@@ -305,7 +309,7 @@ impl Shape {
             (None, Some(colors)) => Paint::Points(colors),
             (Some(values), _) => {
                 let curve = color_curve(p, &FilesFrom(&|path| call.resolve(path)))?;
-                Paint::Mapped { values, range: range(p)?, curve }
+                Paint::Mapped { values, range: range(p)?, curve, bad: self.bad }
             }
             (None, None) => Paint::Uniform(p.optional_color("color")?.unwrap_or(LIGHT_GREY)),
         };

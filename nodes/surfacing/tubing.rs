@@ -57,6 +57,7 @@ impl Shape {
             normals,
             values: values.map(|values| gathered(values, &origins)),
             colors: colors.map(|colors| gathered(colors, &origins)),
+            bad: None,
         }
     }
 
@@ -96,6 +97,7 @@ impl Shape {
             triangles: (0..self.triangles.len() as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect(),
             values: self.values.as_deref().map(|values| gathered(values, corners)),
             colors: self.colors.as_deref().map(|colors| gathered(colors, corners)),
+            bad: self.bad,
         }
     }
 }

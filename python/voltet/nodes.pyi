@@ -48,6 +48,9 @@ def calculator(
     cell_values: Literal["average", "constant"] | None = None,
     scalar: bool | None = None,
     method: str | None = None,
+    units: Sequence[str] | None = None,
+    unit: str | None = None,
+    length_unit: str | None = None,
     **of_method: Any,
 ) -> Node:
     """Computes an array from others by an expression, and makes it the scalar that is drawn."""
@@ -235,6 +238,7 @@ def surface_reader(
     smooth: bool | None = None,
     radius: float | str | None = None,
     sides: int | None = None,
+    bad: Sequence[float] | str | None = None,
     color: Sequence[float] | str | None = None,
     color_by: str | None = None,
     colormap: str | PathLike[str] | None = None,

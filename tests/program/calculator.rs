@@ -200,6 +200,22 @@ fn two_grids_of_one_mesh_are_compared() {
 }
 
 #[test]
+fn units_that_agree_change_nothing() {
+    let folder = Folder::new();
+    let keys = format!("{LINEAR}\nname = \"mixed\"");
+    scene(&folder, &keys, [-1.0, 2.0]);
+    let plain = length(&folder);
+    let units = "units = [\"x = K\", \"ones = 1\", \"gradient = K/m\"]\nlength_unit = \"m\"\nunit = \"mK\"";
+    let agrees = keys.replace("mag(gradient)*gradient:0", "mag(gradient)*x/gradient:0");
+    scene(&folder, &format!("{agrees}\n{units}"), [-1.0, 2.0]);
+    run(&folder).ok();
+    scene(&folder, &format!("{keys}\n{units}"), [-1.0, 2.0]);
+    run(&folder).fails(2, &["'+' is of unlike units", "K^2/m^2"]);
+    scene(&folder, &format!("{keys}\nunits = [\"ones = 1\"]"), [-1.0, 2.0]);
+    assert_eq!(length(&folder), plain);
+}
+
+#[test]
 fn mistakes_are_shown_in_the_expression() {
     let folder = Folder::new();
     for (keys, code, caret, said, is_seen_before) in [
@@ -244,6 +260,39 @@ fn mistakes_are_shown_in_the_expression() {
             true,
         ),
         ("expression = \"1/(x - x)\"", 2, 14, &["not finite at 64 points", "max("], false),
+        (
+            "expression = \"x + ones\"\nunits = [\"x = mm\", \"ones = K\"]",
+            2,
+            17,
+            &["'+' is of unlike units", "'x' in m and 'ones' in K"],
+            true,
+        ),
+        (
+            "expression = \"exp(1 + 2*gradient:0)\"\nunits = [\"gradient = 1/m\"]",
+            2,
+            19,
+            &["'exp' takes a pure number", "'1 + 2*gradient:0' in 1/m"],
+            true,
+        ),
+        (
+            "expression = \"x/ones\"\nunits = [\"x = m\", \"ones = s\"]\nunit = \"km\"",
+            2,
+            8,
+            &["another unit: found m/s", "expected m, as \"km\" says"],
+            true,
+        ),
+        (
+            "expression = \"gradient_magnitude(x) + x/ones\"\nunits = [\"x = K\", \"ones = s\"]\nlength_unit = \"mm\"",
+            2,
+            37,
+            &["K/m and 'x/ones' in K/s"],
+            true,
+        ),
+        ("expression = \"2*x\"\nunits = [\"y = m\"]", 2, 10, &["that the expression lacks", "x"], true),
+        ("expression = \"2*x\"\nunits = [\"x = m\", \"x = s\"]", 2, 19, &["stated twice"], true),
+        ("expression = \"2*x\"\nunits = [\"x\"]", 2, 10, &["names no array", "ARRAY = UNIT"], true),
+        ("expression = \"2*x\"\nunits = [\"x = furlong\"]", 2, 10, &["not known", "'furlong'"], true),
+        ("expression = \"2*x\"\nunit = \"m\"", 2, 8, &["none are stated", "units ="], true),
         ("expression = \"2*x\"\nname = \"x\"", 2, 8, &["a name of its own"], true),
     ] {
         scene(&folder, keys, [-1.0, 2.0]);

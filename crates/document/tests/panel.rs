@@ -132,6 +132,7 @@ fn every_text_and_every_three_numbers_are_told_apart() {
             "text",
             "title",
             "unit",
+            "units",
             "up",
         ]
     );

@@ -51,7 +51,7 @@ fn triangles(random: &mut Random, count: usize) -> Surface {
     let values = (0..3 * count).map(|_| random.next()).collect();
     let paint = match random.next() < 0.5 {
         true => Paint::Uniform([random.next(), random.next(), random.next()]),
-        false => Paint::Mapped { values, range: [0.1, 0.8], curve: Colormap::Viridis.curve() },
+        false => Paint::Mapped { values, range: [0.1, 0.8], curve: Colormap::Viridis.curve(), bad: None },
     };
     let opacity = if random.next() < 0.2 { 1.0 } else { 0.6 * random.next() };
     let light = (random.next() < 0.5).then_some(EyeLight { ambient: 0.3, diffuse: 0.7 });

@@ -235,6 +235,38 @@ fn a_file_is_a_surface() {
 }
 
 #[test]
+fn places_of_a_file_without_a_value_have_a_colour_of_their_own() {
+    let folder = folder();
+    // A strip of four triangles over six points, the last of which has no value.
+    let text = "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\"><PolyData>\
+        <Piece NumberOfPoints=\"6\" NumberOfPolys=\"4\"><PointData>\
+        <DataArray type=\"Float64\" Name=\"level\" format=\"ascii\">0 1 2 3 4 nan</DataArray></PointData><Points>\
+        <DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">\
+        0 0 0 0 1 0 1 0 0 1 1 0 2 0 0 2 1 0</DataArray></Points><Polys>\
+        <DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0 1 2 1 2 3 2 3 4 3 4 5</DataArray>\
+        <DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">3 6 9 12</DataArray></Polys></Piece></PolyData></VTKFile>\n";
+    std::fs::write(folder.path().join("a.vtp"), text).unwrap();
+    let made = |keys: &str| {
+        let keys = format!("type = \"surface-reader\"\npath = \"a.vtp\"\n{keys}");
+        let (values, report) = feed(&graph(folder.path(), &keys)?, "taker")?;
+        let [Value::Surface(surface)] = &values[..] else { panic!("{keys}: {values:?}") };
+        surface.check()?;
+        Ok::<_, voltet_core::Error>((surface.clone(), report))
+    };
+    let (rest, report) = made("color_by = \"level\"").unwrap();
+    assert_eq!(rest.triangles.len(), 3);
+    assert!(format!("{:?}", report.warnings).contains("left out"), "{:?}", report.warnings);
+    let (whole, report) = made("color_by = \"level\"\nbad = [1.0, 0.0, 1.0]\nambient = 1.0").unwrap();
+    assert!(report.warnings.is_empty(), "{:?}", report.warnings);
+    let is_bad =
+        |&number: &usize| whole.color(number, [0.0, 0.0, 1.0], glam::DVec3::Z) == [1.0, 0.0, 1.0, 1.0];
+    assert_eq!((0..4).filter(is_bad).collect::<Vec<_>>(), [3]);
+    assert_eq!((whole.triangles.len(), mapped(&whole).1), (4, [0.0, 4.0]));
+    let error = made("bad = \"#ff00ff\"").expect_err("no values").to_string();
+    assert!(error.contains("nothing is coloured by values"), "{error}");
+}
+
+#[test]
 fn what_is_empty_or_wrong_is_said() {
     for (keys, said) in [
         (

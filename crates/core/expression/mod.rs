@@ -5,6 +5,11 @@
 //!
 //! It is read here and not by a crate: of exmex, fasteval, meval and mathexpr no error has a place, and evalexpr's licence is the AGPL.
 
+mod dimensions;
+mod units;
+
+pub use units::Dimension;
+
 use crate::Error;
 use crate::field::Derivative;
 use crate::parameters::suggest;
@@ -25,6 +30,8 @@ pub struct Expression {
     /// Arrays that it names, each once.
     pub arrays: Vec<NamedArray>,
     steps: Vec<Step>,
+    /// Law of dimensions of each step, and its bytes of the expression.
+    laws: Vec<(Law, Range<usize>)>,
 }
 
 /// An array of an expression.
@@ -47,30 +54,53 @@ enum Step {
     Two(Binary),
 }
 
+/// Dimension of a step's result, and those that its arguments may have.
+#[derive(Debug, Clone, Copy)]
+enum Law {
+    /// A number or an array: its own.
+    Own,
+    /// That of the argument, to this power.
+    Power(f64),
+    /// A pure number of a pure number.
+    Pure,
+    /// That of two arguments of one dimension.
+    Alike,
+    /// A pure number of two arguments of one dimension.
+    Ratio,
+    /// That of the first times that of the second to this power.
+    Product(f64),
+    /// That of the first to the power that the second is.
+    Raised,
+}
+
 /// Functions of one argument.
-const OF_ONE: &[(&str, Unary)] = &[
-    ("abs", f64::abs),
-    ("sqrt", f64::sqrt),
-    ("cbrt", libm::cbrt),
-    ("exp", libm::exp),
-    ("ln", libm::log),
-    ("log10", libm::log10),
-    ("sin", libm::sin),
-    ("cos", libm::cos),
-    ("tan", libm::tan),
-    ("asin", libm::asin),
-    ("acos", libm::acos),
-    ("atan", libm::atan),
-    ("sinh", libm::sinh),
-    ("cosh", libm::cosh),
-    ("tanh", libm::tanh),
-    ("floor", f64::floor),
-    ("ceil", f64::ceil),
+const OF_ONE: &[(&str, Unary, Law)] = &[
+    ("abs", f64::abs, Law::Power(1.0)),
+    ("sqrt", f64::sqrt, Law::Power(0.5)),
+    ("cbrt", libm::cbrt, Law::Power(1.0 / 3.0)),
+    ("exp", libm::exp, Law::Pure),
+    ("ln", libm::log, Law::Pure),
+    ("log10", libm::log10, Law::Pure),
+    ("sin", libm::sin, Law::Pure),
+    ("cos", libm::cos, Law::Pure),
+    ("tan", libm::tan, Law::Pure),
+    ("asin", libm::asin, Law::Pure),
+    ("acos", libm::acos, Law::Pure),
+    ("atan", libm::atan, Law::Pure),
+    ("sinh", libm::sinh, Law::Pure),
+    ("cosh", libm::cosh, Law::Pure),
+    ("tanh", libm::tanh, Law::Pure),
+    ("floor", f64::floor, Law::Power(1.0)),
+    ("ceil", f64::ceil, Law::Power(1.0)),
 ];
 
 /// Functions of two arguments.
-const OF_TWO: &[(&str, Binary)] =
-    &[("min", least), ("max", greatest), ("atan2", libm::atan2), ("pow", libm::pow)];
+const OF_TWO: &[(&str, Binary, Law)] = &[
+    ("min", least, Law::Alike),
+    ("max", greatest, Law::Alike),
+    ("atan2", libm::atan2, Law::Ratio),
+    ("pow", libm::pow, Law::Raised),
+];
 
 /// Not a number where one of the two is none, other than `f64::min`.
 fn least(a: f64, b: f64) -> f64 {
@@ -93,8 +123,8 @@ impl Expression {
     /// # Errors
     /// - one that is not well formed, with the bytes where it is not.
     pub fn parse(text: &str) -> Parsed<Expression> {
-        let (arrays, steps) = (Vec::new(), Vec::new());
-        let mut parser = Parser { text, at: 0, depth: 0, expression: Expression { arrays, steps } };
+        let expression = Expression { arrays: Vec::new(), steps: Vec::new(), laws: Vec::new() };
+        let mut parser = Parser { text, at: 0, depth: 0, expression };
         parser.sum().and_then(|()| match parser.peek() {
             None => Ok(()),
             Some(_) => Err(parser.unexpected("an operator + - * / ^, or the end")),
@@ -165,8 +195,14 @@ impl<'a> Parser<'a> {
         }
     }
 
-    fn push(&mut self, function: Binary) {
-        self.expression.steps.push(Step::Two(function));
+    fn push(&mut self, step: Step, law: Law, span: Range<usize>) {
+        self.expression.steps.push(step);
+        self.expression.laws.push((law, span));
+    }
+
+    /// Takes the operator if it comes next; its bytes.
+    fn operator(&mut self, wanted: char) -> Option<Range<usize>> {
+        self.takes(wanted).then(|| self.at - wanted.len_utf8()..self.at)
     }
 
     fn sum(&mut self) -> Parsed {
@@ -176,12 +212,12 @@ impl<'a> Parser<'a> {
         }
         self.product()?;
         loop {
-            if self.takes('+') {
+            if let Some(span) = self.operator('+') {
                 self.product()?;
-                self.push(|a, b| a + b);
-            } else if self.takes('-') {
+                self.push(Step::Two(|a, b| a + b), Law::Alike, span);
+            } else if let Some(span) = self.operator('-') {
                 self.product()?;
-                self.push(|a, b| a - b);
+                self.push(Step::Two(|a, b| a - b), Law::Alike, span);
             } else {
                 self.depth -= 1;
                 return Ok(());
@@ -192,12 +228,12 @@ impl<'a> Parser<'a> {
     fn product(&mut self) -> Parsed {
         self.signed()?;
         loop {
-            if self.takes('*') {
+            if let Some(span) = self.operator('*') {
                 self.signed()?;
-                self.push(|a, b| a * b);
-            } else if self.takes('/') {
+                self.push(Step::Two(|a, b| a * b), Law::Product(1.0), span);
+            } else if let Some(span) = self.operator('/') {
                 self.signed()?;
-                self.push(|a, b| a / b);
+                self.push(Step::Two(|a, b| a / b), Law::Product(-1.0), span);
             } else {
                 return Ok(());
             }
@@ -207,21 +243,22 @@ impl<'a> Parser<'a> {
     /// A power behind its signs.
     fn signed(&mut self) -> Parsed {
         let mut is_negative = false;
+        let start = (self.peek(), self.at).1;
         while self.peek().is_some_and(|c| c == '-' || c == '+') {
             is_negative ^= self.takes('-') || !self.takes('+');
         }
         self.atom()?;
-        if self.takes('^') {
+        if let Some(span) = self.operator('^') {
             self.depth += 1;
             if self.depth > DEEPEST {
                 return Err(self.unexpected(&format!("an expression of {DEEPEST} levels at most")));
             }
             self.signed()?;
             self.depth -= 1;
-            self.push(libm::pow);
+            self.push(Step::Two(libm::pow), Law::Raised, span);
         }
         if is_negative {
-            self.expression.steps.push(Step::One(|a| -a));
+            self.push(Step::One(|a| -a), Law::Power(1.0), start..start + 1);
         }
         Ok(())
     }
@@ -241,7 +278,7 @@ impl<'a> Parser<'a> {
                 match self.peek() {
                     Some('(') if !is_quote(c) => self.call(&name, start),
                     _ if name == "pi" && !is_quote(c) => {
-                        self.expression.steps.push(Step::Number(std::f64::consts::PI));
+                        self.push(Step::Number(std::f64::consts::PI), Law::Own, start..self.at);
                         Ok(())
                     }
                     _ => {
@@ -277,7 +314,7 @@ impl<'a> Parser<'a> {
             let error = Error::usage("the expression holds a number that is none");
             return Err((error.got(text).expected("a number such as 2.5 or 1e-3"), start..self.at));
         };
-        self.expression.steps.push(Step::Number(number));
+        self.push(Step::Number(number), Law::Own, start..self.at);
         Ok(())
     }
 
@@ -309,11 +346,12 @@ impl<'a> Parser<'a> {
     fn array(&mut self, name: String, derivative: Option<Derivative>, start: usize) {
         let is_it = |array: &NamedArray| array.name == name && array.derivative == derivative;
         let known = self.expression.arrays.iter().position(is_it);
+        let span = start..self.at;
         let number = known.unwrap_or_else(|| {
-            self.expression.arrays.push(NamedArray { name, derivative, span: start..self.at });
+            self.expression.arrays.push(NamedArray { name, derivative, span: span.clone() });
             self.expression.arrays.len() - 1
         });
-        self.expression.steps.push(Step::Array(number));
+        self.push(Step::Array(number), Law::Own, span);
     }
 
     fn call(&mut self, name: &str, start: usize) -> Parsed {
@@ -331,7 +369,11 @@ impl<'a> Parser<'a> {
                 None => self.array(format!("{array}:magnitude"), None, start),
                 derivative => self.array(array, derivative, start),
             }
-            return self.closed();
+            self.closed()?;
+            if let Some((_, whole)) = self.expression.laws.last_mut() {
+                *whole = span.start..self.at;
+            }
+            return Ok(());
         }
         let (one, two) = (OF_ONE.iter().find(|of| of.0 == name), OF_TWO.iter().find(|of| of.0 == name));
         if one.is_none() && two.is_none() {
@@ -341,17 +383,21 @@ impl<'a> Parser<'a> {
             return Err((error.expected(suggest(name, names)), span));
         }
         self.sum()?;
-        if let Some((_, function)) = two {
+        if two.is_some() {
             if !self.takes(',') {
                 return Err(self.unexpected(&format!("',' and a second argument of {name}")));
             }
             self.sum()?;
-            self.push(*function);
         }
-        if let Some((_, function)) = one {
-            self.expression.steps.push(Step::One(*function));
+        self.closed()?;
+        let span = start..self.at;
+        if let Some((_, function, law)) = two {
+            self.push(Step::Two(*function), *law, span.clone());
         }
-        self.closed()
+        if let Some((_, function, law)) = one {
+            self.push(Step::One(*function), *law, span);
+        }
+        Ok(())
     }
 }
 
