@@ -155,6 +155,7 @@ impl Editor {
                 let up = if axis == 2 { DVec3::Y } else { DVec3::Z };
                 self.move_camera(|view| view.looking_along(towards, up));
             }
+            Command::Isometric => self.move_camera(|view| view.looking_along(DVec3::ONE, DVec3::Z)),
             Command::Roll(left) => {
                 self.move_camera(|view| view.rolled((if left { -15f64 } else { 15.0 }).to_radians()));
             }

@@ -89,7 +89,7 @@ impl PicturePanel {
                 }
             });
             ui.add_enabled_ui(scene.view.is_some(), |ui| {
-                use crate::scene::Command::{Along, Home, Roll, Section};
+                use crate::scene::Command::{Along, Home, Isometric, Roll, Section};
                 for (text, command, help) in [
                     ("Home", Home, "all of the data into the picture (H)"),
                     ("+x", Along(0, true), "seen from +x (X)"),
@@ -98,6 +98,7 @@ impl PicturePanel {
                     ("−y", Along(1, false), "seen from −y (Shift+Y)"),
                     ("+z", Along(2, true), "seen from +z (Z)"),
                     ("−z", Along(2, false), "seen from −z (Shift+Z)"),
+                    ("iso", Isometric, "seen from the positive sides of x, y and z alike (I)"),
                     ("⟲", Roll(true), "roll to the left (,)"),
                     ("⟳", Roll(false), "roll to the right (.)"),
                 ] {

@@ -178,6 +178,8 @@ pub enum Command {
     Home,
     /// Seen along an axis (0: x, 1: y, 2: z), from its positive or its negative side.
     Along(usize, bool),
+    /// Seen from the positive sides of all axes alike.
+    Isometric,
     /// To the left, or to the right.
     Roll(bool),
     Theme,

@@ -79,6 +79,39 @@ fn the_picture_follows_the_camera_and_typed_numbers_do_the_same() {
     assert_eq!(picture(&hand), before, "undone, the picture is the same bit for bit");
 }
 
+#[test]
+fn views_by_name_with_all_of_the_data_are_those_of_the_camera_node() {
+    let eye = "eye = [-28.0, -38.0, 24.0]\ntarget = [0.0, 0.0, 0.0]\n";
+    let mut hand = Hand::new(TEXT);
+    for (name, item, button, key, held) in [
+        ("isometric", "Isometric", "iso", Key::I, Modifiers::NONE),
+        ("-y", "From −y", "−y", Key::Y, Modifiers::SHIFT),
+        ("+z", "From +z", "+z", Key::Z, Modifiers::NONE),
+    ] {
+        let words = format!("view = \"{name}\"\ninputs = {{ volume = \"grid\" }}\n");
+        let stated = Hand::new(&TEXT.replace(eye, &words)).editor.view().unwrap();
+        for way in 0..3 {
+            match way {
+                0 => hand.key(key, held),
+                1 => hand.click_on(button),
+                _ => {
+                    hand.click_on("View");
+                    hand.click_on(item);
+                }
+            }
+            hand.key(Key::H, Modifiers::NONE);
+            let view = hand.editor.view().unwrap();
+            // The file has six digits of the distance.
+            let near = |a: glam::DVec3, b: glam::DVec3| (a - b).length() < 1e-5 * stated.eye.length();
+            let is_it = near(view.eye, stated.eye) && near(view.target, stated.target);
+            assert!(is_it && view.up.distance(stated.up) < 1e-5, "{name} {way}: {view:?}, {stated:?}");
+            hand.key(Key::Z, Modifiers::COMMAND);
+            hand.key(Key::Z, Modifiers::COMMAND);
+            assert_eq!(hand.text(), TEXT, "{name} {way}: undone");
+        }
+    }
+}
+
 /// Until a probe answers.
 fn answered(hand: &mut Hand) {
     for _ in 0..2000 {

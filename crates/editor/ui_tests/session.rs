@@ -73,6 +73,7 @@ fn every_command_can_be_given_in_an_empty_window() {
         Command::Fold,
         Along(0, true),
         Along(2, false),
+        Command::Isometric,
         Copy,
         Cut,
         Delete,
