@@ -9,7 +9,7 @@ use voltet_core::transfer::{
 };
 use voltet_core::{Error, Result};
 use voltet_optics::Contribution;
-use voltet_optics::trace::SegmentIntegral;
+use voltet_optics::trace::{CellCrossing, SegmentIntegral};
 
 /// Error of a piece, by its part of the segment and by its own value.
 const RELATIVE: f64 = 1e-10;
@@ -168,6 +168,40 @@ impl CurvedQuadrature {
         }
         found
     }
+}
+
+/// Optical depth of each widget by itself in the cells of a ray. Errors: what cannot be integrated.
+pub(crate) fn widget_depths(
+    transfer_function: &TransferFunction,
+    cells: &[CellCrossing],
+) -> Result<Vec<Vec<f64>>> {
+    let alone = |widget: &Widget| {
+        let widgets = vec![widget.clone()];
+        CurvedQuadrature::new(&TransferFunction { widgets, ..transfer_function.clone() })
+    };
+    let alone = transfer_function.widgets.iter().map(alone).collect::<Result<Vec<_>>>()?;
+    let all = transfer_function.fields();
+    let own: Vec<Vec<usize>> =
+        transfer_function.widgets.iter().map(|widget| own_values(widget, &all)).collect();
+    let depths = |cell: &CellCrossing| -> Result<Vec<f64>> {
+        let depth = |(integral, own): (&CurvedQuadrature, &Vec<usize>)| {
+            let [front, back] =
+                [&cell.front, &cell.back].map(|end| own.iter().map(|k| end[*k]).collect::<Vec<_>>());
+            let found = integral.integrate(cell.length, &front, &back);
+            found.map(|part| part.optical_depth).map_err(|error| error.at_item(format!("cell {}", cell.cell)))
+        };
+        alone.iter().zip(&own).map(depth).collect()
+    };
+    cells.iter().map(depths).collect()
+}
+
+/// Places of s, g and a widget's fields, in the order of their names, among the values of all widgets.
+fn own_values(widget: &Widget, all: &[&str]) -> Vec<usize> {
+    let mut fields = widget.profile.properties().fields;
+    fields.sort_unstable();
+    fields.dedup();
+    let places = fields.iter().filter_map(|name| all.iter().position(|other| other == name));
+    [0, 1].into_iter().chain(places.map(|place| 2 + place)).collect()
 }
 
 /// Adds the shares at which a property changes, as far as samples between cuts show it.

@@ -52,6 +52,9 @@ pub fn integrate(
 
 /// Optical depth of each widget by itself in the cells of a ray. Errors: what cannot be integrated.
 pub fn widget_depths(transfer_function: &TransferFunction, cells: &[CellCrossing]) -> Result<Vec<Vec<f64>>> {
+    if transfer_function.has_curved_axes() {
+        return curved_axes::widget_depths(transfer_function, cells);
+    }
     let alone = Integrand::new(transfer_function, WidgetBlend::Mix, PICTURE_TOLERANCE)?;
     let mut work = Workspace::default();
     let depths = |cell: &CellCrossing| {

@@ -3,8 +3,8 @@
 use voltet_core::transfer::{
     AxisScale, ControlPoint, OpticalModel, Profile, Region, TransferFunction, Wave, Widget,
 };
-use voltet_optics::CompiledTransferFunction;
-use voltet_optics::trace::SegmentIntegral;
+use voltet_optics::trace::{CellCrossing, SegmentIntegral};
+use voltet_optics::{CompiledTransferFunction, Contribution};
 use voltet_reference::CurvedQuadrature;
 
 const LOG: [AxisScale; 2] = [AxisScale::Log, AxisScale::Log];
@@ -115,4 +115,33 @@ fn straight_pieces_are_near_the_quadrature() {
     }
     println!("worst {worst:.2e}");
     assert!(worst < 1e-4, "{worst:.2e}");
+}
+
+/// Each widget by itself: together they are the optical depth of all.
+#[test]
+fn widgets_add_up() {
+    let function = look(
+        LOG,
+        vec![
+            gaussian([1.0, 0.0], [0.3, 0.5], 2.0, [1.0, 0.5, 0.1]),
+            rectangle(widget(Profile::Uniform, 3.0, [1.0, 0.2, 0.1]), [0.0, 1.1], [-0.5, 2.0]),
+        ],
+    );
+    let (front, back) = (vec![0.3, 2.0], vec![50.0, 0.4]);
+    let all = CurvedQuadrature::new(&function).expect("valid").integrate(0.7, &front, &back);
+    let all = all.expect("converges").optical_depth;
+    let cell = CellCrossing {
+        cell: 3,
+        distance: [1.0, 1.7],
+        length: 0.7,
+        front,
+        back,
+        silhouette: 1.0,
+        light: 1.0,
+        part: Contribution::default(),
+        transmittance: 1.0,
+    };
+    let each = voltet_reference::widget_depths(&function, &[cell]).expect("converges");
+    assert!(each[0].iter().all(|depth| *depth > 0.1), "{each:?}");
+    assert!((each[0].iter().sum::<f64>() / all - 1.0).abs() < 1e-9, "{each:?} {all}");
 }
