@@ -230,8 +230,8 @@ mod tests {
         assert_eq!(labels(log, [-7.0, -5.9], 9), ["10⁻⁷", "2·10⁻⁷", "5·10⁻⁷", "10⁻⁶"]);
         // Less than a decade: round values, where they lie.
         let part = ticks(log, [1.01, 1.2], 4);
-        assert_eq!(part.ticks[0].1, "11");
-        assert!((part.ticks[0].0 - 11_f64.log10()).abs() < 1e-12);
+        assert_eq!(part.ticks[0].1, "12");
+        assert!((part.ticks[0].0 - 12_f64.log10()).abs() < 1e-12);
         let symlog = AxisScale::SymLog { linear_below: 1.0 };
         let ends = [-1000.0, 1000.0].map(|x| symlog.position(x));
         assert_eq!(labels(symlog, ends, 9), ["−1000", "−100", "−10", "−1", "0", "1", "10", "100", "1000"]);

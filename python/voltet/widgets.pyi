@@ -3,7 +3,7 @@ from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import Any, Literal
 
-__all__ = ["colormap", "gaussian", "gaussian_nd", "piecewise_linear", "sine_wave", "table", "triangle_wave", "triangular_gaussian", "triangular_gaussian_nd", "uniform"]
+__all__ = ["colormap", "gaussian", "gaussian_colormap", "gaussian_nd", "piecewise_linear", "sine_wave", "table", "triangle_wave", "triangular_gaussian", "triangular_gaussian_nd", "uniform"]
 
 def uniform(
     *,
@@ -98,6 +98,18 @@ def colormap(
     region: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
     """A colour map along s, and an opacity curve over it: a piecewise-linear function of s."""
+def gaussian_colormap(
+    *,
+    extinction: float,
+    centre: Sequence[float | str],
+    sigma: Sequence[float | str],
+    colormap: str | PathLike[str] | None = None,
+    range: Sequence[float | str] | None = None,
+    reversed: bool | None = None,
+    steps: int | None = None,
+    region: Mapping[str, Any] | None = None,
+) -> dict[str, Any]:
+    """A Gaussian over the scalar and its gradient magnitude, in the colours of a map along s."""
 def table(
     *,
     color: Sequence[float] | str | None = None,

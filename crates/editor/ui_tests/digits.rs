@@ -65,7 +65,7 @@ fn numbers_on_an_axis_far_from_zero_are_told_apart() {
 
 #[test]
 fn a_typed_number_is_taken_with_all_its_digits_and_a_shown_one_loses_none() {
-    let mut hand = Hand::new(&TEXT.replace("extinction = 4.0", "extinction = 101325.0123456789"));
+    let mut hand = Hand::in_tall_window(&TEXT.replace("extinction = 4.0", "extinction = 101325.0123456789"));
     let text = hand.text();
     let title = hand.editor.panels.graph.frame_of("look").unwrap().min + vec2(30.0, 8.0);
     hand.click(title);

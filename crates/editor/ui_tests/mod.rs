@@ -59,6 +59,14 @@ impl Hand {
         Self::with_file(text, "unused", "")
     }
 
+    /// Before a window that shows all rows of a transfer function.
+    fn in_tall_window(text: &str) -> Hand {
+        let mut hand = Self::new(text);
+        hand.screen.0[1] = 960.0;
+        hand.settle();
+        hand
+    }
+
     /// With another file beside the pipeline.
     fn with_file(text: &str, name: &str, content: &str) -> Hand {
         Self::in_folder(text, &|folder| std::fs::write(folder.join(name), content).unwrap())

@@ -25,7 +25,7 @@ fn type_at(hand: &mut Hand, at: Pos2, text: &str) {
 
 #[test]
 fn a_dragged_number_is_one_step_with_digits_that_a_hand_means() {
-    let mut hand = Hand::new(TEXT);
+    let mut hand = Hand::in_tall_window(TEXT);
     select(&mut hand, "look");
     let at = row(&hand, "look.widgets.0.extinction").left_center() + vec2(14.0, 0.0);
     hand.drag(at, at + vec2(25.0, 0.0));
@@ -39,7 +39,7 @@ fn a_dragged_number_is_one_step_with_digits_that_a_hand_means() {
 
 #[test]
 fn a_number_is_typed_relative_to_the_data_and_what_is_wrong_is_said() {
-    let mut hand = Hand::new(TEXT);
+    let mut hand = Hand::in_tall_window(TEXT);
     select(&mut hand, "look");
     let key = "look.widgets.0.centre";
     let pencils = hand.texts("✏");
@@ -147,7 +147,7 @@ fn to_look_at_a_pipeline_that_ships_changes_nothing() {
 #[test]
 fn a_wrong_number_stays_until_another_is_typed() {
     let text = TEXT.replace("extinction = 4.0", "extinction = -4.0");
-    let mut hand = Hand::new(&text);
+    let mut hand = Hand::in_tall_window(&text);
     select(&mut hand, "look");
     let field = |hand: &Hand| row(hand, "look.widgets.0.extinction").left_center() + vec2(14.0, 0.0);
     let at = field(&hand);
