@@ -61,10 +61,7 @@ impl Hand {
 
     /// Before a window that shows all rows of a transfer function.
     fn in_tall_window(text: &str) -> Hand {
-        let mut hand = Self::new(text);
-        hand.screen.0[1] = 960.0;
-        hand.settle();
-        hand
+        Self::before_window(text, [1280.0, 960.0], &|_| {})
     }
 
     /// With another file beside the pipeline.
@@ -74,6 +71,11 @@ impl Hand {
 
     /// With what is written beside the pipeline.
     fn in_folder(text: &str, write: &dyn Fn(&Path)) -> Hand {
+        Self::before_window(text, [1280.0, 720.0], write)
+    }
+
+    /// Before a window of this width and height, points.
+    fn before_window(text: &str, size: [f32; 2], write: &dyn Fn(&Path)) -> Hand {
         let folder = tempfile::tempdir().unwrap();
         write(folder.path());
         let path = folder.path().join("scene.toml");
@@ -90,7 +92,7 @@ impl Hand {
             editor,
             at: pos2(5.0, 400.0),
             time: 0.0,
-            screen: ([1280.0, 720.0], 1.0),
+            screen: (size, 1.0),
             presses: InputQueue::default(),
             shapes: Vec::new(),
             folder,
