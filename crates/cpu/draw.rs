@@ -145,7 +145,8 @@ pub(crate) fn prepare_in_order<'a>(
     // Lanes leave over no segment of a table over lengths: it is filled once, by them.
     let by_lanes = in_lanes_alone(&shading.integrator);
     let exact = if by_lanes { None } else { Some(integrator(cells, &active, shading)?) };
-    let shaded = on_axes(&attributes, &active);
+    // Also of widgets that no cell touches: what has no position on an axis that one of them reads is not drawn.
+    let shaded = on_axes(&attributes, transfer_function);
     let scene = ShaderContext {
         attributes: &shaded,
         length: cells.length,
@@ -156,7 +157,7 @@ pub(crate) fn prepare_in_order<'a>(
     };
     let shader = Shader::new(&active, shading, exact, scene, surface)?;
     let table_bytes = shader.table_bytes() as u64;
-    let axes = LaneAxes::new(&active, &attributes, &shaded);
+    let axes = LaneAxes::new(transfer_function, &attributes, &shaded);
     Ok(FrameRenderer { projection, attributes, shader, axes, table_bytes })
 }
 

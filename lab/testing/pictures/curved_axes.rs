@@ -72,6 +72,8 @@ fn looks(span: f64) -> Vec<(&'static str, TransferFunction)> {
     vec![
         ("one colour", look(LOG, vec![near.clone()])),
         ("several", look(LOG, vec![near.clone(), far.clone()])),
+        // The second looks at g, so that places without a position of g are not drawn, whether it is seen or not.
+        ("out of sight", look(LOG, vec![far.clone(), gaussian([9.0 * span, 0.0], [0.1; 2], 1.0, [1.0; 3])])),
         ("edges", look(LOG, vec![uniform(box_region, 0.5, [0.2, 0.8, 0.4]), far.clone()])),
         ("edges aslant", look(LOG, vec![uniform(polygon, 0.5, [0.2, 0.8, 0.4])])),
         ("a colour map", look([AxisScale::Log, AxisScale::Linear], vec![map(-0.4 * span, 0.4 * span, 1.0)])),
@@ -105,7 +107,10 @@ pub fn fields_over_decades(draw: Draw) {
 pub fn decades_lit_and_cut(draw: Draw) {
     let volume = decades(cube([5, 5, 5], 0.2), 3.0);
     let shifted = volume.scalar.iter().map(|s| s - 0.5).collect::<Vec<_>>();
-    let shifted = Arc::new(Volume { scalar: SharedSlice::from(shifted), ..(*volume).clone() });
+    let flat = volume.gradient_magnitude.iter().flat_map(|g| g.iter()).map(|g| (g - 0.5).max(0.0));
+    let flat = Some(SharedSlice::from(flat.collect::<Vec<_>>()));
+    let scalar = SharedSlice::from(shifted);
+    let shifted = Arc::new(Volume { scalar, gradient_magnitude: flat, ..(*volume).clone() });
     let light = Light { direction: DVec3::new(0.4, -0.7, 3.5), ambient: 0.3, diffuse: 0.8 };
     let lit = Shading { light: Some(light), ..SHADING };
     let ball = ClipShape::Sphere { centre: DVec3::new(0.5, 0.5, 0.6), radius: 0.45 };
