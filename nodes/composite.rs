@@ -77,7 +77,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
         Some(engine) => drawing::draw_on(call, &scene, "projection", engine, false)?,
         None => composite(call, &projected.projection, &scene)?,
     };
-    let cells = |_: &RunContext, _: &dyn Progress| Ok(projected.projection.cells().ids.clone());
+    let cells = |_: &RunContext| Ok(projected.projection.cells().ids.clone());
     Ok(vec![drawing::image(call, &scene, picture, cells)?])
 }
 

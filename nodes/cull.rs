@@ -28,10 +28,8 @@ fn demand(asking: &mut DemandContext) -> Result<()> {
     let mut demand = asking.asked.clone();
     demand.join(&match asking.look("transfer_function") {
         Some(look) => Demand {
-            arrays: look.transfer_function.fields().iter().map(|name| name.to_string()).collect(),
-            gradient_magnitude: look.transfer_function.uses_gradient_magnitude(),
             gradient_for: asking.known_look("transfer_function").map(|look| vec![look]),
-            ..Demand::default()
+            ..Demand::of_function(&look.transfer_function)
         },
         None => Demand { order: false, ..Demand::unknown() },
     });

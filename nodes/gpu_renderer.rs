@@ -2,7 +2,6 @@
 
 use crate::{drawing, renderer};
 use voltet_core::Result;
-use voltet_core::progress::Progress;
 use voltet_graph::{Node, Outputs, Parameter, RunContext};
 
 /// The declaration.
@@ -29,7 +28,6 @@ const PARAMETERS: &[Parameter] = match renderer::NODE.parameters {
 fn run(call: &mut RunContext) -> Result<Outputs> {
     let scene = drawing::scene(call)?;
     let picture = drawing::draw(call, &scene, drawing::DEVICE.name)?;
-    let cells =
-        |call: &RunContext, progress: &dyn Progress| drawing::contributing_cells(call, &scene, progress);
+    let cells = |call: &RunContext| drawing::contributing_cells(call, &scene);
     Ok(vec![drawing::image(call, &scene, picture, cells)?])
 }

@@ -6,12 +6,12 @@ use std::path::Path;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::parameters::LocatedValue;
-use voltet_core::picture_parts::{PictureLayer, PictureLayers};
+use voltet_core::picture_parts::PictureLayer;
 use voltet_graph::{
     DefaultValue, Demand, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range,
     RunContext, suggest,
 };
-use voltet_io::encode::{FORMATS, PictureContent, PictureFormat, SampleForm, all_endings};
+use voltet_io::encode::{FORMATS, PictureFormat, SampleForm, all_endings};
 use voltet_io::provenance::{self, Provenance};
 
 /// Names and contents of the formats, behind the word for the path's ending.
@@ -86,7 +86,7 @@ pub const NODE: Node = Node {
 };
 
 fn run(call: &mut RunContext) -> Result<Outputs> {
-    let picture = call.picture_parts("image")?;
+    let mut picture = call.picture_parts("image")?;
     let path = call.path("path")?;
     let requested = layers(call.parameters)?;
     if !requested.is_empty() && picture.layers.is_none() {
@@ -98,12 +98,13 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     let carried = carried(call, &path)?;
     let format = format(call.parameters)?;
     // Others than these were requested for another file.
-    let own = |all: &Arc<PictureLayers>| {
-        all.iter().filter(|(layer, _)| requested.contains(layer)).map(|(k, v)| (*k, v.clone())).collect()
-    };
-    let layers: Option<PictureLayers> = picture.layers.as_ref().map(own);
-    let content = PictureContent { layers: layers.as_ref(), ..PictureContent::from(&picture) };
-    let (file, unheld) = format.file(content, form(call.parameters)?, carried.as_ref())?;
+    if let Some(layers) = &mut picture.layers
+        && !layers.keys().all(|layer| requested.contains(layer))
+    {
+        let own = layers.iter().filter(|(layer, _)| requested.contains(layer));
+        *layers = Arc::new(own.map(|(layer, values)| (*layer, values.clone())).collect());
+    }
+    let (file, unheld) = format.file(&picture, form(call.parameters)?, carried.as_ref())?;
     call.notes.warnings.extend(unheld);
     files::write(call, &file)?;
     Ok(Vec::new())

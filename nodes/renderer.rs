@@ -2,7 +2,6 @@
 
 use crate::drawing;
 use voltet_core::Result;
-use voltet_core::progress::Progress;
 use voltet_graph::{Node, Outputs, Parameter, Port, PortType, RunContext};
 
 /// The declaration.
@@ -45,7 +44,6 @@ const PARAMETERS: [Parameter; 9] = {
 fn run(call: &mut RunContext) -> Result<Outputs> {
     let scene = drawing::scene(call)?;
     let picture = drawing::draw(call, &scene, call.parameters.text("engine")?)?;
-    let cells =
-        |call: &RunContext, progress: &dyn Progress| drawing::contributing_cells(call, &scene, progress);
+    let cells = |call: &RunContext| drawing::contributing_cells(call, &scene);
     Ok(vec![drawing::image(call, &scene, picture, cells)?])
 }

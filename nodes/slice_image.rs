@@ -1,7 +1,7 @@
 //! `slice-image`: a plane through the cells as a picture of its own.
 
 use crate::slice::{NORMAL, ORIGIN, cut, nothing_cut, plane};
-use crate::surfacing::{self, Shape, map_parameters, range};
+use crate::surfacing::{self, map_parameters, range};
 use crate::transfer_function::FilesFrom;
 use crate::{drawing, relative};
 use glam::DVec3;
@@ -59,9 +59,6 @@ const PARAMETERS: [Parameter; 8] = {
     [ORIGIN, NORMAL, color_by, colormap, reversed, steps, range, thickness]
 };
 
-/// Parameters of a colour map.
-const OF_MAP: [&str; 5] = ["color_by", "colormap", "reversed", "steps", "range"];
-
 fn demand(asking: &mut DemandContext) -> Result<()> {
     let p = asking.parameters;
     if asking.fed_by("transfer_function")?.is_none() {
@@ -71,16 +68,12 @@ fn demand(asking: &mut DemandContext) -> Result<()> {
         }
         return surfacing::ask(asking, [surfacing::color_by(p, Some("s")), None]);
     }
-    if let Some(name) = OF_MAP.into_iter().find(|name| p.is_set(name)) {
+    if let Some(name) = surfacing::OF_MAP.into_iter().find(|name| p.is_set(name)) {
         let error = p.error(name, format!("'{name}' and a transfer function exclude each other"));
         return Err(error.expected("the colours of a map, or those of the transfer function"));
     }
     let demand = match asking.look("transfer_function") {
-        Some(look) => Demand {
-            arrays: look.transfer_function.fields().iter().map(|name| name.to_string()).collect(),
-            gradient_magnitude: look.transfer_function.uses_gradient_magnitude(),
-            ..Demand::default()
-        },
+        Some(look) => Demand::of_function(&look.transfer_function),
         None => Demand { order: false, ..Demand::unknown() },
     };
     asking.ask("volume", &demand)
@@ -134,7 +127,7 @@ fn mapped(
 ) -> Result<Picture> {
     let values = surface.values(surfacing::values(call.parameters, "color_by", volume, name)?);
     let curve = color_curve(own, &FilesFrom(&|path| call.resolve(path)))?;
-    let Shape { points, triangles, .. } = Shape::of_grid(surface, &volume.grid.points, None);
+    let (points, triangles) = (surface.positions(&volume.grid.points), surface.triangles);
     let paint = Paint::Mapped { values, range: range(own)?, curve, bad: None };
     let surface = Surface { points, triangles, paint, opacity: 1.0, light: None, normals: Vec::new() };
     surface.check()?;

@@ -275,8 +275,7 @@ fn whole(call: &mut RunContext, volume: Arc<Volume>, condition: &Condition) -> R
     let (is_all, invert) = (p.text("keep")? == "all", p.flag("invert")?);
     let mut is_kept = match condition {
         Condition::Space(clips) => {
-            let holds =
-                |p: u32| clips.iter().all(|clip| clip.shape.contains(grid.points[p as usize]) != clip.invert);
+            let holds = |p: u32| clips.iter().all(|clip| clip.keeps(grid.points[p as usize]));
             cells_by_points(grid, is_all, holds)
         }
         _ if p.text("association")? == "cell" => {

@@ -14,6 +14,13 @@ pub struct Clip {
     pub invert: bool,
 }
 
+impl Clip {
+    /// True if it keeps a point.
+    pub fn keeps(&self, p: DVec3) -> bool {
+        self.shape.contains(p) != self.invert
+    }
+}
+
 /// A convex part of space, world units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ClipShape {

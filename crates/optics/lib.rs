@@ -38,6 +38,19 @@ pub struct Segment<'a> {
     pub fields_back: &'a [f64],
 }
 
+impl<'a> Segment<'a> {
+    /// A segment with these values, [s, g, fields …], at its ends.
+    pub fn of_values(length: f64, front: &'a [f64], back: &'a [f64]) -> Segment<'a> {
+        Segment {
+            length,
+            front: [front[0], front[1]],
+            back: [back[0], back[1]],
+            fields_front: &front[2..],
+            fields_back: &back[2..],
+        }
+    }
+}
+
 /// Contribution of one segment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Contribution {

@@ -245,13 +245,7 @@ struct Integrated(Box<dyn SegmentIntegrator>, Option<CurvedAxes>);
 impl SegmentIntegral for Integrated {
     fn integrate(&self, length: f64, front: &[f64], back: &[f64]) -> Result<Contribution> {
         let Integrated(integrator, axes) = self;
-        let crossing = Segment {
-            length,
-            front: [front[0], front[1]],
-            back: [back[0], back[1]],
-            fields_front: &front[2..],
-            fields_back: &back[2..],
-        };
+        let crossing = Segment::of_values(length, front, back);
         let part = integrate_values(axes.as_ref(), &crossing, |segment| integrator.integrate(segment));
         integrator.failure().map_or(Ok(part), |error| Err(error.clone()))
     }

@@ -1,6 +1,7 @@
 //! The scale of a transfer function's colours: a bar along s, or the plane of s and g over the distribution of the data.
 
-use std::sync::Arc;
+use std::borrow::Cow;
+use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::Result;
 use voltet_core::grid::{Grid, extent};
 use voltet_core::probing::{Axis, Histogram, histogram};
@@ -44,14 +45,12 @@ pub(crate) struct ColorScale {
     peak: f64,
     s: NamedAxis,
     /// The axis of g, where the function looks at it, with the data.
-    plane: Option<(NamedAxis, Arc<Distribution>)>,
+    plane: Option<(NamedAxis, Arc<Histogram>)>,
 }
 
-/// The distribution of data with one revision over axes of these scales, kept between runs.
-struct Distribution {
-    axes: [AxisScale; 2],
-    histogram: Histogram,
-}
+/// The last distribution of data with one revision, with the scales of its axes; kept between runs.
+#[derive(Default)]
+struct Distribution(Mutex<Option<([AxisScale; 2], Arc<Histogram>)>>);
 
 impl ColorScale {
     /// The scale of the transfer function that is wired in. `title`: the name along s; `units`: of the scalar and of length.
@@ -74,7 +73,7 @@ impl ColorScale {
             let per_length = if length.is_empty() { String::new() } else { format!("{unit}/{length}") };
             let per_length = if unit.is_empty() { "" } else { per_length.as_str() };
             let name = format!("|∇{scalar}|{}", bracketed(per_length));
-            Some((NamedAxis { name, scale: axes[1], range: ends(found.histogram.axes[1]) }, found))
+            Some((NamedAxis { name, scale: axes[1], range: ends(found.axes[1]) }, found))
         } else {
             None
         };
@@ -96,7 +95,7 @@ impl ColorScale {
 
     /// Draws it; false where there is no room. `border`: that of a level bar, which has no side.
     pub fn draw(&self, canvas: &mut Canvas, side: Side, border: Option<Border>, top: f32) -> bool {
-        let Some((g_axis, found)) = self.plane.as_ref().map(|(axis, found)| (axis, &found.histogram)) else {
+        let Some((g_axis, found)) = &self.plane else {
             let shade = |[low, high]: [f64; 2]| self.shade([low, 0.0], [high, 0.0]);
             return match border {
                 Some(border) => level_color_bar(canvas, border, top, &self.s, shade).is_some(),
@@ -153,11 +152,7 @@ fn drawn_range(function: &TransferFunction, of_own_colors: bool) -> Option<[f64;
 }
 
 /// The distribution of the data over s and g, up to where nearly all of them are.
-fn distribution(
-    call: &RunContext,
-    volume: Option<&Volume>,
-    axes: [AxisScale; 2],
-) -> Result<Arc<Distribution>> {
+fn distribution(call: &RunContext, volume: Option<&Volume>, axes: [AxisScale; 2]) -> Result<Arc<Histogram>> {
     let without = |found: &str| {
         let what = "the transfer function looks at the gradient, so its colours lie in a plane";
         let wanted =
@@ -167,10 +162,6 @@ fn distribution(
     let volume = volume.ok_or_else(|| without("no volume"))?;
     let g = volume.gradient_magnitude.as_ref().ok_or_else(|| without("a volume without gradient"))?;
     let find = || {
-        let on_axis = |scale: AxisScale, values: &[f64]| -> Vec<f64> {
-            let least = scale.positions(extent::range(values).unwrap_or_default())[0];
-            values.iter().map(|value| scale.position(*value).max(least)).collect()
-        };
         let (s, g) = (on_axis(axes[0], &volume.scalar), on_axis(axes[1], g));
         let s_axis = Axis::over(&s, BINS[0]);
         let whole = Axis::over(&g, 16 * BINS[1]);
@@ -181,11 +172,25 @@ fn distribution(
         let some = Grid { points: volume.grid.points.clone(), tetrahedra, ..Grid::default() };
         let found = |axes| histogram(&some, [&s, &g], axes, call.progress());
         let high = found([Axis { bins: 1, ..s_axis }, whole])?.nearly_all();
-        let histogram = found([s_axis, Axis { low: whole.low, high, bins: BINS[1] }])?;
-        Ok(Distribution { axes, histogram })
+        found([s_axis, Axis { low: whole.low, high, bins: BINS[1] }])
     };
-    let kept = call.keep(call.revision("volume")?, find)?;
-    if kept.axes == axes { Ok(kept) } else { find().map(Arc::new) }
+    let kept = call.keep(call.revision("volume")?, || Ok(Distribution::default()))?;
+    let mut last = kept.0.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, found)) = last.as_ref().filter(|(of_axes, _)| *of_axes == axes) {
+        return Ok(found.clone());
+    }
+    let found = Arc::new(find()?);
+    *last = Some((axes, found.clone()));
+    Ok(found)
+}
+
+/// Positions of values; of those without one the least of the axis.
+fn on_axis(scale: AxisScale, values: &[f64]) -> Cow<'_, [f64]> {
+    if !scale.is_curved() {
+        return values.into();
+    }
+    let least = scale.positions(extent::range(values).unwrap_or_default())[0];
+    values.iter().map(|value| scale.position(*value).max(least)).collect()
 }
 
 /// The volume in the bin of a place; 0 beyond the axes.

@@ -228,7 +228,7 @@ fn why_empty(scene: &Scene, counts: &RenderStats) -> String {
     if !widgets.iter().any(|widget| widget.is_drawn()) {
         return "the extinction of every widget is 0. Give one an extinction above it".into();
     }
-    let is_kept = |p: &DVec3| scene.clips.iter().all(|clip| clip.shape.contains(*p) != clip.invert);
+    let is_kept = |p: &DVec3| scene.clips.iter().all(|clip| clip.keeps(*p));
     if !scene.clips.is_empty() && !scene.volume.grid.points.par_iter().any(is_kept) {
         return "no point of the grid lies where all of the clips keep the volume; an inverted clip keeps what is outside".into();
     }

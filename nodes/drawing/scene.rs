@@ -252,13 +252,8 @@ fn demand(look: Option<&TransferFunctionSpec>, shading: &Shading) -> Demand {
     let gradient = needs_gradient(shading);
     let Some(look) = look else { return Demand { gradient, ..Demand::unknown() } };
     let transfer_function = &look.transfer_function;
-    Demand {
-        arrays: transfer_function.fields().iter().map(|name| name.to_string()).collect(),
-        gradient_magnitude: transfer_function.uses_gradient_magnitude(),
-        gradient,
-        order: needs_order(transfer_function, shading),
-        ..Demand::default()
-    }
+    let order = needs_order(transfer_function, shading);
+    Demand { gradient, order, ..Demand::of_function(transfer_function) }
 }
 
 /// The scene at the inputs `volume`, `transfer_function` and `camera`.

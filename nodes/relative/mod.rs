@@ -22,7 +22,7 @@ pub(crate) type Widgets = Vec<(&'static str, Parameters)>;
 
 /// The widgets at their positions on the axes, before any data are known.
 pub(crate) fn stood_in(p: &Parameters, axes: &[AxisScale; 2]) -> Result<Widgets> {
-    let widget = |(kind, keys): (_, Parameters)| Ok((kind, with_placeholders(&on_axes(&keys, axes)?)?));
+    let widget = |(kind, keys): (_, Parameters)| Ok((kind, with_placeholders(&on_axes(keys, axes)?)?));
     p.kinds("widgets")?.into_iter().map(widget).collect()
 }
 
@@ -65,7 +65,7 @@ fn unwired(widgets: &Widgets) -> Error {
 
 /// The widgets at their positions on the axes, with numbers for those that were relative to data, each noted.
 pub(crate) fn known(call: &mut RunContext, axes: &[AxisScale; 2]) -> Result<Widgets> {
-    let placed = |(kind, keys): (_, Parameters)| Ok((kind, on_axes(&keys, axes)?));
+    let placed = |(kind, keys): (_, Parameters)| Ok((kind, on_axes(keys, axes)?));
     known_values(call, axes)?.into_iter().map(placed).collect()
 }
 

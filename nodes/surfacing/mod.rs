@@ -76,6 +76,9 @@ pub const fn map_parameters(color_by: &'static str) -> [Parameter; 5] {
     ]
 }
 
+/// Names of [`map_parameters`].
+pub(crate) const OF_MAP: [&str; 5] = ["color_by", "colormap", "reversed", "steps", "range"];
+
 const fn paint_parameters(color_by: &'static str, opacity: f64, ambient: f64) -> [Parameter; PAINT_COUNT] {
     let [color_by, colormap, reversed, steps, range] = map_parameters(color_by);
     [
@@ -128,8 +131,7 @@ pub const SMOOTH: Parameter = Parameter {
 
 /// Mistakes in the paint that no declaration tells.
 pub fn check(p: &Parameters) -> Result<()> {
-    let of_map = ["color_by", "colormap", "reversed", "steps", "range"];
-    if let Some(name) = of_map.into_iter().find(|name| p.is_set("color") && p.is_set(name)) {
+    if let Some(name) = OF_MAP.into_iter().find(|name| p.is_set("color") && p.is_set(name)) {
         let error = p.error(name, format!("'color' and '{name}' exclude each other"));
         return Err(error.expected("one colour, or the colours of a map"));
     }
@@ -274,13 +276,12 @@ impl Shape {
     /// The shape with normals that are averaged between edges where they turn by more than this angle, degrees.
     pub fn sharp(self, angle: f64) -> Shape {
         let sharp = sharp_triangles(&self.points, &self.triangles, angle);
-        let of = |p: &u32| *p as usize;
         Shape {
-            points: sharp.origins.iter().map(|p| self.points[of(p)]).collect(),
+            points: gathered(&self.points, &sharp.origins),
+            values: self.values.as_deref().map(|values| gathered(values, &sharp.origins)),
+            colors: self.colors.as_deref().map(|colors| gathered(colors, &sharp.origins)),
             triangles: sharp.triangles,
             normals: sharp.normals,
-            values: self.values.map(|values| sharp.origins.iter().map(|p| values[of(p)]).collect()),
-            colors: self.colors.map(|colors| sharp.origins.iter().map(|p| colors[of(p)]).collect()),
             bad: self.bad,
         }
     }
@@ -320,6 +321,11 @@ impl Shape {
         surface.check()?;
         Ok(vec![Value::Surface(Arc::new(surface))])
     }
+}
+
+/// What stands at these places.
+fn gathered<T: Copy>(all: &[T], places: &[u32]) -> Vec<T> {
+    places.iter().map(|&p| all[p as usize]).collect()
 }
 
 /// Linear RGB of a surface of no other colour.

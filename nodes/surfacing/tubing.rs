@@ -1,6 +1,6 @@
 //! Tubes around lines and spheres around points: their parameters, and the shape that they are.
 
-use super::Shape;
+use super::{Shape, gathered};
 use crate::probe::RADIUS;
 use glam::DVec3;
 use voltet_core::tubes::{TubeShape, Tubes, tubes};
@@ -100,8 +100,4 @@ impl Shape {
             bad: self.bad,
         }
     }
-}
-
-fn gathered<T: Copy>(all: &[T], places: &[u32]) -> Vec<T> {
-    places.iter().map(|&p| all[p as usize]).collect()
 }

@@ -14,16 +14,23 @@ const OUTWARD: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
 ///
 /// Errors: memory ends.
 pub fn boundary(grid: &Grid, progress: &dyn Progress) -> Result<GridSurface> {
-    let faces = outer_faces(grid, progress)?;
+    let (faces, _) = outer_faces(grid, progress)?;
     let keys: Vec<[u64; 3]> =
         faces.into_iter().map(|(corners, _)| corners.map(|p| edge_key([p; 2]))).collect();
     Ok(GridSurface::of_keys(&keys, |_| 0.0))
 }
 
-/// The faces of [`boundary`]: points counter-clockwise from outside, and the tetrahedron of each.
+/// A face's points, and its tetrahedron.
+type OuterFace = ([u32; 3], u32);
+
+/// The faces of [`boundary`]: points counter-clockwise from outside, and the tetrahedron of each; and the points by
+/// their places.
 ///
 /// Errors: memory ends.
-pub(super) fn outer_faces(grid: &Grid, progress: &dyn Progress) -> Result<Vec<([u32; 3], u32)>> {
+pub(super) fn outer_faces(
+    grid: &Grid,
+    progress: &dyn Progress,
+) -> Result<(Vec<OuterFace>, CoincidentPoints)> {
     // Cells by their points, and their numbers; points by their places.
     let bytes = 16 * (grid.tetrahedra.len() + grid.points.len()) as u64;
     refuse_beyond_memory(progress, || "the boundary of the grid".into(), bytes)?;
@@ -46,5 +53,6 @@ pub(super) fn outer_faces(grid: &Grid, progress: &dyn Progress) -> Result<Vec<([
         faces.extend(others);
         faces
     };
-    Ok(each_face(&grid.points, &grid.tetrahedra, &places, Vec::new, look, join))
+    let faces = each_face(&grid.points, &grid.tetrahedra, &places, Vec::new, look, join);
+    Ok((faces, places))
 }

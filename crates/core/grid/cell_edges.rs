@@ -2,7 +2,6 @@
 
 use super::boundary::outer_faces;
 use super::cell_types::{CellType, code};
-use super::faces::CoincidentPoints;
 use super::parts::{CellSet, Cells, FileCells, structured_corners};
 use super::split;
 use super::{Grid, Polyhedron};
@@ -26,9 +25,8 @@ pub struct BoundaryEdges {
 /// # Errors
 /// - memory ends.
 pub fn boundary_edges(grid: &Grid, progress: &dyn Progress) -> Result<BoundaryEdges> {
-    let faces = outer_faces(grid, progress)?;
+    let (faces, places) = outer_faces(grid, progress)?;
     let cells = SplitCells::new(grid);
-    let places = CoincidentPoints::find(&grid.points);
     let of_face = |(corners, tetrahedron): &([u32; 3], u32)| {
         let [a, b, c] = *corners;
         let cell = grid.source_cell(*tetrahedron as usize);

@@ -78,9 +78,9 @@ impl AxisScale {
 /// The parameters of a widget with its numbers at their positions on curved axes of s and g; those that are relative to data are left.
 ///
 /// Errors, at the number's place: a value without a position.
-pub fn on_axes(p: &Parameters, axes: &[AxisScale; 2]) -> Result<Parameters> {
+pub fn on_axes(p: Parameters, axes: &[AxisScale; 2]) -> Result<Parameters> {
     if !axes.iter().any(|axis| axis.is_curved()) {
-        return Ok(p.clone());
+        return Ok(p);
     }
     p.with_settings(&mut |measured, name, setting, beside| match measured.statistic {
         StatisticKind::Value | StatisticKind::Place => placed(measured, name, setting, (axes, 0), beside),

@@ -54,7 +54,8 @@ impl TransferFunction {
 
     /// The value that an axis (0: s, 1: g, then the further fields by name) is best counted from, if there is one: offsets
     /// are then taken from it in 64 bits, so that a widget far narrower than the range loses nothing. Of several places
-    /// (centres, and corners of regions) it is the middle: what is near them keeps more digits than the range's ends; and 0 where one is far nearer to it.
+    /// (centres, and corners of regions) it is the middle: what is near them keeps more digits than the range's ends; and 0 where one is
+    /// far nearer to it.
     pub fn axis_origin(&self, axis: usize) -> Option<f64> {
         let names = self.fields();
         let of = |widget: &Widget| -> AxisOrigin {

@@ -15,13 +15,15 @@ pub struct Corners<'a> {
 }
 
 impl Corners<'_> {
+    /// Least and greatest s.
     #[inline]
-    pub(super) fn s_range(&self) -> (f64, f64) {
+    pub fn s_range(&self) -> (f64, f64) {
         range(self.s)
     }
 
+    /// Least and greatest g.
     #[inline]
-    pub(super) fn g_range(&self) -> (f64, f64) {
+    pub fn g_range(&self) -> (f64, f64) {
         range(self.g)
     }
 }

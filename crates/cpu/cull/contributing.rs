@@ -212,10 +212,8 @@ impl CullQuery<'_> {
     fn corner_values(&self, id: usize) -> CellValues {
         let mut values = self.values.of(&self.tetrahedra[id]);
         if self.axes.iter().any(|axis| axis.is_curved()) {
-            let range = |values: &[f64; 4]| {
-                values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(*x), b.max(*x)])
-            };
-            let [s, g] = self.positions([range(&values.s), range(&values.g)]);
+            let read = values.corners();
+            let [s, g] = self.positions([read.s_range().into(), read.g_range().into()]);
             (values.s, values.g) = corners(s, g);
         }
         values

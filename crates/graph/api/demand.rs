@@ -6,6 +6,7 @@ use std::sync::Arc;
 use voltet_core::Error;
 use voltet_core::parameters::SourceSpan;
 use voltet_core::picture_parts::PictureLayer;
+use voltet_core::transfer::TransferFunction;
 
 /// Demand on a node's outputs. Nothing else is read, computed or sorted.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -87,6 +88,15 @@ impl FromIterator<String> for Arrays {
 }
 
 impl Demand {
+    /// Arrays and gradient magnitude that a transfer function looks at.
+    pub fn of_function(function: &TransferFunction) -> Self {
+        Demand {
+            arrays: function.fields().iter().map(|name| name.to_string()).collect(),
+            gradient_magnitude: function.uses_gradient_magnitude(),
+            ..Demand::default()
+        }
+    }
+
     /// Everything that a node downstream could ever ask for: what holds when it cannot be known beforehand.
     pub fn unknown() -> Self {
         Demand { gradient_magnitude: true, gradient: false, order: true, ..Demand::default() }

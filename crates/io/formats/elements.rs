@@ -99,7 +99,7 @@ impl Elements {
         if u32::try_from(points.len()).is_err() {
             return Err(too_many_points(points.len()));
         }
-        let mut parts = Parts { points: &points, edges: edges.then(HashSet::new), ..Parts::new(&points) };
+        let mut parts = Parts { points: &points, edges: edges.then(HashSet::new), ..Parts::default() };
         let mut start = 0;
         for (number, &(kind, end)) in kinds.iter().enumerate() {
             let element = corners.get(start..end).ok_or_else(|| {
@@ -142,11 +142,12 @@ fn spread<T: Copy>((association, values): (Association, Vec<T>), element_of_poin
     }
 }
 
-fn too_many_points(count: usize) -> Error {
+pub(super) fn too_many_points(count: usize) -> Error {
     Error::run("the surface has too many points").got(count).expected(u32::MAX)
 }
 
 /// Triangles, lines and vertices, with the element that each is of.
+#[derive(Default)]
 struct Parts<'a> {
     points: &'a [DVec3],
     triangles: Vec<[u32; 3]>,
@@ -162,21 +163,6 @@ struct Parts<'a> {
 }
 
 impl Parts<'_> {
-    fn new(points: &[DVec3]) -> Parts<'_> {
-        Parts {
-            points,
-            triangles: Vec::new(),
-            lines: Vec::new(),
-            vertices: Vec::new(),
-            element_of_triangle: Vec::new(),
-            element_of_line: Vec::new(),
-            element_of_vertex: Vec::new(),
-            edges: None,
-            degenerate: 0,
-            crossing: 0,
-        }
-    }
-
     fn add(&mut self, number: usize, kind: ElementKind, corners: &[u32]) -> Result<()> {
         if let Some(&point) = corners.iter().find(|&&p| p as usize >= self.points.len()) {
             return Err(Error::run(format!("element {number} has a point that does not exist"))

@@ -130,7 +130,8 @@ impl Tracer<'_> {
                     let [silhouette, _] = self.surface(ray, crossing);
                     let mut optical_depth = |crossing: &Crossing| {
                         let length = self.segment_into(ray, crossing, &mut ends);
-                        let own = function.optical_depth_of_values(&segment(length, &ends));
+                        let own =
+                            function.optical_depth_of_values(&Segment::of_values(length, &ends[0], &ends[1]));
                         // Opacity that the silhouette thins.
                         if silhouette == 1.0 { own } else { -(-silhouette * opacity(own)).ln_1p() }
                     };
@@ -161,17 +162,6 @@ impl Tracer<'_> {
             Ok(if is_done { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
         })?;
         Ok(found)
-    }
-}
-
-/// A segment with these values at its ends.
-fn segment(length: f64, [front, back]: &[Vec<f64>; 2]) -> Segment<'_> {
-    Segment {
-        length,
-        front: [front[0], front[1]],
-        back: [back[0], back[1]],
-        fields_front: &front[2..],
-        fields_back: &back[2..],
     }
 }
 

@@ -47,14 +47,7 @@ pub trait SegmentIntegral: Send + Sync {
 /// Closed forms; overlapping widgets in their order ([`WidgetBlend::Exact`]).
 impl SegmentIntegral for CompiledTransferFunction {
     fn integrate(&self, length: f64, front: &[f64], back: &[f64]) -> Result<Contribution> {
-        let segment = Segment {
-            length,
-            front: [front[0], front[1]],
-            back: [back[0], back[1]],
-            fields_front: &front[2..],
-            fields_back: &back[2..],
-        };
-        Ok(self.integrate_values(&segment, WidgetBlend::Exact))
+        Ok(self.integrate_values(&Segment::of_values(length, front, back), WidgetBlend::Exact))
     }
 }
 

@@ -1,13 +1,12 @@
 //! `gaussian`: exp(−|K (v − centre)|²) over the (s, g) plane (Song et al. 2009, section 4.2; Kniss et al. 2003, Eq. 12).
 
 use super::properties::{
-    AxisOrigin, COLOR, EXTINCTION, MATRIX, PLACE, POSITIVE_OR_INFINITE, Properties, REGION, SIGMA, finite,
+    AxisOrigin, CENTRE, COLOR, EXTINCTION, MATRIX, POSITIVE_OR_INFINITE, Properties, REGION, SIGMA, finite,
     kernel,
 };
 use crate::Result;
 use crate::parameters::{
-    AxisRef, DefaultValue, Parameter, ParameterType, Parameters, RelativeNumberType, StatisticKind,
-    VariantSchema,
+    AxisRef, Parameter, ParameterType, Parameters, RelativeNumberType, StatisticKind, VariantSchema,
 };
 use crate::transfer::hull::{Corners, distance_squared_from_origin, gaussian, range};
 use crate::transfer::region::Slab;
@@ -18,13 +17,7 @@ pub(super) const KIND: VariantSchema = VariantSchema {
     parameters: &[
         COLOR,
         EXTINCTION,
-        Parameter {
-            name: "centre",
-            parameter_type: PLACE,
-            unit: "(s, g)",
-            default: DefaultValue::Required,
-            help: "the middle of the widget, [s, g]",
-        },
+        CENTRE,
         Parameter {
             parameter_type: WIDTHS,
             unit: "(s, g)",

@@ -1,7 +1,7 @@
 //! `gaussian-colormap`: a Gaussian over the (s, g) plane in the colours of a map along s, as a table fine enough for 32 bits.
 
 use super::colormap::{CURVE_PARAMETERS, RANGE, color_curve, range};
-use super::properties::{EXTINCTION, LoadFiles, PLACE, REGION, SIGMA, Table};
+use super::properties::{CENTRE, EXTINCTION, LoadFiles, REGION, SIGMA, Table};
 use crate::Result;
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
@@ -13,13 +13,7 @@ pub(super) const KIND: VariantSchema = VariantSchema {
     summary: "A Gaussian over the scalar and its gradient magnitude, in the colours of a map along s.",
     parameters: &[
         EXTINCTION,
-        Parameter {
-            name: "centre",
-            parameter_type: PLACE,
-            unit: "(s, g)",
-            default: DefaultValue::Required,
-            help: "the middle of the widget, [s, g]",
-        },
+        CENTRE,
         Parameter {
             parameter_type: ParameterType::Measured(&RelativeNumberType {
                 plain: ParameterType::Numbers(Some(2), Range::above(0.0)),

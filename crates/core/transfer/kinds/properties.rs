@@ -218,6 +218,15 @@ pub(super) const PLACE: ParameterType = ParameterType::Measured(&RelativeNumberT
     axis: AxisRef::Places(&["s", "g"]),
 });
 
+/// The middle of a Gaussian.
+pub(super) const CENTRE: Parameter = Parameter {
+    name: "centre",
+    parameter_type: PLACE,
+    unit: "(s, g)",
+    default: DefaultValue::Required,
+    help: "the middle of the widget, [s, g]",
+};
+
 /// Valid standard deviations: an infinite one ignores its axis.
 pub(super) const POSITIVE_OR_INFINITE: Range = Range { infinite: true, ..Range::above(0.0) };
 

@@ -4,7 +4,7 @@ use super::header::{self, Element};
 use super::{Context, marked, points};
 use crate::formats::assemble::{column, load_points};
 use crate::formats::contents::{GHOST_TYPE, Geometry, Meter, Piece, Stored};
-use crate::formats::elements::{ElementKind, Elements, SurfaceColors, linear_colors};
+use crate::formats::elements::{ElementKind, Elements, SurfaceColors, linear_colors, too_many_points};
 use crate::formats::numbers::NumberType;
 use crate::formats::request;
 use crate::formats::source::Source;
@@ -93,7 +93,7 @@ fn add_piece(
     let (before, first) = (all.points.len(), all.kinds.len());
     all.points.extend(load_points(&piece, meter)?);
     if all.points.len() > u32::MAX as usize {
-        return Err(Error::run("the surface has too many points").got(all.points.len()).expected(u32::MAX));
+        return Err(too_many_points(all.points.len()));
     }
     // Either all pieces have normals, or none counts.
     if all.normals.len() == before {
