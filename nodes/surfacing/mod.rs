@@ -323,7 +323,7 @@ impl Shape {
     }
 }
 
-/// What stands at these places.
+/// Items at these places.
 fn gathered<T: Copy>(all: &[T], places: &[u32]) -> Vec<T> {
     places.iter().map(|&p| all[p as usize]).collect()
 }

@@ -57,6 +57,7 @@ fn shares_of_a_range_are_shares_of_decades() {
         &map("", ""),
     ]);
     let most = difference(&relative, &absolute);
+    // The end of the range is a rounded power of ten, and the flanks of the peaks are steep.
     assert!(most < 1e-5, "{most:e}");
     let shown = |picture: &[[f32; 4]]| picture.iter().filter(|pixel| pixel[3] > 0.05).count();
     assert!(shown(&relative) > 3 * shown(&linear), "{} {}", shown(&relative), shown(&linear));
