@@ -4,7 +4,7 @@
 use crate::kinds::Snippet;
 use crate::passes::{Access, FramePass, Layout, PartedArray, Parts, cells_read, grid_text};
 use crate::shader_key::{
-    Blend, Combine, CompositorProgram, Method, ShaderKey, TileOrder, WgslCall, WidgetChoice,
+    AxisShape, Blend, Combine, CompositorProgram, Method, ShaderKey, TileOrder, WgslCall, WidgetChoice,
 };
 use crate::text::{PIECES, Shader, WgslPiece, compose_pieces_with};
 use std::fmt::Write as _;
@@ -132,7 +132,9 @@ impl Block<'_> {
         if !shader_key.method.samples() && !whole {
             self.lights_alone();
         }
-        self.line("fn segment(length: f32, front: Values, back: Values) -> Contribution {");
+        let curved = shader_key.curved_axes.is_some();
+        let name = if curved { "straight_segment" } else { "segment" };
+        self.line(format!("fn {name}(length: f32, front: Values, back: Values) -> Contribution {{"));
         match shader_key.method.call(shader_key.constant_emitter) {
             Some(WgslCall::Table { function, pieces }) => self.tabulated(function, pieces),
             _ if shader_key.combine == Combine::Nothing => {
@@ -141,6 +143,42 @@ impl Block<'_> {
             Some(WgslCall::Samples { function, pieces, .. }) => self.sampled(function, pieces),
             None => self.closed_forms(),
         }
+        if let Some(shapes) = shader_key.curved_axes {
+            self.along_curved_axes(shapes);
+        }
+    }
+
+    /// Cuts segments along curved axes, and finds positions on them.
+    fn along_curved_axes(&mut self, shapes: [AxisShape; 2]) {
+        self.uses(&["axes/curved"]);
+        let both = |name: &str, shape: fn(AxisShape) -> bool| {
+            let [s, g] = shapes.map(shape);
+            format!("const {name} = vec2<bool>({s}, {g});")
+        };
+        self.line(both("IS_CURVED", |shape| shape != AxisShape::Linear));
+        self.line(both("IS_LOG", |shape| shape == AxisShape::Log));
+        for (function, argument) in [("position", "value"), ("value", "position")] {
+            self.line(format!("fn axis_{function}(axis: u32, {argument}: f32) -> f32 {{"));
+            for (axis, shape) in shapes.into_iter().enumerate() {
+                let (piece, prefix) = match shape {
+                    AxisShape::Linear => continue,
+                    AxisShape::Log => ("axes/log", "log"),
+                    AxisShape::SymLog => ("axes/symlog", "symlog"),
+                };
+                self.uses(&[piece]);
+                let call = format!("{prefix}_{function}(axis_number({axis}u), {argument})");
+                self.line(format!("    if axis == {axis}u {{ return {call}; }}"));
+            }
+            self.line(format!("    return {argument};\n}}"));
+        }
+        let first_field = 1 + usize::from(self.shader_key.reads_gradient_magnitude);
+        self.line(format!("const FIRST_FIELD = {first_field}u;"));
+        self.line("fn with_positions(values: Values, positions: vec2f) -> Values {");
+        self.line("    var placed = values;\n    placed[0] = positions.x;");
+        if self.shader_key.reads_gradient_magnitude {
+            self.line("    placed[1] = positions.y;");
+        }
+        self.line("    return placed;\n}");
     }
 
     fn tabulated(&mut self, function: &str, pieces: &[&'static str]) {

@@ -7,6 +7,7 @@
 //! A piece is a file under `wgsl/`. Its first line says which pieces it uses, which slot it fills and which slots it
 //! asks for; a slot that no file fills (`values`, `members`, `segment`) is filled by the generated block.
 
+mod curved_axes;
 mod generate;
 mod kinds;
 mod parameters;
@@ -28,8 +29,8 @@ pub use resources::{
     Buffer, Contents, Pass, Places, Resources, TEXEL_BYTES, TableScene, WgslTable, WgslTableExtension, images,
 };
 pub use shader_key::{
-    Blend, Combine, CompositorProgram, Method, ShaderKey, TableSize, TileOrder, WgslCall, WgslExtension,
-    WgslIntegrator, WidgetChoice, has_method,
+    AxisShape, Blend, Combine, CompositorProgram, Method, ShaderKey, TableSize, TileOrder, WgslCall,
+    WgslExtension, WgslIntegrator, WidgetChoice, has_method,
 };
 pub use text::{PIECES, Shader, WgslPiece, compose_pieces, compose_pieces_with, piece};
 pub use writer::{Axis, WidgetRecord};

@@ -37,7 +37,7 @@ pub struct SceneHead {
     pub brightest: f32,
     /// Pieces of a segment, for integrators that cut it.
     pub piece_count: u32,
-    /// Index of the integrator's first entry in `numbers`.
+    /// Index of the integrator's first entry in `numbers`, or of the first number of curved axes.
     pub first_entry: u32,
     /// Fills up to the alignment of a widget.
     pub padding: [u32; 3],

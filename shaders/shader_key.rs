@@ -5,7 +5,7 @@ use crate::passes::{Layout, Parts};
 use crate::text::WgslPiece;
 use std::fmt;
 use std::hash::{Hash, Hasher};
-use voltet_core::transfer::{OpticalModel, TransferFunction, Widget};
+use voltet_core::transfer::{AxisScale, OpticalModel, TransferFunction, Widget};
 use voltet_core::{Error, Result};
 use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::{Integrator, IntegratorKind, can_serve};
@@ -116,6 +116,17 @@ pub struct WidgetChoice {
     pub edges: Option<usize>,
 }
 
+/// Scale of an axis, as far as it decides the text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum AxisShape {
+    /// Values are positions.
+    Linear,
+    /// Logarithmic.
+    Log,
+    /// Symmetrically logarithmic.
+    SymLog,
+}
+
 /// Everything that decides the text.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct ShaderKey {
@@ -131,6 +142,8 @@ pub struct ShaderKey {
     pub reads_gradient_magnitude: bool,
     /// Further fields among the values.
     pub field_count: usize,
+    /// The scales of s and g; `None` where both are linear.
+    pub curved_axes: Option<[AxisShape; 2]>,
     /// Silhouette enhancement.
     pub silhouette: bool,
     /// Diffuse lighting.
@@ -149,10 +162,6 @@ impl ShaderKey {
         compositor: CompositorProgram,
     ) -> Result<ShaderKey> {
         can_serve(&shading.integrator, transfer_function)?;
-        if transfer_function.has_curved_axes() {
-            return Err(Error::usage("logarithmic axes have no shader: the CPU draws them")
-                .expected("engine = \"cpu\" or \"auto\", or linear axes"));
-        }
         let method = method_of(&shading.integrator).ok_or_else(|| {
             Error::usage("the integrator has no shader: the CPU draws it")
                 .got(shading.integrator.name())
@@ -165,11 +174,22 @@ impl ShaderKey {
             combine: Combine::Nothing,
             reads_gradient_magnitude: false,
             field_count: 0,
+            curved_axes: None,
             silhouette: shading.silhouette.is_some_and(|p| p != 0.0),
             light: shading.light.is_some(),
             compositor,
             layout: Layout::WHOLE,
         };
+        let curved_axes = curved_axes(transfer_function);
+        if curved_axes.is_some() && matches!(method, Method::Registered(_)) {
+            return Err(Error::usage(
+                "the integrator has no shader for logarithmic axes: the CPU draws them",
+            )
+            .got(shading.integrator.name())
+            .expected(
+                "engine = \"cpu\" or \"auto\", linear axes, or the integrators analytic and adaptive",
+            ));
+        }
         if method.is_table_of_lengths() {
             return Ok(scene);
         }
@@ -187,7 +207,15 @@ impl ShaderKey {
         };
         let reads_gradient_magnitude = transfer_function.uses_gradient_magnitude();
         let field_count = transfer_function.fields().len();
-        Ok(ShaderKey { widgets, constant_emitter, combine, reads_gradient_magnitude, field_count, ..scene })
+        Ok(ShaderKey {
+            widgets,
+            constant_emitter,
+            combine,
+            reads_gradient_magnitude,
+            field_count,
+            curved_axes,
+            ..scene
+        })
     }
 
     /// Values at each end of a segment: s, then g where it is read, then the further fields by name.
@@ -229,7 +257,7 @@ impl ShaderKey {
             self.widgets.iter().any(|widget| widget.edges.is_some() || widget.kind.number_count() > 0);
         let of_method = self.method.call(self.constant_emitter);
         let of_method = matches!(of_method, Some(WgslCall::Samples { reads_numbers: true, .. }));
-        of_widgets || (of_method && !self.widgets.is_empty())
+        of_widgets || (of_method && !self.widgets.is_empty()) || self.curved_axes.is_some()
     }
 
     /// The read-only storage buffers of group 0, by name and binding: what [`crate::Resources`] fills, `numbers` in its parts.
@@ -272,6 +300,16 @@ fn method_of(integrator: &Integrator) -> Option<Method> {
 /// True if there is a shader for the integrator.
 pub fn has_method(integrator: &Integrator) -> bool {
     method_of(integrator).is_some()
+}
+
+/// Scales of s and g; `None` where both are linear.
+fn curved_axes(transfer_function: &TransferFunction) -> Option<[AxisShape; 2]> {
+    let shape = |scale: AxisScale| match scale {
+        AxisScale::Linear => AxisShape::Linear,
+        AxisScale::Log => AxisShape::Log,
+        AxisScale::SymLog { .. } => AxisShape::SymLog,
+    };
+    transfer_function.has_curved_axes().then(|| transfer_function.axes_read().map(shape))
 }
 
 fn choice(widget: &Widget) -> WidgetChoice {

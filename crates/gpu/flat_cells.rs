@@ -10,8 +10,8 @@
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::E;
-use voltet_core::grid::extent::longest_edge_squared;
-use voltet_core::transfer::{Corners, Support, TransferFunction};
+use voltet_core::grid::extent::{self, longest_edge_squared};
+use voltet_core::transfer::{Corners, Support, TransferFunction, box_corners};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_shaders::ViewRecord;
@@ -94,7 +94,14 @@ impl FlatCells {
             let of = |values: &[f64]| points.map(|p| values[p]);
             let fields: Vec<[f64; 4]> = fields.iter().map(|values| of(values)).collect();
             let g = volume.gradient_magnitude.as_ref().map_or([0.0; 4], |g| of(g));
-            let density = length * support.bound(&Corners { s: &of(&volume.scalar), g: &g, fields: &fields });
+            let mut values = (of(&volume.scalar), g);
+            if transfer_function.has_curved_axes() {
+                let ranges = [values.0, values.1].map(|values| extent::range(&values).unwrap_or_default());
+                let scales = transfer_function.axes_read();
+                values = box_corners(scales[0].positions(ranges[0]), scales[1].positions(ranges[1]));
+            }
+            let (s, g) = &values;
+            let density = length * support.bound(&Corners { s, g, fields: &fields });
             (density * moved > MAX_CHANGE).then(|| too_dense(flat, density, MAX_CHANGE / moved))
         };
         cells.par_iter().find_map_first(refused).map_or(Ok(()), Err)

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 use voltet_core::grid::extent;
-use voltet_core::transfer::TransferFunction;
+use voltet_core::transfer::{AxisScale, TransferFunction};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result, counted};
 use voltet_shaders::{Access, Axis, FramePass, GridArray, Layout, Parts, TEXEL_BYTES, cells_read};
@@ -181,21 +181,16 @@ pub(crate) enum ValueArray {
     Gradient(usize),
 }
 
-/// A quantity on the device: (value − middle) / span, high and low part.
+/// A quantity on the device: (value − origin) / span, high and low part.
 pub(crate) struct DeviceArray {
     pub values: SplitBuffer,
-    pub middle: f64,
+    pub origin: f64,
     /// > 0.
     pub span: f64,
     /// The most that it changes within one cell, in spans.
     pub cell_span: f64,
-}
-
-impl DeviceArray {
     /// Smallest and largest value.
-    pub fn range(&self) -> [f64; 2] {
-        [self.middle - 0.5 * self.span, self.middle + 0.5 * self.span]
-    }
+    pub range: [f64; 2],
 }
 
 /// A volume's grid on a device. Values are uploaded as scenes ask for them.
@@ -296,6 +291,8 @@ impl DeviceGrid {
             1 => (low + 0.5 * (high - low), high - low),
             _ => (0.0, low.abs().max(high.abs())),
         };
+        // From 0 small values keep all their digits, which logarithmic axes show; values far from it are told apart about their middle.
+        let origin = if middle.abs() <= span { 0.0 } else { middle };
         let span = if span > 0.0 && span.is_finite() { span } else { 1.0 };
         let value = |point: usize| values[point * stride + first];
         let widest = |cell: &[u32; 4]| {
@@ -304,12 +301,12 @@ impl DeviceGrid {
         };
         let cells = volume.grid.tetrahedra.par_iter().with_min_len(1 << 14);
         let cell_span = cells.map(widest).reduce(|| 0.0, f64::max) / span;
-        let parts = |point: usize| split((value(point) - middle) / span);
+        let parts = |point: usize| split((value(point) - origin) / span);
         let layout = sizes(volume).layout(self.device.room());
         let count = values.len() / stride;
         let values = self.device.upload_parted(GridArray::Quantity, &layout, count, parts)?;
         self.device.count(|work| work.uploads += 1);
-        Ok(DeviceArray { values, middle, span, cell_span })
+        Ok(DeviceArray { values, origin, span, cell_span, range: [low, high] })
     }
 }
 
@@ -329,19 +326,38 @@ fn without_volume(cell: [u32; 4], position: impl Fn(u32) -> DVec3) -> [u32; 4] {
     if determinant.abs() <= 16.0 * f64::EPSILON * sizes { [cell[0]; 4] } else { cell }
 }
 
-/// The numbers that the device counts a value from, in units of its span from its middle: high and low part.
+/// The numbers that the device counts a value from, in units of its span from its origin: high and low part.
 pub(crate) fn offset_parts(stored: &DeviceArray, axis: &Axis) -> [f32; 2] {
-    split((axis.offset - stored.middle) / stored.span)
+    split((axis.offset - stored.origin) / stored.span)
 }
 
-/// The axis of a value. `number`: 0 for s, 1 for g, further on for fields.
-pub(crate) fn axis(stored: &DeviceArray, transfer_function: &TransferFunction, number: usize) -> Axis {
-    let centre = transfer_function.axis_origin(number);
-    let [low, high] = stored.range();
+/// Storage of a value along a segment. `number`: 0 for s, 1 for g, further on for fields.
+pub(crate) fn value_axis(stored: &DeviceArray, transfer_function: &TransferFunction, number: usize) -> Axis {
+    match scale(transfer_function, number).is_curved() {
+        true => Axis { offset: 0.0, scale: stored.span },
+        false => widget_axis(stored, transfer_function, number),
+    }
+}
+
+/// Storage of a value as widgets are compared with it: of its position, on a curved axis.
+pub(crate) fn widget_axis(stored: &DeviceArray, transfer_function: &TransferFunction, number: usize) -> Axis {
+    let scale = scale(transfer_function, number);
+    let (range, span) = match scale.positions(stored.range) {
+        _ if !scale.is_curved() => (stored.range, stored.span),
+        [low, high] if high > low && high.is_finite() => ([low, high], high - low),
+        // Constant, or without positions.
+        [_, high] => ([if high.is_finite() { high } else { 0.0 }; 2], 1.0),
+    };
+    let [low, high] = range;
     // Just beside the values serves, too: widths are counted from 0, however small the least of them.
-    let near = low - stored.span..=high + stored.span;
-    let offset = centre.filter(|centre| near.contains(centre)).unwrap_or(stored.middle);
-    Axis { offset, scale: stored.span }
+    let near = low - span..=high + span;
+    let centre = transfer_function.axis_origin(number).filter(|centre| near.contains(centre));
+    Axis { offset: centre.unwrap_or(low + 0.5 * (high - low)), scale: span }
+}
+
+/// Scale of the axis of a value; those of further fields are linear.
+fn scale(transfer_function: &TransferFunction, number: usize) -> AxisScale {
+    transfer_function.axes_read().get(number).copied().unwrap_or_default()
 }
 
 /// A number as the sum of two of 32 bits.

@@ -40,7 +40,7 @@ struct Scene {
     brightest: f32,
     // Pieces of a segment, for integrators that cut it.
     piece_count: u32,
-    // Where the integrator's entries begin in `numbers`.
+    // Where the integrator's entries, or the numbers of curved axes, begin in `numbers`.
     first_entry: u32,
     widgets: array<Widget, WIDGET_COUNT>,
 }

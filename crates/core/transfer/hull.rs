@@ -14,6 +14,11 @@ pub struct Corners<'a> {
     pub fields: &'a [[f64; 4]],
 }
 
+/// Corners of a box of s and g.
+pub fn box_corners(s: [f64; 2], g: [f64; 2]) -> ([f64; 4], [f64; 4]) {
+    ([s[0], s[1], s[0], s[1]], [g[0], g[0], g[1], g[1]])
+}
+
 impl Corners<'_> {
     /// Least and greatest s.
     #[inline]

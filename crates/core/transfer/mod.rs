@@ -17,8 +17,8 @@ mod support;
 
 pub use axis::{AxisScale, DECADES, on_axes};
 pub use function::{OpticalModel, TransferFunction, Widget, read};
-pub use hull::Corners;
 pub(crate) use hull::meets;
+pub use hull::{Corners, box_corners};
 pub use kinds::{
     AxisOrigin, BandSpacing, CURVE_PARAMETERS, ColorSource, ControlPoint, LoadFiles, MAX_FIELDS, Profile,
     Properties, Table, UnreadFiles, WIDGET_KINDS, Wave, color_curve,

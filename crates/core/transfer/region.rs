@@ -1,5 +1,6 @@
 //! Regions of the (s, g) plane: their half-planes, checked convex polygons, slabs, and the distance up to which a widget counts.
 
+use super::axis::AxisScale;
 use crate::arithmetic::difference_of_products;
 use crate::{Error, Result};
 
@@ -222,6 +223,22 @@ pub struct Slab {
 const SLACK: f64 = 1e-6;
 
 impl Slab {
+    /// Slab of the values at its positions; `None` aslant to a curved axis, where it is none.
+    pub fn of_values(&self, axes: &[AxisScale; 2]) -> Option<Slab> {
+        let Slab { normal, low, high } = *self;
+        let is_curved = |axis: usize| normal[axis] != 0.0 && axes[axis].is_curved();
+        let axis = match [is_curved(0), is_curved(1)] {
+            [false, false] => return Some(*self),
+            [true, false] if normal[1] == 0.0 => 0,
+            [false, true] if normal[0] == 0.0 => 1,
+            _ => return None,
+        };
+        let ends = [low, high].map(|end| axes[axis].value(end / normal[axis]));
+        let mut across = [0.0; 2];
+        across[axis] = 1.0;
+        Some(Slab { normal: across, low: ends[0].min(ends[1]), high: ends[0].max(ends[1]) })
+    }
+
     /// Slab over values stored in 32 bits, value = offset + scale × stored: [a, b, low, high] with the larger of |a| and
     /// |b| 1, widened by what rounding can do. `axes`: offset and scale of s and g.
     pub fn stored(&self, axes: [[f64; 2]; 2]) -> [f32; 4] {

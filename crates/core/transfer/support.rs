@@ -192,6 +192,14 @@ impl Widget {
 }
 
 impl TransferFunction {
+    /// Positions on an axis between which some widget adds at least `least` of its peak's optical depth, or colour, to a segment.
+    pub fn positions_drawn(&self, axis: usize, least: f64) -> [f64; 2] {
+        let lists = self.widgets.iter().flat_map(|widget| widget.slabs(1.0, least, self.model));
+        let intervals = lists.map(|list| interval(&list, axis)).filter(|[low, high]| low <= high);
+        intervals
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |all, own| [all[0].min(own[0]), all[1].max(own[1])])
+    }
+
     /// Intervals of s, ascending and disjoint, outside of which all widgets together add less than `least` of optical depth, or of
     /// colour, over a length of so many world units, whatever g and further fields are.
     pub fn intervals_of_s(&self, length: f64, least: f64) -> Vec<[f64; 2]> {
@@ -201,7 +209,7 @@ impl TransferFunction {
             widget.slabs(depth, least, self.model)
         };
         let mut found: Vec<[f64; 2]> =
-            self.widgets.iter().flat_map(of).map(|list| interval_of_s(&list)).collect();
+            self.widgets.iter().flat_map(of).map(|list| interval(&list, 0)).collect();
         found.retain(|[low, high]| low <= high);
         found.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let mut disjoint: Vec<[f64; 2]> = Vec::new();
@@ -215,19 +223,19 @@ impl TransferFunction {
     }
 }
 
-/// Limits of s over what slabs share.
-fn interval_of_s(list: &[Slab]) -> [f64; 2] {
+/// Limits of positions on an axis over what slabs share.
+fn interval(list: &[Slab], axis: usize) -> [f64; 2] {
     let mut limits = [f64::NEG_INFINITY, f64::INFINITY];
     let mut narrow = |low: f64, high: f64| limits = [limits[0].max(low), limits[1].min(high)];
-    let across = |slab: &&Slab| slab.normal[0] != 0.0 && slab.normal[1] == 0.0;
-    for Slab { normal: [a, _], low, high } in list.iter().filter(across) {
-        let ends = [low / a, high / a];
+    let across = |slab: &&Slab| slab.normal[axis] != 0.0 && slab.normal[1 - axis] == 0.0;
+    for Slab { normal, low, high } in list.iter().filter(across) {
+        let ends = [low / normal[axis], high / normal[axis]];
         narrow(ends[0].min(ends[1]), ends[0].max(ends[1]));
     }
     // Two that are tilted share a parallelogram.
-    let tilted: Vec<&Slab> = list.iter().filter(|slab| slab.normal[1] != 0.0).collect();
+    let tilted: Vec<&Slab> = list.iter().filter(|slab| slab.normal[1 - axis] != 0.0).collect();
     if let [one, other] = tilted[..] {
-        let [[a, b], [c, d]] = [one.normal, other.normal];
+        let [[a, b], [c, d]] = [one, other].map(|slab| [slab.normal[axis], slab.normal[1 - axis]]);
         let corner = |x: f64, y: f64| (d * x - b * y) / (a * d - b * c);
         let corners = [one.low, one.high].map(|x| [other.low, other.high].map(|y| corner(x, y)));
         let corners = corners.as_flattened();

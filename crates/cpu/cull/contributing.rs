@@ -6,7 +6,7 @@ use crate::selection::CullSample;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
-use voltet_core::transfer::{AxisScale, Corners, Support, TransferFunction};
+use voltet_core::transfer::{AxisScale, Corners, Support, TransferFunction, box_corners};
 use voltet_core::volume::Volume;
 
 /// Cells from which on a grid is sampled first; smaller ones are tested as a whole.
@@ -214,7 +214,7 @@ impl CullQuery<'_> {
         if self.axes.iter().any(|axis| axis.is_curved()) {
             let read = values.corners();
             let [s, g] = self.positions([read.s_range().into(), read.g_range().into()]);
-            (values.s, values.g) = corners(s, g);
+            (values.s, values.g) = box_corners(s, g);
         }
         values
     }
@@ -226,7 +226,7 @@ impl CullQuery<'_> {
     /// Class of a block.
     pub fn classify(&self, block: &Block) -> BlockClass {
         let [s, g] = self.ranges_read(block.ranges);
-        let (corners_s, corners_g) = corners(s, g);
+        let (corners_s, corners_g) = box_corners(s, g);
         let corners = Corners { s: &corners_s, g: &corners_g, fields: &[] };
         if self.support.first_overlapping_widget(0, &corners, self.min_density).is_none() {
             return BlockClass::Outside;
@@ -262,7 +262,7 @@ impl CullQuery<'_> {
     /// True if a widget's support may meet cells of values in a box.
     fn may_meet(&self, widget: usize, ranges: [[f64; 2]; 2]) -> bool {
         let [s, g] = self.ranges_read(ranges);
-        let (corners_s, corners_g) = corners(s, g);
+        let (corners_s, corners_g) = box_corners(s, g);
         let corners = Corners { s: &corners_s, g: &corners_g, fields: &[] };
         self.support.widget_touches(widget, &corners, self.min_density)
     }
@@ -271,11 +271,6 @@ impl CullQuery<'_> {
     fn ranges_read(&self, [s, g]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
         self.positions([s, if self.values.g.is_some() { g } else { [0.0; 2] }])
     }
-}
-
-/// Corners of a box of s and g.
-fn corners(s: [f64; 2], g: [f64; 2]) -> ([f64; 4], [f64; 4]) {
-    ([s[0], s[1], s[0], s[1]], [g[0], g[0], g[1], g[1]])
 }
 
 /// Point arrays that supports are tested on.

@@ -4,7 +4,9 @@ use crate::device::Device;
 use crate::device::pipelines::compositor_buffers;
 use crate::frame::output::PendingStats;
 use crate::frame::renderer::Renderer;
-use crate::grid::{BufferSizes, DeviceArray, DeviceGrid, ValueArray, axis, offset_parts, split};
+use crate::grid::{
+    BufferSizes, DeviceArray, DeviceGrid, ValueArray, offset_parts, split, value_axis, widget_axis,
+};
 use crate::tables::TableKey;
 use glam::DVec3;
 use std::sync::Arc;
@@ -12,6 +14,7 @@ use voltet_core::camera::{Camera, Projection};
 use voltet_core::progress::Progress;
 use voltet_core::transfer::{Slab, TransferFunction, Widget};
 use voltet_core::{Error, Result};
+use voltet_optics::curved_axes::CurvedAxes;
 use voltet_optics::engine::{Compositor, RenderOptions};
 use voltet_optics::integrators::Extent;
 use voltet_optics::ray_events::{RayEventKind, RayEvents};
@@ -83,10 +86,16 @@ pub(crate) fn inputs<'a>(
     for name in transfer_function.fields() {
         values.push(grid.stored(volume, ValueArray::Field(name.to_string()))?);
     }
-    check(grid, &shader_key, transfer_function, &values)?;
+    let curved = CurvedAxes::new(transfer_function);
+    check(grid, &shader_key, transfer_function, curved.as_ref(), &values)?;
     let numbered = values.iter().enumerate();
-    let axes: Vec<Axis> = numbered.map(|(k, value)| axis(value, transfer_function, k)).collect();
-    let parameters = Parameters::new(transfer_function, shading, &axes, grid.length)?;
+    let axes: Vec<Axis> =
+        numbered.clone().map(|(k, value)| value_axis(value, transfer_function, k)).collect();
+    let placed: Vec<Axis> = numbered.map(|(k, value)| widget_axis(value, transfer_function, k)).collect();
+    let mut parameters = Parameters::new(transfer_function, shading, &placed, grid.length)?;
+    if let Some(curved) = &curved {
+        parameters.add_curved_axes(curved, [axes[0], axes[1]], [placed[0], placed[1]])?;
+    }
     let (support, support_count) = match options.exhaustive {
         false => supports(transfer_function, &axes, grid.length),
         // One support that holds every cell.
@@ -146,7 +155,7 @@ pub(crate) fn inputs<'a>(
             integrator: shading.integrator,
             axis: axes[0],
             length: grid.length,
-            extent: Extent { scalar: scalar.range(), longest: grid.longest },
+            extent: Extent { scalar: scalar.range, longest: grid.longest },
         },
         shading: *shading,
         shader_key,
@@ -304,11 +313,15 @@ fn check(
     grid: &DeviceGrid,
     shader_key: &ShaderKey,
     transfer_function: &TransferFunction,
+    curved: Option<&CurvedAxes>,
     values: &[Arc<DeviceArray>],
 ) -> Result<()> {
-    let span = |(k, value): (usize, &Arc<DeviceArray>)| match k {
-        1 if !shader_key.reads_gradient_magnitude => 0.0,
-        _ => value.span * value.cell_span,
+    let curved = |k: usize| curved.filter(|curved| k < 2 && curved.scale(k).is_curved());
+    let span = |(k, value): (usize, &Arc<DeviceArray>)| match curved(k) {
+        _ if k == 1 && !shader_key.reads_gradient_magnitude => 0.0,
+        // Segments along curved axes are cut so that no piece spans more.
+        Some(curved) => curved.step(k),
+        None => value.span * value.cell_span,
     };
     let spans: Vec<f64> = values.iter().enumerate().map(span).collect();
     let spans = Spans { values: &spans, longest: grid.longest };
@@ -325,7 +338,7 @@ const DEPTH_LEFT_OUT: f64 = 1e-7;
 /// low ≤ a s + b g ≤ high of stored values begin and the last one's end, then four numbers a slab. And how many supports there are.
 ///
 /// A cell is kept if for some support its corners reach every slab. That is less sharp than the native engine's hulls, and as
-/// safe.
+/// safe. Slabs across a curved axis are those of its values; ones aslant leave nothing out there.
 fn supports(transfer_function: &TransferFunction, axes: &[Axis], length: f64) -> (Vec<u32>, u32) {
     let share = DEPTH_LEFT_OUT / transfer_function.widgets.len().max(1) as f64;
     let longest = length / transfer_function.unit_distance;
@@ -335,7 +348,8 @@ fn supports(transfer_function: &TransferFunction, axes: &[Axis], length: f64) ->
     let axes = [axis(0), axis(1)];
     let (mut starts, mut numbers) = (vec![0u32], Vec::new());
     for slabs in &supports {
-        numbers.extend(slabs.iter().flat_map(|slab| slab.stored(axes)));
+        let slabs = slabs.iter().filter_map(|slab| slab.of_values(&transfer_function.axes_read()));
+        numbers.extend(slabs.flat_map(|slab| slab.stored(axes)));
         starts.push(numbers.len() as u32 / 4);
     }
     let count = supports.len() as u32;

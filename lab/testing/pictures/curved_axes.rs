@@ -69,8 +69,11 @@ fn looks(span: f64) -> Vec<(&'static str, TransferFunction)> {
     let box_region = Region::rectangle([-0.2 * span, 0.05 * span], [-0.4 * span, 0.3 * span]);
     let polygon = Region { corners: vec![[0.0, 0.0], [0.3 * span, 0.0], [0.2 * span, -0.3 * span]] };
     let symlog = [AxisScale::SymLog { linear_below: 1.0 }, AxisScale::Linear];
+    // Nearly as narrow as a device draws.
+    let shell = gaussian([0.1 * span, 0.0], [4e-3, f64::INFINITY], 25.0, [0.3, 1.0, 0.4]);
     vec![
         ("one colour", look(LOG, vec![near.clone()])),
+        ("a narrow shell", look(LOG, vec![shell, far.clone()])),
         ("several", look(LOG, vec![near.clone(), far.clone()])),
         // The second looks at g, so that places without a position of g are not drawn, whether it is seen or not.
         ("out of sight", look(LOG, vec![far.clone(), gaussian([9.0 * span, 0.0], [0.1; 2], 1.0, [1.0; 3])])),

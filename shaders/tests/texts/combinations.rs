@@ -5,16 +5,17 @@ use crate::module::{SHADING, layout, offsets, validate, validate_everywhere, val
 use std::collections::HashSet;
 use std::sync::Arc;
 use voltet_core::transfer::{
-    ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget,
+    AxisScale, ControlPoint, OpticalModel, Profile, Region, Table, TransferFunction, Wave, Widget,
 };
 use voltet_integrators::{pre_integrated, pre_integrated_cylindrical};
 use voltet_optics::WidgetBlend;
+use voltet_optics::curved_axes::CurvedAxes;
 use voltet_optics::integrators::{self, Extent, can_serve};
 use voltet_optics::shading::{Integrator, Light, Shading};
 use voltet_reference::REFERENCE;
 use voltet_shaders::{
-    Axis, Buffer, Combine, CompositorProgram, Method, PIECES, Parameters, Parts, Places, Resources,
-    SceneHead, ShaderKey, TEXEL_BYTES, WidgetRecord, compose,
+    Axis, AxisShape, Buffer, Combine, CompositorProgram, Method, PIECES, Parameters, Parts, Places,
+    Resources, SceneHead, ShaderKey, TEXEL_BYTES, WidgetRecord, compose,
 };
 
 const CONSTANT: OpticalModel = OpticalModel::ConstantEmitter { cutoff: 0.01 };
@@ -137,6 +138,29 @@ fn scenes() -> Vec<(Vec<usize>, TransferFunction)> {
     scenes
 }
 
+/// Every set of two kinds that curved axes allow, along each pair of scales.
+fn curved_scenes() -> Vec<TransferFunction> {
+    let symlog = AxisScale::SymLog { linear_below: 0.1 };
+    let pairs = [
+        [AxisScale::Log, AxisScale::Log],
+        [AxisScale::Log, AxisScale::Linear],
+        [AxisScale::Linear, AxisScale::Log],
+        [symlog, AxisScale::Log],
+    ];
+    let mut scenes = Vec::new();
+    for (number, axes) in pairs.into_iter().enumerate() {
+        for i in 0..KINDS {
+            let region = regions()[1 + number % 2].clone();
+            // A Gaussian over the plane, so that both axes are read.
+            let widgets = vec![widget(i, region), widget(2, None)];
+            let model = if i % 2 == 0 { CONSTANT } else { OpticalModel::DensityEmitter };
+            scenes.push(TransferFunction { axes, ..scene(model, widgets) });
+        }
+    }
+    scenes.retain(|scene| scene.check_axes().is_ok());
+    scenes
+}
+
 /// Checks that unchosen pieces are absent.
 fn check_words(
     kinds: &[usize],
@@ -171,6 +195,7 @@ fn check_words(
     holds("fn ordered(", walks && !adaptive);
     holds("fn mix_share", kinds.len() > 1 && !samples && !from_table && !adaptive);
     holds("fn march(", walks && adaptive);
+    holds("AxisWalk", false);
     holds("@compute", shader_key.compositor == CompositorProgram::Segments);
     holds("fn riemann(", named("riemann") && !kinds.is_empty());
     holds("fn partial_place", named("segments") && !kinds.is_empty());
@@ -298,6 +323,44 @@ fn every_combination_is_valid_and_holds_only_what_it_uses() {
     assert!(texts > 2000, "{texts}");
 }
 
+/// Segments along curved axes are cut by the pieces of these alone, from numbers that stand behind the widgets'.
+#[test]
+fn curved_axes_are_valid_and_hold_only_what_they_use() {
+    let mut texts = HashSet::new();
+    for transfer_function in curved_scenes() {
+        for integrator in [Integrator::ANALYTIC, Integrator::adaptive(1e-4)] {
+            let shading = Shading { integrator, ..SHADING };
+            let shader_key = ShaderKey::new(&transfer_function, &shading, CompositorProgram::Segments)
+                .expect("has pieces");
+            let shader = compose(&shader_key);
+            if texts.insert(shader.text.clone()) {
+                let module = validate_everywhere(&shader);
+                assert_eq!(storage_buffers(&module), shader_key.storage_buffers());
+            }
+            let is_of = |shape: AxisShape| shader_key.curved_axes.is_some_and(|axes| axes.contains(&shape));
+            let holds = |word: &str, when: bool| {
+                assert_eq!(shader.text.contains(word), when, "'{word}' along {:?}", transfer_function.axes);
+            };
+            holds("struct AxisWalk", true);
+            holds("fn log_position", is_of(AxisShape::Log));
+            holds("fn symlog_position", is_of(AxisShape::SymLog));
+            let axes = vec![Axis::PLAIN; 2 + transfer_function.fields().len()];
+            let mut parameters = Parameters::new(&transfer_function, &shading, &axes, 1.0).expect("in range");
+            let curved = CurvedAxes::new(&transfer_function).expect("is curved");
+            parameters.add_curved_axes(&curved, [Axis::PLAIN; 2], [Axis::PLAIN; 2]).expect("wide enough");
+            let jumps = curved.jumps(0).len() + curved.jumps(1).len();
+            let first = parameters.head.first_entry as usize;
+            let texels = 4 * Places::new(&transfer_function, &shading, 0).vectors as usize;
+            assert_eq!(first - texels, shader_key.number_count() as usize);
+            assert!(parameters.numbers.len() + texels - first <= 18 + 2 * jumps);
+        }
+    }
+    assert!(texts.len() > 40, "{}", texts.len());
+    let sampled = Shading { integrator: pre_integrated(5, 2), ..SHADING };
+    let look = TransferFunction { axes: [AxisScale::Log; 2], ..scene(CONSTANT, vec![widget(1, None)]) };
+    assert!(ShaderKey::new(&look, &sampled, CompositorProgram::None).is_err());
+}
+
 #[test]
 fn numbers_that_may_change_do_not_change_the_text() {
     let text = |transfer_function: &TransferFunction| {
@@ -319,14 +382,12 @@ fn numbers_that_may_change_do_not_change_the_text() {
 #[test]
 fn every_piece_is_used_by_some_scene() {
     let mut used: HashSet<&str> = HashSet::new();
-    for (_, transfer_function) in scenes() {
+    for transfer_function in scenes().into_iter().map(|scene| scene.1).chain(curved_scenes()) {
         for shading in shadings() {
-            if can_serve(&shading.integrator, &transfer_function).is_err() {
-                continue;
-            }
-            let shader_key = ShaderKey::new(&transfer_function, &shading, CompositorProgram::Segments)
-                .expect("has pieces");
-            used.extend(compose(&shader_key).files());
+            let shader_key = ShaderKey::new(&transfer_function, &shading, CompositorProgram::Segments);
+            used.extend(
+                shader_key.iter().flat_map(|shader_key| compose(shader_key).files().collect::<Vec<_>>()),
+            );
         }
     }
     let unused: Vec<&str> = PIECES.iter().filter(|p| !used.contains(p.file)).map(|p| p.name).collect();

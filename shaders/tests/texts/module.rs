@@ -12,17 +12,18 @@ use voltet_testing::whole_series;
 pub const SHADING: Shading =
     Shading { integrator: Integrator::ANALYTIC, overlap: WidgetBlend::Exact, silhouette: None, light: None };
 
-/// One in so many of a test's texts is validated, and one in so many of all is translated, too: not powers of two,
-/// since texts follow each other in patterns. All of them in a whole series.
+/// One in so many of a test's texts is validated, in a whole series all; one in so many of those is translated, too. No powers of two, since
+/// texts follow each other in patterns.
 const VALIDATED: usize = 23;
-const TRANSLATED: usize = 3 * VALIDATED;
+const TRANSLATED: usize = 3;
 
 /// Validates and translates text `number` of a test, or leaves it out.
 pub fn validate_numbered(shader: &Shader, number: usize) -> Option<naga::Module> {
-    if whole_series() || number.is_multiple_of(TRANSLATED) {
-        Some(validate_everywhere(shader))
-    } else {
-        number.is_multiple_of(VALIDATED).then(|| validate(shader))
+    let step = if whole_series() { 1 } else { VALIDATED };
+    match number.is_multiple_of(step) {
+        true if number.is_multiple_of(TRANSLATED * step) => Some(validate_everywhere(shader)),
+        true => Some(validate(shader)),
+        false => None,
     }
 }
 

@@ -135,6 +135,14 @@ pub fn twins() -> Vec<Twin> {
     let level = -CUTOFF.ln();
     let mut twins = vec![
         twin(
+            "log2",
+            "axes/binary_logarithm",
+            "binary_logarithm(x.x).whole + binary_logarithm(x.x).rest",
+            &[Range::Log(-30.0, 30.0)],
+            (4.0, "the device's own errs by 2^-21 between 1 and 2"),
+            |x| x[0].log2(),
+        ),
+        twin(
             "exp",
             exponential,
             "exponential(x.x)",

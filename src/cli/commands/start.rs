@@ -10,8 +10,9 @@ use crate::core::field::{LeastSquares, Method, magnitude};
 use crate::core::grid::Grid;
 use crate::core::grid::extent::{bounds, corners, range, scene_length};
 use crate::core::parameters::nearest_first;
-use crate::core::probing::{Axis, Histogram, ProposedWidget, histogram, proposal, quiet};
+use crate::core::probing::{Axis, Histogram, ProposedWidget, Volumes, histogram, proposal, quiet};
 use crate::core::progress::Progress;
+use crate::core::transfer::AxisScale;
 use crate::core::{Error, Result, agreeing};
 use crate::graph::{ParameterValue, Registry};
 use crate::io::encode::format_by_ending;
@@ -23,6 +24,7 @@ use crate::nodes::files::{
     write_whole,
 };
 use glam::{DMat3, DVec3};
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -138,13 +140,25 @@ pub fn pipeline(
         return Err(without_volume(arguments));
     }
     let length = scene_length(grid.bounds()).map_err(|error| error.in_file(&arguments.data))?;
-    let gradient = Method::with_defaults(Arc::new(LeastSquares))?.gradient(&grid, &scalar, progress)?;
+    // On a logarithmic scale the look is found as that of the logarithm, of which g is the gradient magnitude.
+    let is_log = spans_decades(&grid, &scalar, progress)?;
+    let scale = if is_log { AxisScale::Log } else { AxisScale::Linear };
+    let field = match is_log {
+        true => Cow::Owned(scalar.iter().map(|value| scale.position(*value)).collect()),
+        false => Cow::Borrowed(&scalar[..]),
+    };
+    let [low, high] = [low, high].map(|value| scale.position(value));
+    let gradient = Method::with_defaults(Arc::new(LeastSquares))?.gradient(&grid, &field, progress)?;
     let g = magnitude(&gradient.vectors);
-    let found = histogram_of(&grid, &scalar, &g, progress)?;
-    let look = proposal(&found, COLORS.len());
+    let found = histogram_of(&grid, &field, &g, progress)?;
+    let mut look = proposal(&found, COLORS.len());
+    if is_log {
+        // The gradient magnitude of the logarithm is no array that a widget reads.
+        look.iter_mut().for_each(|one| (one.centre[1], one.sigma[1]) = (0.0, f64::INFINITY));
+    }
     let [s_axis, g_axis] = found.axes;
     let points = match arguments.fit {
-        true => shown_points(&grid, &scalar, &g, &look),
+        true => shown_points(&grid, &field, &g, &look),
         false => grid.points[..grid.drawn_points()].to_vec(),
     };
     let none =
@@ -162,19 +176,24 @@ pub fn pipeline(
     let steepest = g.iter().copied().filter(|g| g.is_finite()).fold(g_axis.high, f64::max);
     // Finer than what can be told apart along either axis.
     let steps = [1e-6 * (high - low), 1e-6 * steepest];
-    let [at_s, at_g] = [0, 1].map(|axis| move |x: f64| format!("{:?}", decimal(x, steps[axis])));
-    let region = format!(
-        "region = {{ s = [{}, {}], g = [{}, {}] }}\n",
-        at_s(s_axis.low - (s_axis.high - s_axis.low)),
-        at_s(s_axis.high + (s_axis.high - s_axis.low)),
-        at_g(g_axis.low),
-        at_g(2.0 * steepest)
-    );
+    let at_s = |s: f64| format!("{:?}", value_at(scale, s, steps[0]));
+    let at_g = |g: f64| format!("{:?}", decimal(g, steps[1]));
+    let region = if is_log {
+        String::new()
+    } else {
+        format!(
+            "region = {{ s = [{}, {}], g = [{}, {}] }}\n",
+            at_s(s_axis.low - (s_axis.high - s_axis.low)),
+            at_s(s_axis.high + (s_axis.high - s_axis.low)),
+            at_g(g_axis.low),
+            at_g(2.0 * steepest)
+        )
+    };
     let depth = |extinction: f64| (extinction * unit).max(unit / chord);
     let mut widgets = String::new();
     for (one, color) in look.iter().zip(COLORS) {
         // No ray is longer within a boundary than within the grid.
-        widgets += &widget(one, color, depth(one.extinction), steps);
+        widgets += &widget(one, color, depth(one.extinction), steps, scale);
         widgets += &region;
     }
     if look.is_empty() {
@@ -192,14 +211,25 @@ pub fn pipeline(
         sigma: [high - low, f64::INFINITY],
         extinction: -(1.0 - HAZE).ln() / chord,
     };
-    let linearly = if low > 0.0 && high / low >= 1e3 {
-        let decades = (high / low).log10();
-        format!(
-            "# s spans {decades:.0} decades and is looked at linearly: what is far below {high:?} looks alike. s_scale = \"log\" at the node
-# look, with a widget of the kind colormap, shows all of them.\n"
-        )
-    } else {
-        String::new()
+    let [from, to] = [at_s(s_axis.low), at_s(s_axis.high)];
+    let (told, on_scale) = match is_log {
+        true => (
+            format!(
+                "told apart by its value s on a logarithmic scale: the widgets are Gaussians, as many decades wide as
+# sigma says, at equal shares of the area of the logarithm's level surfaces, found from the data. Range: s {from} to {to}."
+            ),
+            "s_scale = \"log\"\n",
+        ),
+        false => (
+            format!(
+                "told apart by its value s and its gradient magnitude g: the widgets are Gaussians at equal
+# shares of the level surfaces' area, found from the data. What is
+# quieter than g = {} is left out. Ranges: s {from} to {to}, g to {} in 99.9 % of the volume.",
+                at_g(g_axis.low),
+                at_g(g_axis.high)
+            ),
+            "",
+        ),
     };
     let (zoom, figure, shown) = match arguments.plain {
         true => (String::new(), String::new(), "picture"),
@@ -208,10 +238,8 @@ pub fn pipeline(
     let stem = if is_standard_output(output) { arguments.data.file_stem() } else { output.file_stem() };
     let picture = PathBuf::from(stem.unwrap_or_default()).with_extension("png");
     let text = format!(
-        "# Boundaries of {}, told apart by its value s and its gradient magnitude g: the widgets are Gaussians at equal
-# shares of the level surfaces' area, found from the data. What is
-# quieter than g = {} is left out. Ranges: s {} to {}, g to {} in 99.9 % of the volume.
-{linearly}
+        "# Boundaries of {}, {told}
+
 [pipeline]
 format = 1
 
@@ -225,7 +253,7 @@ inputs = {{ grid = \"grid\" }}
 
 [nodes.look]
 type = \"transfer-function\"
-unit_distance = {}
+{on_scale}unit_distance = {}
 {widgets}
 # A haze over everything, so that the grid's shape is seen.
 {}
@@ -244,25 +272,38 @@ background = [0.0, 0.0, 0.0]
 inputs = {{ image = \"{shown}\" }}
 ",
         name(&named),
-        at_g(g_axis.low),
-        at_s(s_axis.low),
-        at_s(s_axis.high),
-        at_g(g_axis.high),
         format_args!("{unit:?}"),
-        widget(&haze, [0.5, 0.55, 0.6], haze.extinction * unit, steps).trim_start(),
+        widget(&haze, [0.5, 0.55, 0.6], haze.extinction * unit, steps, scale).trim_start(),
         view.keys(),
         text(&picture.to_string_lossy()),
     );
-    let mut said = format!(
-        "{} {} of '{}' found",
+    let said = format!(
+        "{} {} of '{}' found{}",
         look.len(),
         agreeing(&look.len(), "boundary", "boundaries"),
-        name(&named)
+        name(&named),
+        if is_log { ", on a logarithmic scale" } else { "" }
     );
-    if let Some(note) = linearly.strip_prefix("# ") {
-        said += &format!("; {}", note.trim_end().trim_end_matches('.'));
-    }
     Ok((text, said))
+}
+
+/// Ratio of values, with a twentieth of the volume below and above them, from which on their logarithm is looked at.
+const MANY_DECADES: f64 = 1e3;
+
+/// True if a positive scalar spans decades in most of the volume.
+fn spans_decades(grid: &Grid, scalar: &[f64], progress: &dyn Progress) -> Result<bool> {
+    if !range(scalar).is_some_and(|[low, high]| low > 0.0 && high / low >= MANY_DECADES) {
+        return Ok(false);
+    }
+    let volumes = Volumes::new(grid, scalar, progress)?;
+    Ok(volumes.percentile(95.0, progress)? / volumes.percentile(5.0, progress)? >= MANY_DECADES)
+}
+
+/// A value as it is written, at a position on an axis; `step`: finer than positions that are told apart.
+fn value_at(scale: AxisScale, position: f64, step: f64) -> f64 {
+    let value = scale.value(position);
+    // On a logarithmic axis a step is a share of the value.
+    decimal(value, if scale.is_curved() { step * value } else { step })
 }
 
 /// False if all cells are flat, to roundings of their longest edge.
@@ -384,9 +425,15 @@ fn histogram_of(grid: &Grid, s: &[f64], g: &[f64], progress: &dyn Progress) -> R
     histogram(grid, [s, g], [s_axis, Axis { low, high, bins: BINS }], progress)
 }
 
-/// A Gaussian of this extinction; `steps`: finer than what is told apart along s and g.
-fn widget(one: &ProposedWidget, [red, green, blue]: [f64; 3], extinction: f64, steps: [f64; 2]) -> String {
-    let [s, g] = [0, 1].map(|axis| decimal(one.centre[axis], steps[axis]));
+/// A Gaussian of this extinction; `steps`: finer than what is told apart along s and g; `scale`: of s.
+fn widget(
+    one: &ProposedWidget,
+    [red, green, blue]: [f64; 3],
+    extinction: f64,
+    steps: [f64; 2],
+    scale: AxisScale,
+) -> String {
+    let [s, g] = [value_at(scale, one.centre[0], steps[0]), decimal(one.centre[1], steps[1])];
     let [along_s, along_g] = [0, 1].map(|axis| decimal(one.sigma[axis], 1e-5 * one.sigma[axis]));
     let along_g = if along_g.is_infinite() { "inf".to_string() } else { format!("{along_g:?}") };
     let extinction = decimal(extinction, 1e-5 * extinction);

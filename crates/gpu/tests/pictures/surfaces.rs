@@ -1,4 +1,4 @@
-//! Surfaces and clips on a device.
+//! Surfaces, clips and logarithmic axes on a device.
 
 use crate::drawing::device;
 use voltet_core::picture::Picture;
@@ -6,7 +6,7 @@ use voltet_core::progress::NoProgress;
 use voltet_gpu::Renderer;
 use voltet_optics::engine::{Compositor, RenderOptions};
 use voltet_optics::scene::Scene;
-use voltet_testing::pictures::surfaces;
+use voltet_testing::pictures::{curved_axes, surfaces};
 
 /// `work`: of a tile in one dispatch, in place of the device's own.
 fn draw(scene: &Scene, work: Option<u32>) -> Option<Picture> {
@@ -22,21 +22,23 @@ fn draw(scene: &Scene, work: Option<u32>) -> Option<Picture> {
 }
 
 macro_rules! tests {
-    ($($name:ident),*) => {
+    ($($from:ident::$name:ident),*) => {
         $(#[test]
         fn $name() {
-            surfaces::$name(&|scene| draw(scene, None));
+            $from::$name(&|scene| draw(scene, None));
         })*
     };
 }
 
 tests!(
-    fifty_surfaces,
-    tubes_and_spheres,
-    surfaces_in_faces_of_cells,
-    surfaces_without_cells,
-    clips,
-    deep_pixels
+    surfaces::fifty_surfaces,
+    surfaces::tubes_and_spheres,
+    surfaces::surfaces_in_faces_of_cells,
+    surfaces::surfaces_without_cells,
+    surfaces::clips,
+    surfaces::deep_pixels,
+    curved_axes::fields_over_decades,
+    curved_axes::decades_lit_and_cut
 );
 
 /// Tiles that stop within their lists go on with what is behind, surfaces among it.
