@@ -8,7 +8,7 @@ use voltet_optics::curved_axes::CurvedAxes;
 use voltet_simd::limits::MIN_DECADES;
 
 /// Numbers of an axis: `AXIS_NUMBERS` of the shader.
-const AXIS_NUMBERS: usize = 9;
+const AXIS_NUMBERS: usize = 11;
 
 /// In place of infinity: the step of an axis without cuts, values without a bound.
 const ENDLESS: f32 = 3e38;
@@ -33,8 +33,10 @@ impl Parameters {
             let own: &[[f64; 2]] = if axes.scale(number).is_curved() { axes.jumps(number) } else { &[] };
             heads.extend([by_logarithm, whole, rest, step, first_jump, own.len() as f32, per_linear]);
             let endless = f64::from(ENDLESS);
-            heads
-                .extend(axes.drawn(number).map(|x| values[number].stored(x).clamp(-endless, endless) as f32));
+            let bounds =
+                |ends: [f64; 2], axis: Axis| ends.map(|x| axis.stored(x).clamp(-endless, endless) as f32);
+            heads.extend(bounds(axes.drawn(number), values[number]));
+            heads.extend(bounds(axes.changing(number), positions[number]));
             for [value, position] in own {
                 let stored = [values[number].stored(*value), positions[number].stored(*position)];
                 jumps.extend(all_finite("the position of an edge", stored)?);

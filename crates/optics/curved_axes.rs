@@ -52,6 +52,8 @@ struct CurvedAxis {
     width: f64,
     /// Least and greatest value of which anything is drawn.
     drawn: [f64; 2],
+    /// Positions between which profiles change, so that steps are needed.
+    changing: [f64; 2],
     /// Longest step of a pair of pieces, in positions.
     step: f64,
     /// Values at which profiles jump, and their positions, ascending.
@@ -76,8 +78,11 @@ impl CurvedAxes {
             let ten = std::f64::consts::LN_10;
             let jumps = positions.into_iter().map(|u| [scale.value(u), u]).collect();
             let share = if transfer_function.model.cutoff().is_some() { STEP_AT_CUTOFFS } else { STEP };
-            let drawn = transfer_function.positions_drawn(number, FAINT).map(|u| scale.value(u));
-            CurvedAxis { scale, width, drawn, step: share * (resolved * ten).sqrt() / ten, jumps }
+            let drawn = transfer_function.positions_drawn(number, FAINT, |_| true).map(|u| scale.value(u));
+            let changes =
+                |widget: &Widget| profile_width(widget, number).min(edge_width(widget, number)).is_finite();
+            let changing = transfer_function.positions_drawn(number, FAINT, changes);
+            CurvedAxis { scale, width, drawn, changing, step: share * (resolved * ten).sqrt() / ten, jumps }
         };
         transfer_function.has_curved_axes().then(|| CurvedAxes { axes: [axis(0), axis(1)] })
     }
@@ -95,6 +100,11 @@ impl CurvedAxes {
     /// Least and greatest value on an axis of which anything is drawn.
     pub fn drawn(&self, axis: usize) -> [f64; 2] {
         self.axes[axis].drawn
+    }
+
+    /// Positions on an axis between which profiles change; elsewhere there are no steps.
+    pub fn changing(&self, axis: usize) -> [f64; 2] {
+        self.axes[axis].changing
     }
 
     /// Longest step of a pair of pieces along an axis, in positions.
@@ -166,8 +176,9 @@ impl CurvedAxes {
         let between = [0, 1].map(|axis| match self.axes[axis].scale {
             AxisScale::Linear => 0.5 * (first[axis] + last[axis]),
             scale => {
-                let u = scale.position(line(middle, axis));
-                u + (2.0 * u - first[axis] - last[axis]) / 6.0
+                let (u, [a, b]) = (scale.position(line(middle, axis)), [first[axis], last[axis]]);
+                // Over many decades, where nothing changes, not beyond the ends.
+                (u + (2.0 * u - a - b) / 6.0).clamp(a.min(b), a.max(b))
             }
         });
         put(StraightPiece { shares: [from, middle], ends: [first, between] });
@@ -272,9 +283,14 @@ impl CurvedAxis {
             add(*value, *position);
         }
         let least = self.least_position(high);
-        let ends = [from, to].map(|share| self.scale.position(front + share * (back - front)).max(least));
-        let count = ((ends[1] - ends[0]).abs() / self.step).ceil();
-        for k in 1..count as usize {
+        let [first, last] = self.changing;
+        if first > last {
+            return;
+        }
+        let ends = [from, to]
+            .map(|share| self.scale.position(front + share * (back - front)).max(least).clamp(first, last));
+        let count = ((ends[1] - ends[0]).abs() / self.step).ceil().max(1.0);
+        for k in 0..=count as usize {
             let position = ends[0] + (ends[1] - ends[0]) * (k as f64 / count);
             add(self.scale.value(position), position);
         }

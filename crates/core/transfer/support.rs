@@ -192,9 +192,10 @@ impl Widget {
 }
 
 impl TransferFunction {
-    /// Positions on an axis between which some widget adds at least `least` of its peak's optical depth, or colour, to a segment.
-    pub fn positions_drawn(&self, axis: usize, least: f64) -> [f64; 2] {
-        let lists = self.widgets.iter().flat_map(|widget| widget.slabs(1.0, least, self.model));
+    /// Positions on an axis between which one of some widgets adds at least `least` of its peak's optical depth, or colour, to a segment.
+    pub fn positions_drawn(&self, axis: usize, least: f64, counts: impl Fn(&Widget) -> bool) -> [f64; 2] {
+        let widgets = self.widgets.iter().filter(|widget| counts(widget));
+        let lists = widgets.flat_map(|widget| widget.slabs(1.0, least, self.model));
         let intervals = lists.map(|list| interval(&list, axis)).filter(|[low, high]| low <= high);
         intervals
             .fold([f64::INFINITY, f64::NEG_INFINITY], |all, own| [all[0].min(own[0]), all[1].max(own[1])])

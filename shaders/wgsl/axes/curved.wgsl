@@ -7,8 +7,8 @@
 //
 // Numbers of an axis, from scene.first_entry on: positions by binary logarithm; the binary logarithm that positions are counted from,
 // whole and rest; the longest step of positions; where its jumps begin, and how many there are (ascending: value, position); 1/c of a
-// symmetric logarithm; the least and the greatest value of which anything is drawn.
-const AXIS_NUMBERS = 9u;
+// symmetric logarithm; the least and the greatest value of which anything is drawn; the positions between which profiles change.
+const AXIS_NUMBERS = 11u;
 
 // Ratio of the smallest value that counts to the largest: 10⁻³⁰ (`transfer::axis::DECADES`).
 const SMALLEST = 1e-30;
@@ -24,9 +24,11 @@ struct AxisWalk {
     // Values at the shares 0 and 1.
     near: f32,
     far: f32,
-    // Positions where the walk begins and ends.
+    // Positions where the walk begins.
     from_position: f32,
-    to_position: f32,
+    // Position of the first step, and the way of all of them.
+    first_step: f32,
+    way: f32,
     step: f32,
     step_count: f32,
     jump: i32,
@@ -83,14 +85,20 @@ fn position_at_share(axis: u32, walk: AxisWalk, share: f32) -> f32 {
 
 fn axis_walk(axis: u32, near: f32, far: f32, from_share: f32, to_share: f32) -> AxisWalk {
     // Straight axes have no cuts.
-    var walk = AxisWalk(near, far, 0.0, 0.0, 1.0, 0.0, 0, 0);
+    var walk = AxisWalk(near, far, 0.0, 0.0, 0.0, 1.0, 0.0, 0, 0);
     walk.from_position = position_at_share(axis, walk, from_share);
-    walk.to_position = position_at_share(axis, walk, to_share);
     if IS_CURVED[axis] {
-        walk.step_count = ceil(abs(walk.to_position - walk.from_position) / number(axis_number(axis) + 3u));
+        let at = axis_number(axis);
+        let changing = vec2f(number(at + 9u), number(at + 10u));
+        if changing.x <= changing.y && near != far {
+            walk.first_step = clamp(walk.from_position, changing.x, changing.y);
+            walk.way = clamp(position_at_share(axis, walk, to_share), changing.x, changing.y) - walk.first_step;
+            walk.step_count = max(ceil(abs(walk.way) / number(at + 3u)), 1.0);
+            walk.step = 0.0;
+        }
         // The first jump beyond where the walk begins.
         let value = value_at_share(near, far, from_share);
-        walk.jump_count = i32(number(axis_number(axis) + 5u));
+        walk.jump_count = i32(number(at + 5u));
         let is_rising = (near < far) == (from_share < to_share);
         var low = 0;
         var high = walk.jump_count;
@@ -126,9 +134,8 @@ struct AxisCut {
 // The nearer of a cut and the next ones of an axis.
 fn nearest_cut(axis: u32, walk: AxisWalk, nearest: AxisCut, turn: f32) -> AxisCut {
     var cut = nearest;
-    if walk.step < walk.step_count {
-        let way = walk.to_position - walk.from_position;
-        let value = axis_value(axis, walk.from_position + way * (walk.step / walk.step_count));
+    if walk.step <= walk.step_count {
+        let value = axis_value(axis, walk.first_step + walk.way * (walk.step / walk.step_count));
         let share = (value - walk.near) / (walk.far - walk.near);
         if turn * share < turn * cut.share {
             cut = AxisCut(share, 0.0, axis, false);
@@ -213,8 +220,9 @@ fn segment(length: f32, front: Values, back: Values) -> Contribution {
             }
             let middle = 0.5 * (begin + cut.share);
             let at = vec2f(position_at_share(0u, along_s, middle), position_at_share(1u, along_g, middle));
-            // Simpson's mean; of a straight axis the middle.
-            let between = at + (2.0 * at - first - last) / 6.0;
+            // Simpson's mean; of a straight axis the middle. Over many decades, where nothing changes, not beyond the ends.
+            let mean = at + (2.0 * at - first - last) / 6.0;
+            let between = clamp(mean, min(first, last), max(first, last));
             // From the front, as values are given.
             let shares = abs(vec3f(f32(is_turned)) - vec3f(begin, middle, cut.share));
             if all(abs(last - first) <= STRAIGHT * steps) {
