@@ -173,6 +173,9 @@ impl<'a> Meter<'a> {
 /// Makes the values of an array that no part of the file holds as such (PLOT3D's derived quantities).
 pub(super) type Compute = Arc<dyn Fn(&Meter) -> Result<Vec<f64>> + Send + Sync>;
 
+/// Reads the bytes of an array, in its type and byte order, from where they do not lie side by side (chunks of HDF5).
+pub(super) type Gather = Arc<dyn Fn() -> Result<Vec<u8>> + Send + Sync>;
+
 /// Location and encoding of the values.
 #[derive(Clone)]
 pub(super) enum Encoding {
@@ -183,6 +186,8 @@ pub(super) enum Encoding {
     /// The binary form of the VTK XML formats: a length or block table, then the values; `base64` text or bytes,
     /// between `at` and `end`.
     Xml { at: u64, end: u64, base64: bool, wide: bool, codec: Option<Codec> },
+    /// Bytes from many places of the file.
+    Gathered(Gather),
     /// Not in the file.
     Computed(Compute),
 }

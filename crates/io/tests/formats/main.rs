@@ -4,8 +4,10 @@
 
 mod encodings;
 mod legacy;
+mod packed;
 mod pieces;
 mod plot3d;
 mod real_files;
 mod surfaces;
+mod vtkhdf;
 mod writers;
