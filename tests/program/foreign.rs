@@ -21,7 +21,7 @@ fn formats_are_told_by_content_and_named_with_a_remedy() {
     let paraview = "open it in ParaView and save its data as .vtu";
     let surface = "a surface has to be filled";
     for (name, content, what, remedy) in [
-        ("a.cgns", hdf5("CGNSLibraryVersion"), "a CGNS file", paraview),
+        ("adf.cgns", bytes("@(#)ADF Database Version A02011>"), "a CGNS file in ADF", "adf2hdf"),
         // PLOT3D grids end in .g, too.
         ("a.g", hdf5("num_el_blk"), "an Exodus II file", paraview),
         ("a.exo", bytes("CDF\x01\0\0\0\0num_el_blk"), "an Exodus II file", paraview),

@@ -475,6 +475,16 @@ impl Array {
         let meter = super::contents::Meter::new(&voltet_core::progress::NoProgress, 1);
         self.stored(&self.path, 1)?.load(&meter)
     }
+
+    /// The text of an array of texts, or of single characters.
+    pub fn text(&self) -> Result<String> {
+        if self.is_text() {
+            let texts = self.dataset.read_strings().map_err(|error| damaged(&self.path, &error))?;
+            return Ok(trimmed(&texts.concat()));
+        }
+        let bytes: Vec<u8> = self.numbers()?;
+        Ok(trimmed(&String::from_utf8_lossy(&bytes)))
+    }
 }
 
 /// Place of the first number of a box whose numbers lie side by side in the array; `None` where they do not.

@@ -6,6 +6,7 @@
 //! | .vtk (legacy 2.0 to 5.1, ASCII and binary) | [`legacy`] |
 //! | .vtu.series, .vtk.series | [`series`] |
 //! | .vtkhdf, .hdf | [`vtkhdf`], by [`hdf5`] |
+//! | .cgns | [`cgns`], by [`hdf5`] |
 //! | PLOT3D grid and solution | [`plot3d`] |
 //!
 //! Every format is turned into the same table of contents first ([`contents`]: counts, geometry, and for each array its
@@ -24,6 +25,7 @@
 
 mod assemble;
 mod cells;
+mod cgns;
 mod codec;
 mod contents;
 mod decode;
@@ -160,7 +162,7 @@ const SERIES: Format = Format {
 
 /// The declaration of the formats in HDF5.
 const HDF5: Format = Format {
-    files: "a VTKHDF file (.vtkhdf, .hdf)",
+    files: "a VTKHDF (.vtkhdf, .hdf) or CGNS file",
     matches: |head, _, _| head.starts_with(unsupported::HDF5_MAGIC),
     open: open_hdf5,
     has_solution: false,
@@ -170,7 +172,7 @@ const HDF5: Format = Format {
 type Hdf5Reader = fn(&hdf5::Group, &Request) -> Result<Dataset>;
 
 /// The formats in HDF5, each told by a name in the root group.
-const IN_HDF5: &[(&str, Hdf5Reader)] = &[(vtkhdf::ROOT, vtkhdf::open)];
+const IN_HDF5: &[(&str, Hdf5Reader)] = &[(vtkhdf::ROOT, vtkhdf::open), (cgns::ROOT, cgns::open)];
 
 /// Reads the table of contents by the format that the names in the root group show.
 fn open_hdf5(source: Arc<Source>, request: &Request) -> Result<Dataset> {
@@ -197,7 +199,7 @@ fn read_hdf5(source: &Source, root: &hdf5::Group, request: &Request) -> Result<D
 
 /// File types of the reader, for its help.
 pub const FILES: &str =
-    "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, .vtu.series, .vtkhdf, legacy .vtk) or a PLOT3D grid";
+    "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, .vtu.series, .vtkhdf, legacy .vtk), CGNS or a PLOT3D grid";
 
 /// File types of several formats, in one phrase.
 fn files(mut formats: impl Iterator<Item = &'static Format>) -> String {

@@ -45,7 +45,6 @@ const EXODUS: &[&str] = &["num_el_blk", "eb_prop1"];
 
 /// Formats in HDF5, by the names within.
 pub(super) const IN_HDF5: &[UnsupportedFormat] = &[
-    ("a CGNS file", PARAVIEW, |file| file.holds(&["CGNSLibraryVersion", "CGNSBase_t"])),
     ("an Exodus II file", PARAVIEW, |file| file.holds(EXODUS)),
     ("a MED file (Salome)", SALOME, |file| file.holds(&["ENS_MAA", "INFOS_GENERALES"])),
 ];

@@ -148,3 +148,12 @@ fn damaged_vtkhdf_files_are_errors_or_other_grids() {
         corrupt(&name, if name.contains("moving") { "T" } else { "s" }, &packed(&name), case_count());
     }
 }
+
+#[test]
+fn damaged_cgns_files_are_errors_or_other_grids() {
+    for name in ["cells", "mixed_old", "polyhedra", "polyhedra_old", "zones"] {
+        let name = format!("cgns_{name}.cgns");
+        corrupt(&name, "s", &packed(&name), case_count());
+    }
+    corrupt("cgns_steps.cgns", "T", &packed("cgns_steps.cgns"), case_count());
+}
