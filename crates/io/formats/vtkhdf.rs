@@ -4,9 +4,10 @@
 //! All partitions of all steps lie one after the other in the same arrays; counts of each partition (`NumberOf…`) and, for
 //! steps, offsets (`Steps`) say where each begins. A list of offsets of n cells holds n + 1 numbers.
 
+use super::blocks;
 use super::contents::{
-    DEGREES, Dataset, Geometry, Piece, PieceArray, Stored, StoredCells, StoredFaces, TIME, extent_dimensions,
-    structured_counts,
+    CellBlocks, DEGREES, Dataset, Geometry, Piece, PieceArray, Stored, StoredCells, StoredFaces, TIME,
+    extent_dimensions, structured_counts,
 };
 use super::hdf5::{Array, Extent, Group};
 use super::request::Request;
@@ -36,11 +37,14 @@ pub(super) fn open(root: &Group, request: &Request) -> Result<Dataset> {
     let mut dataset = Dataset { format: format!("VTKHDF {kind}"), ..Dataset::default() };
     if ["PartitionedDataSetCollection", "MultiBlockDataSet"].contains(&kind.as_str()) {
         dataset.has_blocks = true;
-        for (name, block) in blocks(&group)? {
-            add(&block, &name, request, &mut dataset)?;
+        let (names, groups): (Vec<String>, Vec<Group>) = named_blocks(&group)?.into_iter().unzip();
+        let selected = blocks::selected(&names, request)?;
+        dataset.blocks = names;
+        for (block, group) in groups.iter().enumerate().filter(|(block, _)| selected[*block]) {
+            add(group, Some(block), request, &mut dataset)?;
         }
     } else {
-        add(&group, "", request, &mut dataset)?;
+        add(&group, None, request, &mut dataset)?;
     }
     dataset.file_bytes = root.file_bytes();
     Ok(dataset)
@@ -53,28 +57,34 @@ fn kind(group: &Group) -> Result<String> {
     group.text("Type")?.ok_or_else(missing)
 }
 
-/// Adds the pieces of a grid, `name`: of the block.
-fn add(group: &Group, name: &str, request: &Request, dataset: &mut Dataset) -> Result<()> {
+/// Adds the pieces of a grid, which may be a block.
+fn add(group: &Group, block: Option<usize>, request: &Request, dataset: &mut Dataset) -> Result<()> {
     let kind = kind(group)?;
     let pieces = match kind.as_str() {
         "UnstructuredGrid" => unstructured,
         "ImageData" => uniform,
         "StructuredGrid" => curvilinear,
         "RectilinearGrid" => rectilinear,
-        _ if !name.is_empty() => {
-            dataset.warnings.push(format!(
-                "The block '{name}' is left out: {kind} holds no cells with a volume that are read."
-            ));
-            return Ok(());
-        }
-        _ => return Err(refusal(&kind)),
+        _ => match block {
+            Some(block) => {
+                let name = &dataset.blocks[block];
+                dataset
+                    .warnings
+                    .push(format!("The block '{name}' is left out: {kind} has no volume that is read."));
+                return Ok(());
+            }
+            None => return Err(refusal(&kind)),
+        },
     };
     let step = GridStep::of_grid(group, request, dataset)?;
     if step.group.is_none() && dataset.time.is_none() {
         dataset.time = time(group)?;
     }
     let source = StepGrid { group, step, attributes: attributes(group, dataset)? };
-    dataset.pieces.extend(pieces(&source)?);
+    let blocks = CellBlocks::One(block.unwrap_or(0));
+    dataset
+        .pieces
+        .extend(pieces(&source)?.into_iter().map(|piece| Piece { blocks: blocks.clone(), ..piece }));
     Ok(())
 }
 
@@ -101,7 +111,7 @@ fn time(group: &Group) -> Result<Option<f64>> {
 }
 
 /// The blocks of a collection with their paths: those of their tree, or their names where they are not in it.
-fn blocks(group: &Group) -> Result<Vec<(String, Group)>> {
+fn named_blocks(group: &Group) -> Result<Vec<(String, Group)>> {
     let mut blocks = Vec::new();
     for block in group.groups()? {
         if block.name() != ASSEMBLY && block.text("Type")?.is_some() {
@@ -321,6 +331,7 @@ fn unstructured(source: &StepGrid) -> Result<Vec<Piece>> {
                     cells: Box::new(cells),
                 },
                 arrays: arrays.collect::<Result<_>>()?,
+                blocks: CellBlocks::default(),
                 is_old_order: false,
             });
         }
@@ -425,7 +436,14 @@ fn structured(source: &StepGrid, dimensions: [u64; 3], geometry: Geometry) -> Re
             of_step(source, array, name(array), axes, tuple_count, &offset)?,
         ));
     }
-    Ok(vec![Piece { point_count, cell_count, geometry, arrays, is_old_order: false }])
+    Ok(vec![Piece {
+        point_count,
+        cell_count,
+        geometry,
+        arrays,
+        blocks: CellBlocks::default(),
+        is_old_order: false,
+    }])
 }
 
 /// An array over a box of points or cells (the last axis of the file runs along x), at the step; `offset`: path of its offsets.

@@ -6,7 +6,10 @@
 
 mod elements;
 
-use super::contents::{Dataset, Geometry, Piece, PieceArray, Stored, StoredCells, structured_counts};
+use super::blocks;
+use super::contents::{
+    CellBlocks, Dataset, Geometry, Piece, PieceArray, Stored, StoredCells, structured_counts,
+};
 use super::hdf5::{Array, Extent, Group};
 use super::request::Request;
 use elements::Section;
@@ -71,25 +74,29 @@ fn named<'a>(nodes: &'a [Node], name: &str) -> Option<&'a Node> {
 pub(super) fn open(root: &Group, request: &Request) -> Result<Dataset> {
     let mut dataset = Dataset { format: "CGNS in HDF5".to_owned(), has_blocks: true, ..Dataset::default() };
     let nodes = root.groups()?.into_iter().map(Node::new).collect::<Result<Vec<_>>>()?;
-    let mut flat = Vec::new();
-    for base in nodes.iter().filter(|node| node.label == "CGNSBase_t") {
+    let mut zones = Vec::new();
+    for base in nodes.into_iter().filter(|node| node.label == "CGNSBase_t") {
         let children = base.children()?;
         let step = step(&children, request, &mut dataset)?;
-        let cell_dimension = base.numbers()?.first().copied();
-        for zone in children.iter().filter(|node| node.label == "Zone_t") {
-            let name = format!("{}/{}", base.name, zone.name);
-            if cell_dimension == Some(3) {
-                let piece = piece(zone, step, &mut dataset.warnings)?;
-                dataset.pieces.push(piece);
-            } else {
-                flat.push(name);
-            }
+        let has_volume = base.numbers()?.first() == Some(&3);
+        for zone in children.into_iter().filter(|node| node.label == "Zone_t") {
+            dataset.blocks.push(format!("{}/{}", base.name, zone.name));
+            zones.push((zone, step, has_volume));
+        }
+    }
+    let selected = blocks::selected(&dataset.blocks, request)?;
+    let mut flat = Vec::new();
+    for (block, (zone, step, has_volume)) in zones.iter().enumerate().filter(|(block, _)| selected[*block]) {
+        if *has_volume {
+            let piece = piece(zone, *step, &mut dataset.warnings)?;
+            dataset.pieces.push(Piece { blocks: CellBlocks::One(block), ..piece });
+        } else {
+            flat.push(dataset.blocks[block].as_str());
         }
     }
     if !flat.is_empty() {
-        dataset
-            .warnings
-            .push(format!("Zones without cells of three dimensions are left out: {}.", flat.join(", ")));
+        let names = flat.join(", ");
+        dataset.warnings.push(format!("Zones without cells of three dimensions are left out: {names}."));
     }
     dataset.file_bytes = root.file_bytes();
     Ok(dataset)
@@ -182,7 +189,14 @@ fn piece(zone: &Node, step: Option<usize>, warnings: &mut Vec<String>) -> Result
     for solution in of_step(&children, "FlowSolution_t", &pointers, step) {
         add_solution(solution, &sizes, &mut arrays, warnings)?;
     }
-    Ok(Piece { point_count, cell_count, geometry, arrays, is_old_order: false })
+    Ok(Piece {
+        point_count,
+        cell_count,
+        geometry,
+        arrays,
+        blocks: CellBlocks::default(),
+        is_old_order: false,
+    })
 }
 
 /// Layers of values beyond each end of each axis.

@@ -23,6 +23,9 @@ fn zones_of_several_bases_are_read_together_without_their_rind() {
     assert_eq!(own.points.len(), 36);
     let cells = Request { association: Some(Association::Cell), ..request("c") };
     assert!(grid("cgns_zones.cgns", &cells).scalar.is_some());
+    let solid = grid("cgns_zones.cgns", &Request { blocks: vec!["Solid/*".to_owned()], ..request("s") });
+    assert!(solid.points.len() == 12 && solid.points.iter().all(|point| point.x >= 20.0));
+    assert_eq!(solid.origin.blocks[..], ["Fluid/Rotor", "Fluid/Casing", "Wall/Skin", "Solid/Block"]);
     let summary = inspect(&path("cgns_zones.cgns"), &Request::default(), &NoProgress).unwrap();
     assert_eq!((summary.piece_count, summary.cell_count), (3, 6));
     assert!(summary.warnings.iter().any(|warning| warning.contains("Wall/Skin")), "{:?}", summary.warnings);

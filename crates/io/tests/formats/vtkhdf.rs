@@ -51,11 +51,20 @@ fn a_step_has_its_own_points_and_values() {
 
 #[test]
 fn blocks_are_read_together_and_external_links_are_followed() {
-    for (name, cells) in [("collection", 6), ("linked", 6), ("blocks", 4)] {
+    let collection = ["fluid/rotor", "solid/casing"];
+    for (name, cells, blocks) in
+        [("collection", 6, collection), ("linked", 6, collection), ("blocks", 4, ["casing", "fluid/rotor"])]
+    {
         let name = format!("vtkhdf_{name}.vtkhdf");
         follow(&grid(&name, &request("s")), field, &name);
         let summary = inspect(&path(&name), &Request::default(), &NoProgress).unwrap();
         assert_eq!(summary.cell_count, cells, "{name}");
+        let rotor = Request { blocks: vec!["fluid".to_owned()], ..request("s") };
+        let rotor = grid(&name, &rotor);
+        assert!(rotor.points.iter().all(|point| point.x >= 9.0), "{name}");
+        assert_eq!(rotor.origin.blocks[..], blocks, "{name}");
+        // Partitions of a block share the points between them.
+        assert_eq!(rotor.points.len(), if cells == 6 { 20 } else { 12 }, "{name}");
     }
     assert_eq!(files_read_beside(&path("vtkhdf_linked.vtkhdf"), &Request::default()).len(), 2);
 }
