@@ -37,7 +37,6 @@ fn formats_are_told_by_content_and_named_with_a_remedy() {
         ("a.case", bytes("FORMAT\ntype:  ensight gold\n"), "an EnSight case", paraview),
         ("points", bytes("/*---*\\\nFoamFile\n{\n"), "a file of OpenFOAM", "foamToVTK"),
         ("a.foam", Vec::new(), "a case of OpenFOAM", "foamToVTK"),
-        ("a.xdmf", bytes("<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">"), "an XDMF file", paraview),
         ("a.xml", bytes("<dolfin>"), "a mesh of FEniCS", "meshio"),
         ("text.stl", bytes("solid a\n facet normal 0 0 1\n"), "a surface (STL)", surface),
         ("binary.stl", stl, "a surface (STL)", surface),

@@ -8,7 +8,7 @@
 use super::contents::{Encoding, Gather, Stored};
 use super::numbers::{ByteOrder, NumberType};
 use super::source::Source;
-use super::xml::beside;
+use super::xml::{beside, open_named};
 use hdf5_reader::messages::{HdfMessage, layout::DataLayout};
 use hdf5_reader::{
     Datatype, Hdf5File, OpenOptions, RangeRequestStorage, SliceInfo, SliceInfoElem, Storage, VarLenKind,
@@ -54,7 +54,7 @@ impl hdf5_reader::ExternalLinkResolver for Links {
             return Err(failed(Error::run("the external links lead to too many files")));
         }
         let named = |error: Error| failed(Error::run("an external link cannot be followed").got(error));
-        let source = Source::open(&path).map_err(named)?;
+        let source = open_named(&self.by, &path, opened.len()).map_err(named)?;
         let file = open_file(&source, &linked).map_err(named)?;
         linked.lock().unwrap_or_else(PoisonError::into_inner).push((source, file.clone()));
         Ok(Some(file))

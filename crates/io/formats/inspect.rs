@@ -137,7 +137,11 @@ pub(super) fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Su
     let mut pieces = Vec::new();
     // Points are joined by their values, too.
     let scalar = request::scalar(dataset, None, None).ok();
-    let scalar = scalar.filter(|choice| choice.association == Association::Point);
+    let scalar = scalar.filter(|choice| {
+        // A block may lack it, one of surfaces beside a volume for example.
+        let has_scalar = |piece: &Piece| piece.array(choice.association, &choice.name).is_some();
+        choice.association == Association::Point && dataset.pieces.iter().all(has_scalar)
+    });
     let (request, ids) = (Request::default(), assemble::global_ids(dataset));
     let wanted = PieceRequest { request: &request, choices: scalar.as_slice(), ids };
     for (index, piece) in dataset.pieces.iter().enumerate() {

@@ -7,6 +7,7 @@
 //! | .vtu.series, .vtk.series | [`series`] |
 //! | .vtkhdf, .hdf | [`vtkhdf`], by [`hdf5`] |
 //! | .cgns | [`cgns`], by [`hdf5`] |
+//! | .xdmf, .xmf | [`xdmf`] |
 //! | PLOT3D grid and solution | [`plot3d`] |
 //!
 //! Every format is turned into the same table of contents first ([`contents`]: counts, geometry, and for each array its
@@ -43,6 +44,7 @@ mod source;
 mod surfaces;
 mod unsupported;
 mod vtkhdf;
+mod xdmf;
 mod xml;
 
 pub use assemble::{SkippedArray, length};
@@ -119,7 +121,12 @@ pub fn steps(path: &Path, request: &Request) -> Result<(usize, usize)> {
 pub fn files_beside(path: &Path) -> Vec<PathBuf> {
     let solution = Some(path.with_extension("q")).filter(|solution| solution != path && solution.is_file());
     let named = xml::files_named(path, None).into_iter().chain(series::files_named(path, None));
-    named.chain(files_linked(path, &Request::default())).chain(solution).collect()
+    let request = Request::default();
+    named
+        .chain(files_linked(path, &request))
+        .chain(xdmf::files_named(path, &request))
+        .chain(solution)
+        .collect()
 }
 
 /// Further files that reading for this request opens: of a series the files of one step.
@@ -131,6 +138,7 @@ pub fn files_read_beside(path: &Path, request: &Request) -> Vec<PathBuf> {
         .into_iter()
         .chain(of_series)
         .chain(of_links)
+        .chain(xdmf::files_named(path, request))
         .chain(solution)
         .collect()
 }
@@ -148,7 +156,7 @@ fn files_linked(path: &Path, request: &Request) -> Vec<PathBuf> {
 }
 
 /// The formats, in the order in which a file is tried as one of them.
-const FORMATS: &[Format] = &[xml::FORMAT, legacy::FORMAT, SERIES, HDF5, plot3d::FORMAT];
+const FORMATS: &[Format] = &[xdmf::FORMAT, xml::FORMAT, legacy::FORMAT, SERIES, HDF5, plot3d::FORMAT];
 
 /// The declaration of series of files, each of any format.
 const SERIES: Format = Format {
@@ -201,8 +209,7 @@ fn read_hdf5(source: &Source, root: &hdf5::Group, request: &Request) -> Result<D
 }
 
 /// File types of the reader, for its help.
-pub const FILES: &str =
-    "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, .vtu.series, .vtkhdf, legacy .vtk), CGNS or a PLOT3D grid";
+pub const FILES: &str = "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, .vtu.series, .vtkhdf, legacy .vtk), CGNS, XDMF or a PLOT3D grid";
 
 /// File types of several formats, in one phrase.
 fn files(mut formats: impl Iterator<Item = &'static Format>) -> String {

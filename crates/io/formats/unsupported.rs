@@ -29,8 +29,7 @@ const SALOME: &str =
     "a .vtu file: Salome's ParaVis reads it and saves its data as .vtu, and so does `meshio convert`";
 /// Beginning of every file in HDF5.
 pub(super) const HDF5_MAGIC: &[u8] = b"\x89HDF\r\n\x1a\n";
-pub(super) const HDF5: &str =
-    "a .vtu file: the program that wrote this one, or ParaView with the .xdmf file beside it, can save one";
+pub(super) const HDF5: &str = "the .xdmf file beside it, if there is one: it says what the numbers are; or a .vtu file of the program that wrote this one";
 const CGNS_ADF: &str = "a CGNS file in HDF5: `adf2hdf FILE` of the CGNS tools makes one of it";
 const ABAQUS: &str =
     "a .vtu file: Abaqus/CAE exports field output as text, or as .inp with `meshio convert` after it";
@@ -66,7 +65,6 @@ pub(super) const BY_MAGIC: &[UnsupportedFormat] = &[
     }),
     ("a geometry file of EnSight", ENSIGHT, |file| file.begins(&["C Binary", "Fortran Binary"])),
     ("a Tecplot file", PARAVIEW, |file| file.begins(&["#!TDV"])),
-    ("an XDMF file", PARAVIEW, |file| file.has_tag("Xdmf")),
     ("a mesh of FEniCS (XML)", MESHIO, |file| file.has_tag("dolfin")),
     ("a surface (PLY)", SURFACE, |file| file.begins(&["ply\n", "ply\r"])),
     ("a surface (STL)", SURFACE, |file| file.is_stl()),

@@ -1,7 +1,7 @@
 //! The VTK XML formats: .vtu .vts .vtr .vti, and the files that name others: their parallel forms, trees of blocks, and .pvd, a
 //! series of time steps.
 
-mod header;
+pub(super) mod header;
 mod named;
 mod parallel;
 pub(super) mod poly_data;

@@ -13,3 +13,4 @@ mod real_files;
 mod surfaces;
 mod vtkhdf;
 mod writers;
+mod xdmf;

@@ -51,6 +51,18 @@ fn packed(name: &str) -> Vec<u8> {
 /// Cuts and changes a file at places spread over it.
 fn corrupt(name: &str, scalar: &str, bytes: &[u8], case_count: usize) {
     let folder = tempfile::tempdir().unwrap();
+    corrupt_in(&folder, name, name, scalar, bytes, case_count);
+}
+
+/// Cuts and changes a file of a folder at places spread over it; `read`: name of the file that is read.
+fn corrupt_in(
+    folder: &tempfile::TempDir,
+    name: &str,
+    read: &str,
+    scalar: &str,
+    bytes: &[u8],
+    case_count: usize,
+) {
     let mut state = 0x9E37_79B9_7F4A_7C15_u64;
     let mut random = move |below: usize| {
         // xorshift64 (Marsaglia 2003): the same cases in every run.
@@ -89,8 +101,8 @@ fn corrupt(name: &str, scalar: &str, bytes: &[u8], case_count: usize) {
                 format!("{name} with a bit changed at {at}")
             }
         };
-        let path = file(&folder, name, &damaged);
-        try_file(&path, scalar, &what);
+        file(folder, name, &damaged);
+        try_file(&folder.path().join(read), scalar, &what);
     }
 }
 
@@ -156,4 +168,20 @@ fn damaged_cgns_files_are_errors_or_other_grids() {
         corrupt(&name, "s", &packed(&name), case_count());
     }
     corrupt("cgns_steps.cgns", "T", &packed("cgns_steps.cgns"), case_count());
+}
+
+#[test]
+fn damaged_xdmf_files_and_their_data_are_errors_or_other_grids() {
+    for name in ["polyhedra", "xml"] {
+        let name = format!("xdmf_{name}.xdmf");
+        corrupt(&name, "s", &packed(&name), case_count());
+    }
+    for (name, scalar) in [("blocks", "s"), ("dolfin", "T"), ("hdf", "s"), ("tetra", "s")] {
+        let (text, data) = (format!("xdmf_{name}.xdmf"), format!("xdmf_{name}.h5"));
+        let folder = tempfile::tempdir().unwrap();
+        file(&folder, &data, &packed(&data));
+        corrupt_in(&folder, &text, &text, scalar, &packed(&text), case_count());
+        file(&folder, &text, &packed(&text));
+        corrupt_in(&folder, &data, &text, scalar, &packed(&data), case_count());
+    }
 }
