@@ -21,14 +21,12 @@ fn formats_are_told_by_content_and_named_with_a_remedy() {
     let paraview = "open it in ParaView and save its data as .vtu";
     let surface = "a surface has to be filled";
     for (name, content, what, remedy) in [
-        ("a.vtkhdf", hdf5("VTKHDF"), "a VTKHDF file", paraview),
-        ("a.cgns", hdf5("CGNSLibraryVersion"), "a CGNS file", paraview),
+        ("adf.cgns", bytes("@(#)ADF Database Version A02011>"), "a CGNS file in ADF", "adf2hdf"),
         // PLOT3D grids end in .g, too.
         ("a.g", hdf5("num_el_blk"), "an Exodus II file", paraview),
         ("a.exo", bytes("CDF\x01\0\0\0\0num_el_blk"), "an Exodus II file", paraview),
         ("a.med", hdf5("ENS_MAA"), "a MED file", "ParaVis"),
-        ("a.h5", hdf5("fields"), "an HDF5 file", ".xdmf file beside it"),
-        ("user_block.h5", [vec![0; 512], hdf5("VTKHDF")].concat(), "a VTKHDF file", paraview),
+        ("user_block.h5", [vec![0; 512], hdf5("VTKHDF")].concat(), "an HDF5 file", "h5unjam"),
         ("a.nc", bytes("CDF\x02\0\0\0\0lon"), "a netCDF file", "save"),
         ("a.msh", bytes("$MeshFormat\n4.1 0 8\n"), "a mesh of Gmsh", "meshio convert"),
         ("fluent.msh", bytes("(0 \"GAMBIT to Fluent File\")\n"), "Ansys Fluent", paraview),

@@ -4,6 +4,7 @@ use super::codec::Codec;
 use super::numbers::{ByteOrder, NumberType};
 use super::source::Source;
 use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -107,12 +108,17 @@ pub(super) enum Geometry {
     Uniform { dimensions: [u64; 3], first: DVec3, origin: DVec3, spacing: DVec3, direction: DMat3 },
 }
 
+/// Makes cells of what a file stores in a form of its own.
+pub(super) type Convert = Arc<dyn Fn(&Meter) -> Result<Cells> + Send + Sync>;
+
 /// Cells as a file stores them.
 pub(super) enum StoredCells {
     /// Connectivity with the end (or the bounds) of every cell's part; faces of polyhedra.
     Offsets { connectivity: Stored, offsets: Stored, types: Stored, faces: StoredFaces },
     /// The list of legacy files before 5.0: a count before each cell's points.
     Counted { list: Stored, types: Stored },
+    /// In another form, made by a function.
+    Converted(Convert),
 }
 
 /// Faces of polyhedra as a file stores them.
@@ -200,6 +206,9 @@ impl<'a> Meter<'a> {
 /// Makes the values of an array that no part of the file holds as such (PLOT3D's derived quantities).
 pub(super) type Compute = Arc<dyn Fn(&Meter) -> Result<Vec<f64>> + Send + Sync>;
 
+/// Reads the bytes of an array, in its type and byte order, from where they do not lie side by side (chunks of HDF5).
+pub(super) type Gather = Arc<dyn Fn() -> Result<Vec<u8>> + Send + Sync>;
+
 /// Location and encoding of the values.
 #[derive(Clone)]
 pub(super) enum Encoding {
@@ -210,6 +219,8 @@ pub(super) enum Encoding {
     /// The binary form of the VTK XML formats: a length or block table, then the values; `base64` text or bytes,
     /// between `at` and `end`.
     Xml { at: u64, end: u64, base64: bool, wide: bool, codec: Option<Codec> },
+    /// Bytes from many places of the file.
+    Gathered(Gather),
     /// Not in the file.
     Computed(Compute),
 }
@@ -251,6 +262,17 @@ impl Stored {
             tuple_count: Some(tuple_count),
             encoding,
         }
+    }
+
+    /// Three arrays of one number each as vectors.
+    pub fn joined(name: &str, planes: [Stored; 3]) -> Stored {
+        let (source, tuple_count) = (planes[0].source.clone(), planes[0].tuple_count.unwrap_or(0));
+        let interleave: Compute = Arc::new(move |meter| {
+            let [x, y, z]: [Vec<f64>; 3] =
+                [planes[0].load(meter)?, planes[1].load(meter)?, planes[2].load(meter)?];
+            Ok(x.into_par_iter().zip(y).zip(z).flat_map_iter(|((x, y), z)| [x, y, z]).collect())
+        });
+        Stored::of_f64(&source, name, 3, tuple_count, Encoding::Computed(interleave))
     }
 
     /// Number of values that the headers promise.

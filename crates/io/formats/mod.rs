@@ -5,6 +5,8 @@
 //! | .vtu .vts .vtr .vti, .pvtu .pvts .pvtr .pvti, .pvd | [`xml`] |
 //! | .vtk (legacy 2.0 to 5.1, ASCII and binary) | [`legacy`] |
 //! | .vtu.series, .vtk.series | [`series`] |
+//! | .vtkhdf, .hdf | [`vtkhdf`], by [`hdf5`] |
+//! | .cgns | [`cgns`], by [`hdf5`] |
 //! | PLOT3D grid and solution | [`plot3d`] |
 //!
 //! Every format is turned into the same table of contents first ([`contents`]: counts, geometry, and for each array its
@@ -24,10 +26,12 @@
 mod assemble;
 mod blocks;
 mod cells;
+mod cgns;
 mod codec;
 mod contents;
 mod decode;
 mod elements;
+mod hdf5;
 mod hexahedra;
 mod inspect;
 mod legacy;
@@ -38,6 +42,7 @@ mod series;
 mod source;
 mod surfaces;
 mod unsupported;
+mod vtkhdf;
 mod xml;
 
 pub use assemble::{SkippedArray, length};
@@ -114,18 +119,36 @@ pub fn steps(path: &Path, request: &Request) -> Result<(usize, usize)> {
 pub fn files_beside(path: &Path) -> Vec<PathBuf> {
     let solution = Some(path.with_extension("q")).filter(|solution| solution != path && solution.is_file());
     let named = xml::files_named(path, None).into_iter().chain(series::files_named(path, None));
-    named.chain(solution).collect()
+    named.chain(files_linked(path, &Request::default())).chain(solution).collect()
 }
 
 /// Further files that reading for this request opens: of a series the files of one step.
 pub fn files_read_beside(path: &Path, request: &Request) -> Vec<PathBuf> {
     let solution = plot3d::solution_beside(path, request);
     let of_series = series::files_named(path, Some(request));
-    xml::files_named(path, Some(request)).into_iter().chain(of_series).chain(solution).collect()
+    let of_links = files_linked(path, request);
+    xml::files_named(path, Some(request))
+        .into_iter()
+        .chain(of_series)
+        .chain(of_links)
+        .chain(solution)
+        .collect()
+}
+
+/// Files that external links of a file in HDF5 lead to; none for other files.
+fn files_linked(path: &Path, request: &Request) -> Vec<PathBuf> {
+    let Ok(source) = Source::open(path) else { return Vec::new() };
+    if !source.head(256).is_ok_and(|head| (HDF5.matches)(&head, path, request)) {
+        return Vec::new();
+    }
+    let Ok(root) = hdf5::File::open(source.clone()).and_then(|file| file.root()) else { return Vec::new() };
+    // Links are followed by reading; one that is damaged is an error of the reading itself.
+    let _ = read_hdf5(&source, &root, request);
+    root.linked_files()
 }
 
 /// The formats, in the order in which a file is tried as one of them.
-const FORMATS: &[Format] = &[xml::FORMAT, legacy::FORMAT, SERIES, plot3d::FORMAT];
+const FORMATS: &[Format] = &[xml::FORMAT, legacy::FORMAT, SERIES, HDF5, plot3d::FORMAT];
 
 /// The declaration of series of files, each of any format.
 const SERIES: Format = Format {
@@ -140,8 +163,46 @@ const SERIES: Format = Format {
     has_solution: false,
 };
 
+/// The declaration of the formats in HDF5.
+const HDF5: Format = Format {
+    files: "a VTKHDF (.vtkhdf, .hdf) or CGNS file",
+    matches: |head, _, _| head.starts_with(unsupported::HDF5_MAGIC),
+    open: open_hdf5,
+    has_solution: false,
+};
+
+/// Reader of a format in HDF5.
+type Hdf5Reader = fn(&hdf5::Group, &Request) -> Result<Dataset>;
+
+/// The formats in HDF5, each told by a name in the root group.
+const IN_HDF5: &[(&str, Hdf5Reader)] = &[(vtkhdf::ROOT, vtkhdf::open), (cgns::ROOT, cgns::open)];
+
+/// Reads the table of contents by the format that the names in the root group show.
+fn open_hdf5(source: Arc<Source>, request: &Request) -> Result<Dataset> {
+    match hdf5::File::open(source.clone()).and_then(|file| file.root()) {
+        Ok(root) => read_hdf5(&source, &root, request),
+        Err(error) => unsupported::refuse(&source, unsupported::IN_HDF5).and(Err(error)),
+    }
+}
+
+/// Reads the table of contents from the root group.
+fn read_hdf5(source: &Source, root: &hdf5::Group, request: &Request) -> Result<Dataset> {
+    let names = root.names()?;
+    let is_there = |name: &str| names.iter().any(|own| own == name);
+    if let Some((_, open)) = IN_HDF5.iter().find(|(name, _)| is_there(name)) {
+        return open(root, request);
+    }
+    unsupported::refuse(source, unsupported::IN_HDF5)?;
+    let first: Vec<&str> = names.iter().take(8).map(String::as_str).collect();
+    let found = if first.is_empty() { "nothing".to_owned() } else { first.join(", ") };
+    Err(Error::run("the file is HDF5, but of no format that is read")
+        .got(format_args!("{found} in the root group"))
+        .expected(unsupported::HDF5))
+}
+
 /// File types of the reader, for its help.
-pub const FILES: &str = "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, .vtu.series, legacy .vtk) or a PLOT3D grid";
+pub const FILES: &str =
+    "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, .vtu.series, .vtkhdf, legacy .vtk), CGNS or a PLOT3D grid";
 
 /// File types of several formats, in one phrase.
 fn files(mut formats: impl Iterator<Item = &'static Format>) -> String {

@@ -97,7 +97,7 @@ fn piece(
         return Err(Error::run("a PLOT3D grid lacks coordinates"));
     };
     let coordinates = [x.clone(), y.clone(), z.clone()];
-    let points = computed("coordinates", 3, Arc::new(move |meter| interleave(&coordinates, meter)));
+    let points = Stored::joined("coordinates", coordinates);
     if let Some(flags) = rest.first() {
         let flags = Stored { name: "iblank".to_owned(), ..flags.clone() };
         // 0 marks a point outside the flow; other values say what kind of point it is.
@@ -127,12 +127,6 @@ fn piece(
         blocks: CellBlocks::One(block),
         is_old_order: false,
     })
-}
-
-/// Planes of three components as tuples.
-fn interleave(planes: &[Stored; 3], meter: &Meter) -> Result<Vec<f64>> {
-    let [x, y, z] = [planes[0].load(meter)?, planes[1].load(meter)?, planes[2].load(meter)?];
-    Ok(x.into_par_iter().zip(y).zip(z).flat_map_iter(|((x, y), z)| [x, y, z]).collect())
 }
 
 /// A quantity from the planes of a solution.

@@ -27,8 +27,11 @@ const OPENFOAM: &str =
     "a .vtu file: `foamToVTK` in the case's folder writes one for each time, VTK/…/internal.vtu";
 const SALOME: &str =
     "a .vtu file: Salome's ParaVis reads it and saves its data as .vtu, and so does `meshio convert`";
-const HDF5: &str =
+/// Beginning of every file in HDF5.
+pub(super) const HDF5_MAGIC: &[u8] = b"\x89HDF\r\n\x1a\n";
+pub(super) const HDF5: &str =
     "a .vtu file: the program that wrote this one, or ParaView with the .xdmf file beside it, can save one";
+const CGNS_ADF: &str = "a CGNS file in HDF5: `adf2hdf FILE` of the CGNS tools makes one of it";
 const ABAQUS: &str =
     "a .vtu file: Abaqus/CAE exports field output as text, or as .inp with `meshio convert` after it";
 const ENSIGHT: &str = "a .vtu file: open the .case file beside it in ParaView and save its data as .vtu";
@@ -37,16 +40,22 @@ const ANSYS: &str = "a .vtu file: `pymapdl_reader` (ansys-mapdl-reader) reads it
 const TABLE: &str =
     "a grid with cells: points alone have no volume; ParaView's Delaunay3D joins them to tetrahedra";
 
+/// Names of the variables of Exodus II.
+const EXODUS: &[&str] = &["num_el_blk", "eb_prop1"];
+
+/// Formats in HDF5, by the names within.
+pub(super) const IN_HDF5: &[UnsupportedFormat] = &[
+    ("an Exodus II file", PARAVIEW, |file| file.holds(EXODUS)),
+    ("a MED file (Salome)", SALOME, |file| file.holds(&["ENS_MAA", "INFOS_GENERALES"])),
+];
+
 /// Formats that their first bytes tell for sure. Of containers those that are told by what is inside stand first.
 pub(super) const BY_MAGIC: &[UnsupportedFormat] = &[
-    ("a VTKHDF file (VTK's data in HDF5)", PARAVIEW, |file| file.is_hdf5() && file.holds(&["VTKHDF"])),
-    ("a CGNS file", PARAVIEW, |file| file.is_hdf5() && file.holds(&["CGNSLibraryVersion", "CGNSBase_t"])),
-    ("an Exodus II file", PARAVIEW, |file| file.is_container() && file.holds(&["num_el_blk", "eb_prop1"])),
-    ("a MED file (Salome)", SALOME, |file| file.is_hdf5() && file.holds(&["ENS_MAA", "INFOS_GENERALES"])),
-    ("an HDF5 file", HDF5, |file| file.is_hdf5()),
+    ("an Exodus II file", PARAVIEW, |file| file.is_netcdf() && file.holds(EXODUS)),
     ("a netCDF file", "a .vtu or .vts file: ParaView reads it and saves its data so", |file| {
-        file.is_container()
+        file.is_netcdf()
     }),
+    ("a CGNS file in ADF, its older form", CGNS_ADF, |file| file.holds(&["ADF Database Version"])),
     ("a mesh of Gmsh", MESHIO, |file| file.begins(&["$MeshFormat"])),
     ("data of Abaqus (.odb)", ABAQUS, |file| file.begins(&["HKSRD0"])),
     ("a file of OpenFOAM", OPENFOAM, |file| file.has_line(|line| line.trim() == "FoamFile")),
@@ -82,6 +91,11 @@ pub(super) const BY_MAGIC: &[UnsupportedFormat] = &[
 
 /// Formats of plain text that only words tell; asked where nothing else is meant.
 pub(super) const BY_WORDS: &[UnsupportedFormat] = &[
+    (
+        "an HDF5 file behind a block of its writer's own",
+        "the file without that block: `h5unjam -i FILE -o NEW` makes one",
+        |file| [512, 1024, 2048].iter().any(|&place| file.has_magic_at(place, HDF5_MAGIC)),
+    ),
     ("input of LS-DYNA", LS_DYNA, |file| file.has_line(|line| line.to_lowercase().starts_with("*keyword"))),
     ("input of Abaqus (.inp)", MESHIO, |file| {
         file.has_line(|line| {
@@ -177,15 +191,14 @@ impl FileStart {
         self.has_line(|line| words.iter().any(|word| line.starts_with(word)))
     }
 
-    fn is_hdf5(&self) -> bool {
-        // A block for the user's own may stand before it.
-        [0, 512, 1024, 2048].iter().any(|&place| self.has_magic_at(place, b"\x89HDF\r\n\x1a\n"))
+    /// True if names may stand anywhere in it.
+    fn is_container(&self) -> bool {
+        self.has_magic_at(0, HDF5_MAGIC) || self.is_netcdf()
     }
 
-    /// True if it is HDF5 or netCDF.
-    fn is_container(&self) -> bool {
-        self.is_hdf5()
-            || ["CDF\x01", "CDF\x02", "CDF\x05"].iter().any(|magic| self.bytes.starts_with(magic.as_bytes()))
+    /// True if it is netCDF in its own form, not in HDF5.
+    fn is_netcdf(&self) -> bool {
+        ["CDF\x01", "CDF\x02", "CDF\x05"].iter().any(|magic| self.bytes.starts_with(magic.as_bytes()))
     }
 
     /// Text, or 80 bytes of anything, the number of triangles and 50 bytes for each.

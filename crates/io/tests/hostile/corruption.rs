@@ -1,6 +1,7 @@
 //! Every kind of small file, cut short and with bytes changed, thousands of times, always the same ones.
 
 use crate::memory::peak_of;
+use std::io::Read;
 use std::path::Path;
 use voltet_core::progress::NoProgress;
 use voltet_io::formats::{Request, inspect, read};
@@ -32,6 +33,19 @@ fn try_file(path: &Path, scalar: &str, what: &str) {
     for error in results.into_iter().filter_map(Result::err) {
         assert!(!error.what.is_empty() && error.location.file.is_some(), "{what}: {error}");
     }
+}
+
+/// Number of damaged files of each kind of HDF5 file: `VOLTET_FUZZ`, or few.
+fn case_count() -> usize {
+    std::env::var("VOLTET_FUZZ").ok().and_then(|count| count.parse().ok()).unwrap_or(120)
+}
+
+/// A packed file of `tests/files`.
+fn packed(name: &str) -> Vec<u8> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/files").join(format!("{name}.gz"));
+    let mut bytes = Vec::new();
+    flate2::read::GzDecoder::new(std::fs::File::open(path).unwrap()).read_to_end(&mut bytes).unwrap();
+    bytes
 }
 
 /// Cuts and changes a file at places spread over it.
@@ -124,4 +138,22 @@ fn damaged_plot3d_files_are_errors_or_other_grids() {
     for layout in plot3d::layouts().step_by(3) {
         corrupt("a.xyz", "iblank", &plot3d::grid_file(layout), 40);
     }
+}
+
+#[test]
+fn damaged_vtkhdf_files_are_errors_or_other_grids() {
+    for name in ["partitions", "polyhedra", "image_steps", "linked_casing", "moving", "blocks", "curvilinear"]
+    {
+        let name = format!("vtkhdf_{name}.vtkhdf");
+        corrupt(&name, if name.contains("moving") { "T" } else { "s" }, &packed(&name), case_count());
+    }
+}
+
+#[test]
+fn damaged_cgns_files_are_errors_or_other_grids() {
+    for name in ["cells", "mixed_old", "polyhedra", "polyhedra_old", "zones"] {
+        let name = format!("cgns_{name}.cgns");
+        corrupt(&name, "s", &packed(&name), case_count());
+    }
+    corrupt("cgns_steps.cgns", "T", &packed("cgns_steps.cgns"), case_count());
 }
