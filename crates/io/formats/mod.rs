@@ -7,6 +7,7 @@
 //! | .vtu.series, .vtk.series | [`series`] |
 //! | .vtkhdf, .hdf | [`vtkhdf`], by [`hdf5`] |
 //! | .cgns | [`cgns`], by [`hdf5`] |
+//! | .e .exo .ex2 .g | [`exodus`], by [`netcdf`] or [`hdf5`] |
 //! | PLOT3D grid and solution | [`plot3d`] |
 //!
 //! Every format is turned into the same table of contents first ([`contents`]: counts, geometry, and for each array its
@@ -31,10 +32,12 @@ mod codec;
 mod contents;
 mod decode;
 mod elements;
+mod exodus;
 mod hdf5;
 mod hexahedra;
 mod inspect;
 mod legacy;
+mod netcdf;
 mod numbers;
 mod plot3d;
 mod request;
@@ -119,7 +122,8 @@ pub fn steps(path: &Path, request: &Request) -> Result<(usize, usize)> {
 pub fn files_beside(path: &Path) -> Vec<PathBuf> {
     let solution = Some(path.with_extension("q")).filter(|solution| solution != path && solution.is_file());
     let named = xml::files_named(path, None).into_iter().chain(series::files_named(path, None));
-    named.chain(files_linked(path, &Request::default())).chain(solution).collect()
+    let linked = files_linked(path, &Request::default());
+    named.chain(linked).chain(solution).chain(exodus::parts_beside(path)).collect()
 }
 
 /// Further files that reading for this request opens: of a series the files of one step.
@@ -132,6 +136,7 @@ pub fn files_read_beside(path: &Path, request: &Request) -> Vec<PathBuf> {
         .chain(of_series)
         .chain(of_links)
         .chain(solution)
+        .chain(exodus::parts_beside(path))
         .collect()
 }
 
@@ -148,7 +153,7 @@ fn files_linked(path: &Path, request: &Request) -> Vec<PathBuf> {
 }
 
 /// The formats, in the order in which a file is tried as one of them.
-const FORMATS: &[Format] = &[xml::FORMAT, legacy::FORMAT, SERIES, HDF5, plot3d::FORMAT];
+const FORMATS: &[Format] = &[xml::FORMAT, legacy::FORMAT, SERIES, HDF5, exodus::FORMAT, plot3d::FORMAT];
 
 /// The declaration of series of files, each of any format.
 const SERIES: Format = Format {
@@ -175,7 +180,8 @@ const HDF5: Format = Format {
 type Hdf5Reader = fn(&hdf5::Group, &Request) -> Result<Dataset>;
 
 /// The formats in HDF5, each told by a name in the root group.
-const IN_HDF5: &[(&str, Hdf5Reader)] = &[(vtkhdf::ROOT, vtkhdf::open), (cgns::ROOT, cgns::open)];
+const IN_HDF5: &[(&str, Hdf5Reader)] =
+    &[(vtkhdf::ROOT, vtkhdf::open), (cgns::ROOT, cgns::open), (exodus::ROOT, exodus::open_hdf5)];
 
 /// Reads the table of contents by the format that the names in the root group show.
 fn open_hdf5(source: Arc<Source>, request: &Request) -> Result<Dataset> {
@@ -201,8 +207,7 @@ fn read_hdf5(source: &Source, root: &hdf5::Group, request: &Request) -> Result<D
 }
 
 /// File types of the reader, for its help.
-pub const FILES: &str =
-    "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, .vtu.series, .vtkhdf, legacy .vtk), CGNS or a PLOT3D grid";
+pub const FILES: &str = "VTK (.vtu .vts .vtr .vti, .pvtu …, .vtm, .pvd, .vtu.series, .vtkhdf, legacy .vtk), CGNS, Exodus II (.e .exo .g) or a PLOT3D grid";
 
 /// File types of several formats, in one phrase.
 fn files(mut formats: impl Iterator<Item = &'static Format>) -> String {
@@ -324,6 +329,7 @@ fn open_external(source: &Arc<Source>, request: &Request, chosen: &SelectedArray
         time: None,
         global_ids: None,
         time_steps: head.times,
+        notes: Vec::new(),
         active_scalars: head.scalar,
         warnings: Vec::new(),
         file_bytes: source.len(),
