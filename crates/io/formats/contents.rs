@@ -50,6 +50,8 @@ pub(super) struct Dataset {
     pub active_scalars: Option<String>,
     /// Sentences for the user.
     pub warnings: Vec<String>,
+    /// Further contents of the file, for people: "2 node sets: 'inlet', 'outlet'".
+    pub notes: Vec<String>,
     /// Bytes of the files that hold points, cells and arrays.
     pub file_bytes: u64,
 }

@@ -141,6 +141,11 @@ impl Group {
         if self.path.is_empty() { "/" } else { &self.path }
     }
 
+    /// The file.
+    pub fn source(&self) -> &Arc<Source> {
+        &self.file.source
+    }
+
     /// Bytes of the file and of those that its links led to.
     pub fn file_bytes(&self) -> u64 {
         let linked = self.file.linked.lock().unwrap_or_else(PoisonError::into_inner);
@@ -474,6 +479,20 @@ impl Array {
     pub fn numbers<T: super::numbers::Target>(&self) -> Result<Vec<T>> {
         let meter = super::contents::Meter::new(&voltet_core::progress::NoProgress, 1);
         self.stored(&self.path, 1)?.load(&meter)
+    }
+
+    /// Rows of text of an array of single characters, each up to its first empty one.
+    pub fn rows_of_text(&self) -> Result<Vec<String>> {
+        let letters: Vec<String> = match self.is_text() {
+            true => self.dataset.read_strings().map_err(|error| damaged(&self.path, &error))?,
+            false => self.numbers::<u8>()?.into_iter().map(|byte| char::from(byte).to_string()).collect(),
+        };
+        let len = self.shape().last().map_or(1, |&len| len.max(1) as usize);
+        let is_letter = |letter: &&String| !letter.is_empty() && *letter != "\0";
+        Ok(letters
+            .chunks(len)
+            .map(|row| trimmed(&row.iter().take_while(is_letter).cloned().collect::<String>()))
+            .collect())
     }
 
     /// The text of an array of texts, or of single characters.

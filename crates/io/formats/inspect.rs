@@ -50,6 +50,8 @@ pub struct Summary {
     pub size: GridSize,
     /// Sentences for the user.
     pub warnings: Vec<String>,
+    /// Further contents of the file: "2 node sets: 'inlet', 'outlet'".
+    pub notes: Vec<String>,
     /// Damage for which no grid is built of the cells.
     pub damage: Option<String>,
 }
@@ -124,6 +126,7 @@ pub(super) fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Su
         time_steps: dataset.time_steps.clone(),
         file_bytes: dataset.file_bytes,
         warnings: dataset.warnings.clone(),
+        notes: dataset.notes.clone(),
         blocks: dataset
             .blocks
             .iter()

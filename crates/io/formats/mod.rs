@@ -8,6 +8,7 @@
 //! | .vtkhdf, .hdf | [`vtkhdf`], by [`hdf5`] |
 //! | .cgns | [`cgns`], by [`hdf5`] |
 //! | .xdmf, .xmf | [`xdmf`] |
+//! | .e .exo .ex2 .g | [`exodus`], by [`netcdf`] or [`hdf5`] |
 //! | PLOT3D grid and solution | [`plot3d`] |
 //!
 //! Every format is turned into the same table of contents first ([`contents`]: counts, geometry, and for each array its
@@ -32,10 +33,12 @@ mod codec;
 mod contents;
 mod decode;
 mod elements;
+mod exodus;
 mod hdf5;
 mod hexahedra;
 mod inspect;
 mod legacy;
+mod netcdf;
 mod numbers;
 mod plot3d;
 mod request;
@@ -126,6 +129,7 @@ pub fn files_beside(path: &Path) -> Vec<PathBuf> {
         .chain(files_linked(path, &request))
         .chain(xdmf::files_named(path, &request))
         .chain(solution)
+        .chain(exodus::parts_beside(path))
         .collect()
 }
 
@@ -140,6 +144,7 @@ pub fn files_read_beside(path: &Path, request: &Request) -> Vec<PathBuf> {
         .chain(of_links)
         .chain(xdmf::files_named(path, request))
         .chain(solution)
+        .chain(exodus::parts_beside(path))
         .collect()
 }
 
@@ -156,7 +161,8 @@ fn files_linked(path: &Path, request: &Request) -> Vec<PathBuf> {
 }
 
 /// The formats, in the order in which a file is tried as one of them.
-const FORMATS: &[Format] = &[xdmf::FORMAT, xml::FORMAT, legacy::FORMAT, SERIES, HDF5, plot3d::FORMAT];
+const FORMATS: &[Format] =
+    &[xdmf::FORMAT, xml::FORMAT, legacy::FORMAT, SERIES, HDF5, exodus::FORMAT, plot3d::FORMAT];
 
 /// The declaration of series of files, each of any format.
 const SERIES: Format = Format {
@@ -183,7 +189,8 @@ const HDF5: Format = Format {
 type Hdf5Reader = fn(&hdf5::Group, &Request) -> Result<Dataset>;
 
 /// The formats in HDF5, each told by a name in the root group.
-const IN_HDF5: &[(&str, Hdf5Reader)] = &[(vtkhdf::ROOT, vtkhdf::open), (cgns::ROOT, cgns::open)];
+const IN_HDF5: &[(&str, Hdf5Reader)] =
+    &[(vtkhdf::ROOT, vtkhdf::open), (cgns::ROOT, cgns::open), (exodus::ROOT, exodus::open_hdf5)];
 
 /// Reads the table of contents by the format that the names in the root group show.
 fn open_hdf5(source: Arc<Source>, request: &Request) -> Result<Dataset> {
@@ -209,7 +216,7 @@ fn read_hdf5(source: &Source, root: &hdf5::Group, request: &Request) -> Result<D
 }
 
 /// File types of the reader, for its help.
-pub const FILES: &str = "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, .vtu.series, .vtkhdf, legacy .vtk), CGNS, XDMF or a PLOT3D grid";
+pub const FILES: &str = "VTK (.vtu .vts .vtr .vti, .pvtu …, .vtm, .pvd, .vtu.series, .vtkhdf, legacy .vtk), CGNS, XDMF, Exodus II (.e .exo .g) or a PLOT3D grid";
 
 /// File types of several formats, in one phrase.
 fn files(mut formats: impl Iterator<Item = &'static Format>) -> String {
@@ -331,6 +338,7 @@ fn open_external(source: &Arc<Source>, request: &Request, chosen: &SelectedArray
         time: None,
         global_ids: None,
         time_steps: head.times,
+        notes: Vec::new(),
         active_scalars: head.scalar,
         warnings: Vec::new(),
         file_bytes: source.len(),

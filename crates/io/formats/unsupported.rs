@@ -39,21 +39,12 @@ const ANSYS: &str = "a .vtu file: `pymapdl_reader` (ansys-mapdl-reader) reads it
 const TABLE: &str =
     "a grid with cells: points alone have no volume; ParaView's Delaunay3D joins them to tetrahedra";
 
-/// Names of the variables of Exodus II.
-const EXODUS: &[&str] = &["num_el_blk", "eb_prop1"];
-
 /// Formats in HDF5, by the names within.
-pub(super) const IN_HDF5: &[UnsupportedFormat] = &[
-    ("an Exodus II file", PARAVIEW, |file| file.holds(EXODUS)),
-    ("a MED file (Salome)", SALOME, |file| file.holds(&["ENS_MAA", "INFOS_GENERALES"])),
-];
+pub(super) const IN_HDF5: &[UnsupportedFormat] =
+    &[("a MED file (Salome)", SALOME, |file| file.holds(&["ENS_MAA", "INFOS_GENERALES"]))];
 
 /// Formats that their first bytes tell for sure. Of containers those that are told by what is inside stand first.
 pub(super) const BY_MAGIC: &[UnsupportedFormat] = &[
-    ("an Exodus II file", PARAVIEW, |file| file.is_netcdf() && file.holds(EXODUS)),
-    ("a netCDF file", "a .vtu or .vts file: ParaView reads it and saves its data so", |file| {
-        file.is_netcdf()
-    }),
     ("a CGNS file in ADF, its older form", CGNS_ADF, |file| file.holds(&["ADF Database Version"])),
     ("a mesh of Gmsh", MESHIO, |file| file.begins(&["$MeshFormat"])),
     ("data of Abaqus (.odb)", ABAQUS, |file| file.begins(&["HKSRD0"])),
@@ -133,7 +124,7 @@ pub(super) fn refuse_folder(path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Bytes searched of a text; names in HDF5 and netCDF stand anywhere, for the most part early.
+/// Bytes searched of a text; names in HDF5 stand anywhere, for the most part early.
 const HEAD: u64 = 4096;
 const CONTAINER_HEAD: u64 = 4 << 20;
 
@@ -191,12 +182,7 @@ impl FileStart {
 
     /// True if names may stand anywhere in it.
     fn is_container(&self) -> bool {
-        self.has_magic_at(0, HDF5_MAGIC) || self.is_netcdf()
-    }
-
-    /// True if it is netCDF in its own form, not in HDF5.
-    fn is_netcdf(&self) -> bool {
-        ["CDF\x01", "CDF\x02", "CDF\x05"].iter().any(|magic| self.bytes.starts_with(magic.as_bytes()))
+        self.has_magic_at(0, HDF5_MAGIC)
     }
 
     /// Text, or 80 bytes of anything, the number of triangles and 50 bytes for each.

@@ -200,11 +200,14 @@ impl GridStep {
 struct StepGrid<'a> {
     group: &'a Group,
     step: GridStep,
-    attributes: Vec<(Association, Array)>,
+    attributes: Vec<GridArray>,
 }
 
+/// An array of points or cells, and the name that the assembly of grids knows it by.
+type GridArray = (Association, Array, String);
+
 /// The arrays of points and cells. Notes which are marked as scalars and as global ids.
-fn attributes(group: &Group, dataset: &mut Dataset) -> Result<Vec<(Association, Array)>> {
+fn attributes(group: &Group, dataset: &mut Dataset) -> Result<Vec<GridArray>> {
     let mut attributes = Vec::new();
     for (section, association) in [("PointData", Association::Point), ("CellData", Association::Cell)] {
         let Some(section) = group.group(section)? else { continue };
@@ -233,18 +236,11 @@ fn attributes(group: &Group, dataset: &mut Dataset) -> Result<Vec<(Association, 
             {
                 dataset.global_ids = Some(array.name().to_owned());
             }
-            attributes.push((association, array));
+            let name = if mark.as_deref() == Some(DEGREES) { DEGREES } else { array.name() }.to_owned();
+            attributes.push((association, array, name));
         }
     }
     Ok(attributes)
-}
-
-/// The name that the assembly of grids knows an array by.
-fn name(array: &Array) -> &str {
-    match array.text_attribute("Attribute") {
-        Some(mark) if mark == DEGREES => DEGREES,
-        _ => array.name(),
-    }
 }
 
 /// Numbers of each partition.
@@ -295,12 +291,12 @@ fn unstructured(source: &StepGrid) -> Result<Vec<Piece>> {
     let mut cell = offset("CellOffsets", &counts.cells)?;
     let mut id = offset("ConnectivityIdOffsets", &counts.connectivity)?;
     let mut attributes = Vec::new();
-    for (association, array) in &source.attributes {
+    for (association, array, name) in &source.attributes {
         let (section, otherwise) = match association {
             Association::Point => ("PointDataOffsets", point),
             Association::Cell => ("CellDataOffsets", cell),
         };
-        attributes.push((*association, array, step.number(&[section, array.name()], otherwise)?));
+        attributes.push((*association, array, name, step.number(&[section, array.name()], otherwise)?));
     }
     let arrays = ["Points", "Types", "Offsets", "Connectivity"].map(|name| group.required_array(name));
     let [points, types, offsets, connectivity] = arrays;
@@ -318,10 +314,10 @@ fn unstructured(source: &StepGrid) -> Result<Vec<Piece>> {
                 types: types.rows("Types", span(cell, cell_count), 1)?,
                 faces: faces.as_ref().map_or(Ok(StoredFaces::None), |faces| faces.of_part(part, with_end))?,
             };
-            let arrays = attributes.iter().map(|&(association, array, from)| {
+            let arrays = attributes.iter().map(|&(association, array, name, from)| {
                 let count = if association == Association::Point { point_count } else { cell_count };
                 let components = components(array, 1)?;
-                Ok(PieceArray::new(association, array.rows(name(array), span(from, count), components)?))
+                Ok(PieceArray::new(association, array.rows(name, span(from, count), components)?))
             });
             pieces.push(Piece {
                 point_count,
@@ -338,7 +334,7 @@ fn unstructured(source: &StepGrid) -> Result<Vec<Piece>> {
         point = point.saturating_add(point_count);
         cell = cell.saturating_add(cell_count);
         id = id.saturating_add(id_count);
-        for (association, _, from) in &mut attributes {
+        for (association, _, _, from) in &mut attributes {
             *from = from.saturating_add(if *association == Association::Point {
                 point_count
             } else {
@@ -423,7 +419,7 @@ impl Faces {
 fn structured(source: &StepGrid, dimensions: [u64; 3], geometry: Geometry) -> Result<Vec<Piece>> {
     let (point_count, cell_count) = structured_counts(dimensions)?;
     let mut arrays = Vec::new();
-    for (association, array) in &source.attributes {
+    for (association, array, name) in &source.attributes {
         let (section, tuple_count, axes) = match association {
             Association::Point => ("PointDataOffsets", point_count, dimensions),
             Association::Cell => {
@@ -431,10 +427,7 @@ fn structured(source: &StepGrid, dimensions: [u64; 3], geometry: Geometry) -> Re
             }
         };
         let offset = [section, array.name()];
-        arrays.push(PieceArray::new(
-            *association,
-            of_step(source, array, name(array), axes, tuple_count, &offset)?,
-        ));
+        arrays.push(PieceArray::new(*association, of_step(source, array, name, axes, tuple_count, &offset)?));
     }
     Ok(vec![Piece {
         point_count,

@@ -38,7 +38,7 @@ fn entries(blocks: &[BlockSummary]) -> Vec<TreeEntry<'_>> {
     let mut groups: HashMap<(usize, &str), usize> = HashMap::new();
     for block in blocks {
         let mut at = 0;
-        let mut add = |entries: &mut Vec<TreeEntry>, at: usize| {
+        let add = |entries: &mut Vec<TreeEntry>, at: usize| {
             (entries[at].blocks, entries[at].cells) =
                 (entries[at].blocks + 1, entries[at].cells + block.cell_count());
         };

@@ -80,7 +80,7 @@ fn json(summary: &Summary) -> Value {
         "blocks": summary.blocks.iter().map(block).collect::<Vec<_>>(),
         "bounds": bounds, "arrays": summary.arrays.iter().map(array).collect::<Vec<_>>(),
         "active_scalars": summary.active_scalars, "time": summary.time, "time_steps": summary.time_steps,
-        "memory_bytes": memory, "warnings": summary.warnings,
+        "memory_bytes": memory, "warnings": summary.warnings, "notes": summary.notes,
         "damage": summary.damage,
     })
 }
@@ -143,6 +143,7 @@ fn describe_data(path: &Path, summary: &Summary) -> String {
         text += &format!("  {:>12}  {}\n", with_commas(count), CellType::name_of(code, count));
     }
     text += &tree(&summary.blocks);
+    text.extend(summary.notes.iter().map(|note| format!("{}\n", name(note))));
     if let Some([low, high]) = summary.bounds {
         text += "\nBounds (world units)\n";
         for (axis, low, high) in [("x", low.x, high.x), ("y", low.y, high.y), ("z", low.z, high.z)] {

@@ -63,7 +63,7 @@ fn whole(text: &str) -> Option<Vec<u64>> {
 
 impl<'a> Items<'a> {
     pub fn new(source: &'a Arc<Source>, root: &'a Element) -> Items<'a> {
-        let document = Document { source, root };
+        let document = Document::new(source, root);
         Items { document, source: source.clone(), opened: RefCell::default(), binary: RefCell::default() }
     }
 

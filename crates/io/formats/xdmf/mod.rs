@@ -166,7 +166,8 @@ impl<'a> Reader<'a> {
     ) -> Result<Option<&'a Element>> {
         let mut times = Vec::new();
         for grid in grids {
-            times.push(time_of(&self.items.document.children(grid)?)?);
+            // Not by way of includes, which give no times.
+            times.push(time_of(&grid.children.iter().collect::<Vec<_>>())?);
         }
         let times: Vec<f64> = match times.iter().copied().collect::<Option<Vec<f64>>>() {
             Some(times) => times,

@@ -5,19 +5,28 @@
 
 use crate::formats::source::Source;
 use crate::formats::xml::header::Element;
+use std::cell::Cell;
 use voltet_core::{Error, Result};
 
 /// Most elements that one path gives, and deepest chain of references.
 const MAX_FOUND: usize = 100_000;
 const MAX_CHAIN: usize = 16;
+/// Most elements that all paths of one reading look at: seconds of work.
+const MAX_VISITED: usize = 50_000_000;
 
 /// The elements of a file.
 pub(super) struct Document<'a> {
     pub source: &'a Source,
     pub root: &'a Element,
+    /// Elements that paths have looked at so far.
+    visited: Cell<usize>,
 }
 
 impl<'a> Document<'a> {
+    pub fn new(source: &'a Source, root: &'a Element) -> Document<'a> {
+        Document { source, root, visited: Cell::new(0) }
+    }
+
     /// The text of an element.
     pub fn text(&self, element: &Element) -> Result<String> {
         let mut text = String::new();
@@ -35,7 +44,7 @@ impl<'a> Document<'a> {
         while let Some((child, depth)) = pending.pop() {
             if !child.tag.ends_with(":include") {
                 children.push(self.resolved(child)?);
-            } else if depth > MAX_CHAIN || pending.len() > MAX_FOUND {
+            } else if depth > MAX_CHAIN {
                 return Err(Error::run("an include includes itself"));
             } else {
                 pending.extend(self.included(child)?.into_iter().rev().map(|child| (child, depth + 1)));
@@ -99,6 +108,10 @@ impl<'a> Document<'a> {
             let parents = found.take();
             let mut next = Vec::new();
             for candidates in candidates(self.root, parents, is_deep)? {
+                self.visited.set(self.visited.get() + candidates.len());
+                if self.visited.get() > MAX_VISITED {
+                    return Err(Error::run("the paths in the XML lead to too many elements").got(path));
+                }
                 next.extend(selected(candidates, step, path)?);
             }
             if next.len() > MAX_FOUND {

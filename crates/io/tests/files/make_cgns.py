@@ -174,9 +174,9 @@ def base(name, *children, dimensions=(3, 3)):
     return node(name, "CGNSBase_t", np.array(dimensions, dtype=np.int32), children)
 
 
-def write(name, *bases, version=4.2):
+def write(name, *bases, version=4.2, links=()):
     tree = node("CGNSTree", "CGNSTree_t", None, [node("CGNSLibraryVersion", "CGNSLibraryVersion_t", np.array([version], dtype=np.float32)), *bases])
-    CGNS.MAP.save(f"cgns_{name}.cgns", tree)
+    CGNS.MAP.save(f"cgns_{name}.cgns", tree, links=[*links])
 
 
 every = meshes.row([kind for kind in meshes.LINEAR + meshes.QUADRATIC if kind not in (vtk.vtkVoxel, vtk.vtkTriQuadraticPyramid)])
@@ -198,4 +198,9 @@ write(
     base("Solid", unstructured("Block", meshes.hexahedra(start=(20.0, 0.0, 0.0)), False)),
 )
 write("steps", steps())
+# A file of a solution, whose coordinates lie in another file.
+linked = unstructured("Zone", every, True)
+linked[2] = [child for child in linked[2] if child[0] != "GridCoordinates"]
+place = "/Base/Zone/GridCoordinates"
+write("linked", base("Base", linked), links=[["", "cgns_cells.cgns", place, place, 64]])
 meshes.pack(glob.glob("*.cgns"))

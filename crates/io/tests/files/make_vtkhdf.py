@@ -149,6 +149,51 @@ def image_steps():
         steps.create_group("PointDataOffsets")["s"] = [0, 1]
 
 
+def damaged():
+    """What no writer makes: each file has one fault."""
+
+    def hexahedron(name, change):
+        points = np.array([[i, j, k] for k in (0, 1) for j, i in ((0, 0), (0, 1), (1, 1), (1, 0))], dtype=float)
+        with h5py.File(f"vtkhdf_{name}.vtkhdf", "w", libver="latest") as file:
+            root = file.create_group("VTKHDF")
+            root.attrs["Version"], root.attrs["Type"] = [2, 0], np.bytes_("UnstructuredGrid")
+            root["NumberOfPoints"], root["NumberOfCells"], root["NumberOfConnectivityIds"] = [8], [1], [8]
+            root["Points"], root["Connectivity"], root["Offsets"], root["Types"] = points, np.arange(8), [0, 8], np.uint8([12])
+            root.create_group("PointData")["s"] = np.arange(8.0)
+            change(root)
+
+    def replace(name, values):
+        def change(root):
+            del root[name]
+            if values is not None:
+                root[name] = values
+
+        return change
+
+    def tree(root):
+        for name in [*root]:
+            del root[name]
+        root.attrs["Type"] = np.bytes_("MultiBlockDataSet")
+        root.create_group("Block").attrs["Type"] = np.bytes_("UnstructuredGrid")
+        inner = root.create_group("Assembly/a")
+        inner["b"] = root["Assembly"]
+
+    hexahedron("bad_huge", replace("NumberOfCells", np.array([2**63], dtype="u8")))
+    hexahedron("bad_points", replace("Points", None))
+
+    def chunks(root):
+        replace("Points", None)(root)
+        replace("NumberOfPoints", [2**40])(root)
+        root.create_dataset("Points", (2**40, 3), chunks=(2**16, 3), dtype="f8")
+
+    hexahedron("bad_chunks", chunks)
+    hexahedron("bad_link", replace("Points", h5py.SoftLink("/VTKHDF/Points")))
+    hexahedron("bad_external", replace("PointData", h5py.ExternalLink("vtkhdf_bad_external.vtkhdf", "/VTKHDF/PointData")))
+    hexahedron("bad_tree", tree)
+    hexahedron("bad_version", lambda root: root.attrs.__setitem__("Version", [3, 0]))
+    hexahedron("bad_text", replace("Points", np.full((8, 3), b"a")))
+
+
 meshes.write_vtu(meshes.every_cell(), "cells.vtu")
 meshes.write_vtu(meshes.polyhedra(), "polyhedra.vtu")
 write(meshes.every_cell(), "cells")
@@ -161,4 +206,5 @@ write(multi_block(), "blocks")
 partitions()
 structured()
 image_steps()
+damaged()
 meshes.pack(glob.glob("*.vtkhdf"))

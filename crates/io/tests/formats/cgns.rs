@@ -4,13 +4,16 @@
 use super::packed::{field, follow, grid, grid_at, path, request, same_files};
 use voltet_core::grid::Association;
 use voltet_core::progress::NoProgress;
-use voltet_io::formats::{Request, inspect, steps};
+use voltet_io::formats::{Request, files_read_beside, inspect, steps};
 
 #[test]
 fn every_element_type_is_that_of_the_xml_file() {
     for name in ["cells", "mixed", "mixed_old"] {
         same_files(&format!("cgns_{name}.cgns"), "cgns_cells.vtu");
     }
+    // The coordinates are those of another file.
+    same_files("cgns_linked.cgns", "cgns_cells.vtu");
+    assert_eq!(files_read_beside(&path("cgns_linked.cgns"), &Request::default()), [path("cgns_cells.cgns")]);
     for name in ["polyhedra", "polyhedra_old"] {
         same_files(&format!("cgns_{name}.cgns"), "polyhedra.vtu");
     }

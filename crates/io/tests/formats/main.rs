@@ -5,6 +5,7 @@
 mod blocks;
 mod cgns;
 mod encodings;
+mod exodus;
 mod legacy;
 mod packed;
 mod pieces;

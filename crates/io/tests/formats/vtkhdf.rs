@@ -79,3 +79,21 @@ fn a_missing_linked_file_is_an_error_that_names_it() {
         assert!(error.contains(words), "{error}");
     }
 }
+
+#[test]
+fn each_fault_is_one_error_that_names_the_file_and_the_object() {
+    for (name, words) in [
+        ("huge", &["/VTKHDF/Offsets", "too small"][..]),
+        ("points", &["lacks the HDF5 dataset '/VTKHDF/Points'"]),
+        ("chunks", &["/VTKHDF/Points", "larger than the file can hold"]),
+        ("link", &["lacks the HDF5 dataset '/VTKHDF/Points'"]),
+        ("external", &["/VTKHDF", "cycle"]),
+        ("tree", &["contains itself"]),
+        ("version", &["newer version", "found 3"]),
+        ("text", &["/VTKHDF/Points", "wrong type"]),
+    ] {
+        let name = format!("vtkhdf_bad_{name}.vtkhdf");
+        let error = read(&path(&name), &request("s"), &NoProgress).unwrap_err().to_string();
+        assert!(error.contains(&name) && words.iter().all(|word| error.contains(word)), "{name}: {error}");
+    }
+}

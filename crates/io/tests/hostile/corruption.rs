@@ -185,3 +185,37 @@ fn damaged_xdmf_files_and_their_data_are_errors_or_other_grids() {
         corrupt_in(&folder, &data, &text, scalar, &packed(&data), case_count());
     }
 }
+
+#[test]
+fn damaged_exodus_files_are_errors_or_other_grids() {
+    for name in ["exodus_kinds.exo", "exodus_kinds.ex2", "exodus_old.g", "exodus_hdf5.e"] {
+        for scalar in ["T", "disp:magnitude", "p"] {
+            corrupt(name, scalar, &packed(name), case_count());
+        }
+    }
+}
+
+#[test]
+fn damaged_trees_are_errors_or_other_grids() {
+    let encoding = Encoding {
+        mode: Mode::Ascii,
+        compressor: Compressor::None,
+        big_endian: false,
+        wide_headers: false,
+        block: 256,
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let leaf = file(&folder, "leaf.vtu", &unstructured(encoding, 2, false));
+    let leaf = leaf.display();
+    let tree = format!(
+        "<VTKFile type=\"vtkMultiBlockDataSet\"><vtkMultiBlockDataSet><Block index=\"0\" name=\"a\">\
+         <DataSet index=\"0\" name=\"b\" file=\"{leaf}\"/><Piece index=\"1\"><DataSet index=\"0\" file=\"{leaf}\"/></Piece></Block>\
+         <DataSet index=\"1\" file=\"{leaf}\"/></vtkMultiBlockDataSet></VTKFile>"
+    );
+    corrupt("tree.vtm", "Float64", tree.as_bytes(), 300);
+    let series = format!(
+        "<VTKFile type=\"Collection\"><Collection><DataSet timestep=\"0\" name=\"a\" part=\"0\" file=\"{leaf}\"/>\
+         <DataSet timestep=\"0\" group=\"b\" part=\"1\" file=\"{leaf}\"/></Collection></VTKFile>"
+    );
+    corrupt("series.pvd", "Float64", series.as_bytes(), 300);
+}
