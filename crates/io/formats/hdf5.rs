@@ -15,7 +15,8 @@ use hdf5_reader::{
 };
 use std::ops::Range;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use voltet_core::{Error, Result};
 
 /// Most bytes that deflate makes of one.
@@ -26,7 +27,18 @@ const CHUNK_CACHE: usize = 16 << 20;
 const MAX_FILES: usize = 4096;
 
 /// Files that links led to.
-type LinkedFiles = Mutex<Vec<(Arc<Source>, Hdf5File)>>;
+#[derive(Default)]
+struct LinkedFiles {
+    files: Mutex<Vec<(Arc<Source>, Hdf5File)>>,
+    /// Number of times that a link was followed.
+    followed: AtomicUsize,
+}
+
+impl LinkedFiles {
+    fn files(&self) -> MutexGuard<'_, Vec<(Arc<Source>, Hdf5File)>> {
+        self.files.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
 
 /// An open file and those that its links lead to.
 pub(super) struct File {
@@ -45,18 +57,20 @@ impl hdf5_reader::ExternalLinkResolver for Links {
     fn resolve_external_link(&self, name: &str) -> hdf5_reader::error::Result<Option<Hdf5File>> {
         let failed = |error: Error| hdf5_reader::error::Error::Other(error.to_string());
         let Some(linked) = self.linked.upgrade() else { return Ok(None) };
+        linked.followed.fetch_add(1, Ordering::Relaxed);
         let path = beside(&self.by, name);
-        let opened = linked.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        if let Some((_, file)) = opened.iter().find(|(source, _)| source.path() == path) {
-            return Ok(Some(file.clone()));
+        let known = linked.files().iter().find(|(source, _)| source.path() == path).cloned();
+        if let Some((_, file)) = known {
+            return Ok(Some(file));
         }
-        if opened.len() >= MAX_FILES {
+        let count = linked.files().len();
+        if count >= MAX_FILES {
             return Err(failed(Error::run("the external links lead to too many files")));
         }
         let named = |error: Error| failed(Error::run("an external link cannot be followed").got(error));
-        let source = open_named(&self.by, &path, opened.len()).map_err(named)?;
+        let source = open_named(&self.by, &path, count).map_err(named)?;
         let file = open_file(&source, &linked).map_err(named)?;
-        linked.lock().unwrap_or_else(PoisonError::into_inner).push((source, file.clone()));
+        linked.files().push((source, file.clone()));
         Ok(Some(file))
     }
 }
@@ -99,7 +113,7 @@ fn optional<T>(path: &str, found: hdf5_reader::error::Result<T>) -> Result<Optio
 impl File {
     /// Opens a file.
     pub fn open(source: Arc<Source>) -> Result<Arc<File>> {
-        let linked = Arc::default();
+        let linked = Arc::<LinkedFiles>::default();
         let file = open_file(&source, &linked)?;
         Ok(Arc::new(File { source, file, linked }))
     }
@@ -116,13 +130,7 @@ impl File {
         if is_same(&self.file) {
             return Some((self.source.clone(), self.file.clone()));
         }
-        let linked = self.linked.lock().unwrap_or_else(PoisonError::into_inner);
-        linked.iter().find(|(_, file)| is_same(file)).cloned()
-    }
-
-    /// Files that links led to so far.
-    fn linked_count(&self) -> usize {
-        self.linked.lock().unwrap_or_else(PoisonError::into_inner).len()
+        self.linked.files().iter().find(|(_, file)| is_same(file)).cloned()
     }
 }
 
@@ -148,13 +156,13 @@ impl Group {
 
     /// Bytes of the file and of those that its links led to.
     pub fn file_bytes(&self) -> u64 {
-        let linked = self.file.linked.lock().unwrap_or_else(PoisonError::into_inner);
+        let linked = self.file.linked.files();
         linked.iter().map(|(source, _)| source.len()).fold(self.file.source.len(), u64::saturating_add)
     }
 
     /// Files that links led to.
     pub fn linked_files(&self) -> Vec<PathBuf> {
-        let linked = self.file.linked.lock().unwrap_or_else(PoisonError::into_inner);
+        let linked = self.file.linked.files();
         linked.iter().map(|(source, _)| source.path().to_owned()).collect()
     }
 
@@ -205,16 +213,21 @@ impl Group {
     /// The array of that name, if there is one.
     pub fn array(&self, name: &str) -> Result<Option<Array>> {
         let path = self.below(name);
-        let before = self.file.linked_count();
+        let followed = || self.file.linked.followed.load(Ordering::Relaxed);
+        let before = followed();
         let Some(dataset) = optional(&path, self.group.dataset(name))? else { return Ok(None) };
-        // Of an array that is itself linked from another file the place is not known to lie in this one.
-        let owner = self.file.owner(self.group.storage()).filter(|_| self.file.linked_count() == before);
-        let source = owner.as_ref().map_or(&self.file.source, |owner| &owner.0).clone();
-        let place = owner
-            .map(|(_, file)| place(&file, &dataset))
-            .transpose()
-            .map_err(|error| damaged(&path, &error))?;
-        Ok(Some(Array { source, dataset: Arc::new(dataset), place: place.flatten(), path }))
+        let owner = match followed() == before {
+            true => self.file.owner(self.group.storage()),
+            // An array that is itself linked lies in a file that is not known here.
+            false => None,
+        };
+        let (source, len) = match &owner {
+            Some((source, _)) => (source.clone(), source.len()),
+            None => (self.file.source.clone(), self.file_bytes()),
+        };
+        let place = owner.map(|(_, file)| place(&file, &dataset)).transpose();
+        let place = place.map_err(|error| damaged(&path, &error))?.flatten();
+        Ok(Some(Array { source, len, dataset: Arc::new(dataset), place, path }))
     }
 
     /// The array of that name. Errors: there is none.
@@ -308,6 +321,8 @@ fn place(file: &Hdf5File, dataset: &hdf5_reader::Dataset) -> hdf5_reader::error:
 #[derive(Clone)]
 pub(super) struct Array {
     source: Arc<Source>,
+    /// Most bytes of the file, or of the files, that it can lie in.
+    len: u64,
     dataset: Arc<hdf5_reader::Dataset>,
     /// Beginning of its bytes, where they lie side by side.
     place: Option<u64>,
@@ -445,10 +460,10 @@ impl Array {
     /// Reads a box of chunks.
     fn gather(&self, part: &[Extent], number_type: NumberType, count: u64) -> Result<Gather> {
         let bytes = number_type.byte_count(count).unwrap_or(u64::MAX);
-        if bytes > self.source.len().saturating_mul(DEFLATE) {
+        if bytes > self.len.saturating_mul(DEFLATE) {
             let error =
                 self.wrong("the dataset is larger than the file can hold").got(format_args!("{bytes} bytes"));
-            return Err(error.expected(format_args!("what {} bytes become at most", self.source.len())));
+            return Err(error.expected(format_args!("what {} bytes become at most", self.len)));
         }
         let slice = |&(first, count, stride): &Extent| SliceInfoElem::Slice {
             start: first,

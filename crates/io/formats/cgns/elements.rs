@@ -103,6 +103,16 @@ pub(super) fn may_have_volume(kind: i64) -> bool {
         || ELEMENTS.iter().find(|element| element.number == kind).is_none_or(|element| element.dimension == 3)
 }
 
+/// Number of cells with a volume: of the ranges of the sections, or of the zone where a section is mixed.
+pub(super) fn count(sections: &[Section], of_zone: u64) -> u64 {
+    let own = sections.iter().filter(|section| section.kind != NGON);
+    let count = |section: &Section| (section.range[1].saturating_sub(section.range[0])).saturating_add(1);
+    match sections.iter().any(|section| section.kind == MIXED) {
+        true => of_zone,
+        false => own.fold(0, |sum, section| sum.saturating_add(count(section))),
+    }
+}
+
 /// The cells of a zone of so many; `sections` ascend.
 pub(super) fn cells(sections: &[Section], cell_count: u64, meter: &Meter) -> Result<Cells> {
     if let [only] = sections

@@ -165,7 +165,7 @@ fn piece(zone: &Node, step: Option<usize>, warnings: &mut Vec<String>) -> Result
             return Err(error.expected("Structured or Unstructured"));
         }
     };
-    let sizes = Sizes::of_zone(zone, is_structured)?;
+    let mut sizes = Sizes::of_zone(zone, is_structured)?;
     let iterative = labelled(&children, "ZoneIterativeData_t").map_or(Ok(Vec::new()), Node::children)?;
     let grids = pointers(&iterative, &["GridCoordinatesPointers"])?;
     let coordinates = of_step(&children, "GridCoordinates_t", &grids, step);
@@ -178,8 +178,10 @@ fn piece(zone: &Node, step: Option<usize>, warnings: &mut Vec<String>) -> Result
         let (point_count, cell_count) = structured_counts(dimensions)?;
         (point_count, cell_count, Geometry::Curvilinear { dimensions, points })
     } else {
-        let (point_count, cell_count) = (sizes.points[0], sizes.cells[0]);
         let sections = sections(&children)?;
+        // Some writers count the elements of the boundary, too.
+        sizes.cells = vec![elements::count(&sections, sizes.cells[0])];
+        let (point_count, cell_count) = (sizes.points[0], sizes.cells[0]);
         let convert = move |meter: &super::contents::Meter| elements::cells(&sections, cell_count, meter);
         let cells = Box::new(StoredCells::Converted(Arc::new(convert)));
         (point_count, cell_count, Geometry::Unstructured { points, cells })

@@ -136,7 +136,7 @@ impl<'a> Reader<'a> {
         match (kind.as_str(), collection.as_str()) {
             ("uniform", _) => {
                 if self.dataset.time.is_none()
-                    && let Some(time) = time_of(&elements)?
+                    && let Some(time) = self.time_of(&elements)?
                 {
                     self.dataset.time = Some(time);
                 }
@@ -167,7 +167,7 @@ impl<'a> Reader<'a> {
         let mut times = Vec::new();
         for grid in grids {
             // Not by way of includes, which give no times.
-            times.push(time_of(&grid.children.iter().collect::<Vec<_>>())?);
+            times.push(self.time_of(&grid.children.iter().collect::<Vec<_>>())?);
         }
         let times: Vec<f64> = match times.iter().copied().collect::<Option<Vec<f64>>>() {
             Some(times) => times,
@@ -185,6 +185,21 @@ impl<'a> Reader<'a> {
             return Err(Error::run("the series of the file differ in their times"));
         }
         Ok(Some(grids[order[request.step_index(&times)?]]))
+    }
+
+    /// The time of a grid by its own element.
+    fn time_of(&self, elements: &[&'a Element]) -> Result<Option<f64>> {
+        let Some(time) = elements.iter().copied().find(|element| element.tag == "Time") else {
+            return Ok(None);
+        };
+        let value = match time.number::<f64>("Value")? {
+            None => self.items.only(time)?.numbers()?.first().copied(),
+            value => value,
+        };
+        match value {
+            Some(value) if value.is_finite() => Ok(Some(value)),
+            _ => Err(time.wrong("Value", "a finite number")),
+        }
     }
 
     /// Times that a series lists itself; the numbers of its steps, where it does not.
@@ -442,15 +457,6 @@ type CountedGeometry = (u64, u64, Geometry);
 
 fn name(grid: &Element, number: usize) -> String {
     grid.attribute("Name").map_or_else(|| format!("grid {number}"), str::to_owned)
-}
-
-/// The time of a grid by its own element.
-fn time_of(elements: &[&Element]) -> Result<Option<f64>> {
-    let Some(time) = elements.iter().find(|element| element.tag == "Time") else { return Ok(None) };
-    match time.number::<f64>("Value")? {
-        Some(value) if !value.is_finite() => Err(time.wrong("Value", "a finite number")),
-        value => Ok(value),
-    }
 }
 
 /// Whole numbers of an attribute.

@@ -107,6 +107,20 @@ def partitions():
         root.create_group("CellData")["c"] = get(whole.GetCellData().GetArray("c"))
 
 
+def arrays():
+    """Each array of the grid of every cell by an external link of its own."""
+    with h5py.File("vtkhdf_partitions.vtkhdf") as whole, h5py.File("vtkhdf_arrays.vtkhdf", "w", libver="latest") as file:
+        root = file.create_group("VTKHDF")
+        for name, value in whole["VTKHDF"].attrs.items():
+            root.attrs[name] = value
+
+        def link(name, item):
+            if isinstance(item, h5py.Dataset):
+                root[name] = h5py.ExternalLink("vtkhdf_partitions.vtkhdf", "/VTKHDF/" + name)
+
+        whole["VTKHDF"].visititems(link)
+
+
 def structured():
     n, points = (3, 2, 2), meshes.box()
     curvilinear = vtk.vtkStructuredGrid()
@@ -204,6 +218,7 @@ write(collection(), "collection")
 write(collection(), "linked", UseExternalComposite=True)
 write(multi_block(), "blocks")
 partitions()
+arrays()
 structured()
 image_steps()
 damaged()

@@ -8,6 +8,7 @@ use voltet_io::formats::{Request, arrays, files_read_beside, inspect, read, step
 fn every_cell_type_is_that_of_the_xml_file() {
     same_files("vtkhdf_cells.vtkhdf", "cells.vtu");
     same_files("vtkhdf_partitions.vtkhdf", "cells.vtu");
+    same_files("vtkhdf_arrays.vtkhdf", "cells.vtu");
     same_files("vtkhdf_polyhedra.vtkhdf", "polyhedra.vtu");
     let partitions = inspect(&path("vtkhdf_partitions.vtkhdf"), &Request::default(), &NoProgress).unwrap();
     assert_eq!((partitions.piece_count, partitions.active_scalars.as_deref()), (2, Some("s")));
