@@ -83,7 +83,10 @@ pub(crate) fn is_pipeline_ending(ending: &str) -> bool {
 }
 
 /// Ends of the names of data files.
-pub(crate) const DATA: [&str; 10] = ["vtu", "vtk", "vts", "vtr", "vti", "pvtu", "pvd", "xyz", "p3d", "x"];
+pub(crate) const DATA: [&str; 15] = [
+    "vtu", "vtk", "vts", "vtr", "vti", "pvtu", "pvd", "vtkhdf", "hdf", "cgns", "xdmf", "xmf", "xyz", "p3d",
+    "x",
+];
 
 pub(crate) fn is_pipeline(path: &Path) -> bool {
     path.extension().is_none_or(|end| end == "toml")

@@ -21,15 +21,9 @@ fn formats_are_told_by_content_and_named_with_a_remedy() {
     let paraview = "open it in ParaView and save its data as .vtu";
     let surface = "a surface has to be filled";
     for (name, content, what, remedy) in [
-        ("a.vtkhdf", hdf5("VTKHDF"), "a VTKHDF file", paraview),
-        ("a.cgns", hdf5("CGNSLibraryVersion"), "a CGNS file", paraview),
-        // PLOT3D grids end in .g, too.
-        ("a.g", hdf5("num_el_blk"), "an Exodus II file", paraview),
-        ("a.exo", bytes("CDF\x01\0\0\0\0num_el_blk"), "an Exodus II file", paraview),
+        ("adf.cgns", bytes("@(#)ADF Database Version A02011>"), "a CGNS file in ADF", "adf2hdf"),
         ("a.med", hdf5("ENS_MAA"), "a MED file", "ParaVis"),
-        ("a.h5", hdf5("fields"), "an HDF5 file", ".xdmf file beside it"),
-        ("user_block.h5", [vec![0; 512], hdf5("VTKHDF")].concat(), "a VTKHDF file", paraview),
-        ("a.nc", bytes("CDF\x02\0\0\0\0lon"), "a netCDF file", "save"),
+        ("user_block.h5", [vec![0; 512], hdf5("VTKHDF")].concat(), "an HDF5 file", "h5unjam"),
         ("a.msh", bytes("$MeshFormat\n4.1 0 8\n"), "a mesh of Gmsh", "meshio convert"),
         ("fluent.msh", bytes("(0 \"GAMBIT to Fluent File\")\n"), "Ansys Fluent", paraview),
         ("a.inp", bytes("** a comment\n*Heading\n"), "input of Abaqus", "meshio convert"),
@@ -39,7 +33,6 @@ fn formats_are_told_by_content_and_named_with_a_remedy() {
         ("a.case", bytes("FORMAT\ntype:  ensight gold\n"), "an EnSight case", paraview),
         ("points", bytes("/*---*\\\nFoamFile\n{\n"), "a file of OpenFOAM", "foamToVTK"),
         ("a.foam", Vec::new(), "a case of OpenFOAM", "foamToVTK"),
-        ("a.xdmf", bytes("<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">"), "an XDMF file", paraview),
         ("a.xml", bytes("<dolfin>"), "a mesh of FEniCS", "meshio"),
         ("text.stl", bytes("solid a\n facet normal 0 0 1\n"), "a surface (STL)", surface),
         ("binary.stl", stl, "a surface (STL)", surface),
@@ -62,17 +55,8 @@ fn formats_are_told_by_content_and_named_with_a_remedy() {
 }
 
 #[test]
-fn collections_of_blocks_name_a_grid_that_can_be_read() {
+fn kinds_of_vtk_without_a_volume_are_refused() {
     let folder = Folder::new();
-    let blocks = "<VTKFile type=\"vtkMultiBlockDataSet\"><vtkMultiBlockDataSet><Block index=\"0\">\
-        <DataSet index=\"0\" file=\"a/surface.vtp\"/><DataSet index=\"1\" file=\"a/solid.vtu\"/></Block>\
-        <DataSet index=\"1\" file=\"a/fluid.vtu\"/></vtkMultiBlockDataSet></VTKFile>";
-    folder.write("a.vtm", blocks);
-    refused(
-        &folder,
-        "a.vtm",
-        &["type 'vtkMultiBlockDataSet'", "one of the 2 grids", "'a/solid.vtu'", "Merge Blocks"],
-    );
     folder.write("a.vtp", "<VTKFile type=\"PolyData\"><PolyData/></VTKFile>");
     refused(&folder, "a.vtp", &["type 'PolyData'", "a surface has to be filled"]);
     folder.write("a.htg", "<VTKFile type=\"HyperTreeGrid\"><HyperTreeGrid/></VTKFile>");

@@ -18,6 +18,7 @@ pub(super) fn load(piece: &Piece, meter: &Meter) -> Result<Cells> {
                 mixed(types, connectivity, offsets, faces, meter).map(Cells::Mixed)
             }
             StoredCells::Counted { list, types } => counted(list, types, meter),
+            StoredCells::Converted(convert) => convert(meter),
         },
         Geometry::Added(external) => external.take(None, |read| read.cells.take(), meter.progress()),
         Geometry::Curvilinear { dimensions, .. }

@@ -4,6 +4,7 @@ use super::codec::Codec;
 use super::numbers::{ByteOrder, NumberType};
 use super::source::Source;
 use glam::{DMat3, DVec3};
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -13,6 +14,8 @@ use voltet_core::progress::{NoProgress, Progress, refuse_beyond_memory};
 use voltet_core::reading::{FileArray, OpenGrid};
 use voltet_core::{Error, Result, counted};
 
+/// Name of the cell array that holds the number of each cell's block.
+pub const BLOCK: &str = "block";
 /// Arrays with these names flag ghosts and are not offered as quantities.
 pub(super) const GHOST_TYPE: &str = "vtkGhostType";
 /// The flag's older form: the number of layers from the piece's own cells.
@@ -34,6 +37,9 @@ pub(super) struct Dataset {
     pub pieces: Vec<Piece>,
     /// True if the parts are different grids, whose points stay apart.
     pub has_blocks: bool,
+    /// Names of the blocks in the order of the file, those that the request leaves out, too; with `/` between those of a group and
+    /// of a block within. Empty where the format has no blocks, or the file one without a name.
+    pub blocks: Vec<String>,
     /// Name of the array that the file marks as the global ids of the points.
     pub global_ids: Option<String>,
     /// Times of a series' steps; empty where there is no series.
@@ -44,6 +50,8 @@ pub(super) struct Dataset {
     pub active_scalars: Option<String>,
     /// Sentences for the user.
     pub warnings: Vec<String>,
+    /// Further contents of the file, for people: "2 node sets: 'inlet', 'outlet'".
+    pub notes: Vec<String>,
     /// Bytes of the files that hold points, cells and arrays.
     pub file_bytes: u64,
 }
@@ -54,8 +62,28 @@ pub(super) struct Piece {
     pub cell_count: u64,
     pub geometry: Geometry,
     pub arrays: Vec<PieceArray>,
+    /// Blocks of the cells.
+    pub blocks: CellBlocks,
     /// True if the file is of a version in which Lagrange and Bézier hexahedra had two edges in the other order.
     pub is_old_order: bool,
+}
+
+/// Blocks of the cells of a piece, by their numbers in [`Dataset::blocks`].
+#[derive(Clone)]
+#[allow(dead_code, reason = "formats whose pieces hold several blocks are added one by one")]
+pub(super) enum CellBlocks {
+    /// One for all cells.
+    One(usize),
+    /// One after the other: the number of a block, and of its cells.
+    Runs(Vec<(usize, u64)>),
+    /// In any order: the number of each cell's block.
+    Each(Compute),
+}
+
+impl Default for CellBlocks {
+    fn default() -> Self {
+        CellBlocks::One(0)
+    }
 }
 
 /// An array of a piece.
@@ -64,6 +92,8 @@ pub(super) struct PieceArray {
     pub stored: Stored,
     /// Names of the components, where the file gives them.
     pub component_names: Vec<String>,
+    /// Blocks of the piece without values, whose cells have NaN.
+    pub blocks_without: Vec<usize>,
 }
 
 /// Points and cells.
@@ -80,12 +110,17 @@ pub(super) enum Geometry {
     Uniform { dimensions: [u64; 3], first: DVec3, origin: DVec3, spacing: DVec3, direction: DMat3 },
 }
 
+/// Makes cells of what a file stores in a form of its own.
+pub(super) type Convert = Arc<dyn Fn(&Meter) -> Result<Cells> + Send + Sync>;
+
 /// Cells as a file stores them.
 pub(super) enum StoredCells {
     /// Connectivity with the end (or the bounds) of every cell's part; faces of polyhedra.
     Offsets { connectivity: Stored, offsets: Stored, types: Stored, faces: StoredFaces },
     /// The list of legacy files before 5.0: a count before each cell's points.
     Counted { list: Stored, types: Stored },
+    /// In another form, made by a function.
+    Converted(Convert),
 }
 
 /// Faces of polyhedra as a file stores them.
@@ -104,7 +139,7 @@ pub(super) enum StoredFaces {
 impl PieceArray {
     /// An array whose components have no names.
     pub fn new(association: Association, stored: Stored) -> PieceArray {
-        PieceArray { association, stored, component_names: Vec::new() }
+        PieceArray { association, stored, component_names: Vec::new(), blocks_without: Vec::new() }
     }
 
     /// Its header.
@@ -173,6 +208,9 @@ impl<'a> Meter<'a> {
 /// Makes the values of an array that no part of the file holds as such (PLOT3D's derived quantities).
 pub(super) type Compute = Arc<dyn Fn(&Meter) -> Result<Vec<f64>> + Send + Sync>;
 
+/// Reads the bytes of an array, in its type and byte order, from where they do not lie side by side (chunks of HDF5).
+pub(super) type Gather = Arc<dyn Fn() -> Result<Vec<u8>> + Send + Sync>;
+
 /// Location and encoding of the values.
 #[derive(Clone)]
 pub(super) enum Encoding {
@@ -183,6 +221,8 @@ pub(super) enum Encoding {
     /// The binary form of the VTK XML formats: a length or block table, then the values; `base64` text or bytes,
     /// between `at` and `end`.
     Xml { at: u64, end: u64, base64: bool, wide: bool, codec: Option<Codec> },
+    /// Bytes from many places of the file.
+    Gathered(Gather),
     /// Not in the file.
     Computed(Compute),
 }
@@ -224,6 +264,17 @@ impl Stored {
             tuple_count: Some(tuple_count),
             encoding,
         }
+    }
+
+    /// Three arrays of one number each as vectors.
+    pub fn joined(name: &str, planes: [Stored; 3]) -> Stored {
+        let (source, tuple_count) = (planes[0].source.clone(), planes[0].tuple_count.unwrap_or(0));
+        let interleave: Compute = Arc::new(move |meter| {
+            let [x, y, z]: [Vec<f64>; 3] =
+                [planes[0].load(meter)?, planes[1].load(meter)?, planes[2].load(meter)?];
+            Ok(x.into_par_iter().zip(y).zip(z).flat_map_iter(|((x, y), z)| [x, y, z]).collect())
+        });
+        Stored::of_f64(&source, name, 3, tuple_count, Encoding::Computed(interleave))
     }
 
     /// Number of values that the headers promise.

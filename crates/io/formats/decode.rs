@@ -216,6 +216,11 @@ impl Stored {
             }
             // An empty array may have no bytes at all, not even a length.
             _ if self.promised()? == Some(0) => Ok(Decodable::Plain(Payload::Memory(Vec::new()))),
+            Encoding::Gathered(gather) => {
+                let bytes = gather()?;
+                self.check_len(bytes.len() as u64)?;
+                Ok(Decodable::Plain(Payload::Memory(bytes)))
+            }
             Encoding::Bytes(at) => {
                 let len = self.promised()?.and_then(|count| self.number_type.byte_count(count)).unwrap_or(0);
                 Payload::in_file(source, *at, len).map(Decodable::Plain)

@@ -5,6 +5,10 @@
 //! | .vtu .vts .vtr .vti, .pvtu .pvts .pvtr .pvti, .pvd | [`xml`] |
 //! | .vtk (legacy 2.0 to 5.1, ASCII and binary) | [`legacy`] |
 //! | .vtu.series, .vtk.series | [`series`] |
+//! | .vtkhdf, .hdf | [`vtkhdf`], by [`hdf5`] |
+//! | .cgns | [`cgns`], by [`hdf5`] |
+//! | .xdmf, .xmf | [`xdmf`] |
+//! | .e .exo .ex2 .g | [`exodus`], by [`netcdf`] or [`hdf5`] |
 //! | PLOT3D grid and solution | [`plot3d`] |
 //!
 //! Every format is turned into the same table of contents first ([`contents`]: counts, geometry, and for each array its
@@ -22,14 +26,19 @@
 //! the tests as an independent writer.
 
 mod assemble;
+mod blocks;
 mod cells;
+mod cgns;
 mod codec;
 mod contents;
 mod decode;
 mod elements;
+mod exodus;
+mod hdf5;
 mod hexahedra;
 mod inspect;
 mod legacy;
+mod netcdf;
 mod numbers;
 mod plot3d;
 mod request;
@@ -37,19 +46,23 @@ mod series;
 mod source;
 mod surfaces;
 mod unsupported;
+mod vtkhdf;
+mod xdmf;
 mod xml;
 
 pub use assemble::{SkippedArray, length};
+pub use blocks::blocks_named;
 pub use cells::face_stream;
+pub use contents::BLOCK;
 pub use elements::{SurfaceColors, SurfaceFile};
-pub use inspect::{ArraySummary, Summary};
+pub use inspect::{ArraySummary, BlockSummary, Summary};
 pub use request::{Component, Request, SelectedArrays, TimeStep};
 pub use source::existing_file;
 pub use surfaces::{SURFACE_FILES, read_surface};
 pub use voltet_core::grid::{Association, CellValues, Options};
 pub use voltet_core::reading::FileArray;
 
-use contents::{Compute, Dataset, Encoding, ExternalFormat, Geometry, Piece, PieceArray, Stored};
+use contents::{CellBlocks, Compute, Dataset, Encoding, ExternalFormat, Geometry, Piece, PieceArray, Stored};
 use request::Format;
 use source::{Source, printable};
 use std::path::{Path, PathBuf};
@@ -111,34 +124,99 @@ pub fn steps(path: &Path, request: &Request) -> Result<(usize, usize)> {
 pub fn files_beside(path: &Path) -> Vec<PathBuf> {
     let solution = Some(path.with_extension("q")).filter(|solution| solution != path && solution.is_file());
     let named = xml::files_named(path, None).into_iter().chain(series::files_named(path, None));
-    named.chain(solution).collect()
+    let request = Request::default();
+    named
+        .chain(files_linked(path, &request))
+        .chain(xdmf::files_named(path, &request))
+        .chain(solution)
+        .chain(exodus::parts_beside(path))
+        .collect()
 }
 
 /// Further files that reading for this request opens: of a series the files of one step.
 pub fn files_read_beside(path: &Path, request: &Request) -> Vec<PathBuf> {
     let solution = plot3d::solution_beside(path, request);
     let of_series = series::files_named(path, Some(request));
-    xml::files_named(path, Some(request)).into_iter().chain(of_series).chain(solution).collect()
+    let of_links = files_linked(path, request);
+    xml::files_named(path, Some(request))
+        .into_iter()
+        .chain(of_series)
+        .chain(of_links)
+        .chain(xdmf::files_named(path, request))
+        .chain(solution)
+        .chain(exodus::parts_beside(path))
+        .collect()
+}
+
+/// Files that external links of a file in HDF5 lead to; none for other files.
+fn files_linked(path: &Path, request: &Request) -> Vec<PathBuf> {
+    let Ok(source) = Source::open(path) else { return Vec::new() };
+    if !source.head(256).is_ok_and(|head| (HDF5.matches)(&head, path, request)) {
+        return Vec::new();
+    }
+    let Ok(root) = hdf5::File::open(source.clone()).and_then(|file| file.root()) else { return Vec::new() };
+    // Links are followed by reading; one that is damaged is an error of the reading itself.
+    let _ = read_hdf5(&source, &root, request);
+    root.linked_files()
 }
 
 /// The formats, in the order in which a file is tried as one of them.
-const FORMATS: &[Format] = &[xml::FORMAT, legacy::FORMAT, SERIES, plot3d::FORMAT];
+const FORMATS: &[Format] =
+    &[xdmf::FORMAT, xml::FORMAT, legacy::FORMAT, SERIES, HDF5, exodus::FORMAT, plot3d::FORMAT];
 
 /// The declaration of series of files, each of any format.
 const SERIES: Format = Format {
     files: "a series of files (.vtu.series, .vtk.series)",
     matches: |head, path, _| series::is_series(head, path),
     open: |source, request| {
-        let series::Step { path, times } = series::step(&source, request)?;
-        let dataset = open(&path, &Request { time_step: None, ..request.clone() })?;
+        let series::SeriesStep { path, times } = series::step(&source, request)?;
+        let (dataset, _) = open_contents(&path, &Request { time_step: None, ..request.clone() })?;
         let format = format!("series of {}; {}", counted(times.len(), "file"), dataset.format);
         Ok(Dataset { format, time_steps: times, ..dataset })
     },
     has_solution: false,
 };
 
+/// The declaration of the formats in HDF5.
+const HDF5: Format = Format {
+    files: "a VTKHDF (.vtkhdf, .hdf) or CGNS file",
+    matches: |head, _, _| head.starts_with(unsupported::HDF5_MAGIC),
+    open: open_hdf5,
+    has_solution: false,
+};
+
+/// Reader of a format in HDF5.
+type Hdf5Reader = fn(&hdf5::Group, &Request) -> Result<Dataset>;
+
+/// The formats in HDF5, each told by a name in the root group.
+const IN_HDF5: &[(&str, Hdf5Reader)] =
+    &[(vtkhdf::ROOT, vtkhdf::open), (cgns::ROOT, cgns::open), (exodus::ROOT, exodus::open_hdf5)];
+
+/// Reads the table of contents by the format that the names in the root group show.
+fn open_hdf5(source: Arc<Source>, request: &Request) -> Result<Dataset> {
+    match hdf5::File::open(source.clone()).and_then(|file| file.root()) {
+        Ok(root) => read_hdf5(&source, &root, request),
+        Err(error) => unsupported::refuse(&source, unsupported::IN_HDF5).and(Err(error)),
+    }
+}
+
+/// Reads the table of contents from the root group.
+fn read_hdf5(source: &Source, root: &hdf5::Group, request: &Request) -> Result<Dataset> {
+    let names = root.names()?;
+    let is_there = |name: &str| names.iter().any(|own| own == name);
+    if let Some((_, open)) = IN_HDF5.iter().find(|(name, _)| is_there(name)) {
+        return open(root, request);
+    }
+    unsupported::refuse(source, unsupported::IN_HDF5)?;
+    let first: Vec<&str> = names.iter().take(8).map(String::as_str).collect();
+    let found = if first.is_empty() { "nothing".to_owned() } else { first.join(", ") };
+    Err(Error::run("the file is HDF5, but of no format that is read")
+        .got(format_args!("{found} in the root group"))
+        .expected(unsupported::HDF5))
+}
+
 /// File types of the reader, for its help.
-pub const FILES: &str = "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, .vtu.series, legacy .vtk) or a PLOT3D grid";
+pub const FILES: &str = "VTK (.vtu .vts .vtr .vti, .pvtu …, .vtm, .pvd, .vtu.series, .vtkhdf, legacy .vtk), CGNS, XDMF, Exodus II (.e .exo .g) or a PLOT3D grid";
 
 /// File types of several formats, in one phrase.
 fn files(mut formats: impl Iterator<Item = &'static Format>) -> String {
@@ -149,13 +227,20 @@ fn files(mut formats: impl Iterator<Item = &'static Format>) -> String {
 /// Reads the table of contents of a file by the format that it shows; what is asked for but cannot be of such a file is an
 /// error.
 fn open(path: &Path, request: &Request) -> Result<Dataset> {
+    let (mut dataset, source) = open_contents(path, request)?;
+    blocks::number_cells(&mut dataset, request, &source).map_err(|error| error.in_file(path))?;
+    Ok(dataset)
+}
+
+/// The table of contents before blocks are numbered, and the file.
+fn open_contents(path: &Path, request: &Request) -> Result<(Dataset, Arc<Source>)> {
     unsupported::refuse_folder(path)?;
     let source = Source::open(path)?;
     let in_file = |error: Error| error.in_file(path);
     if let Some(chosen) = &request.chosen {
         let dataset = open_external(&source, request, chosen).map_err(in_file)?;
-        return refuse_no_series(dataset, request, "a file that is a series, or no time step")
-            .map_err(in_file);
+        let dataset = refuse_no_series(dataset, request, "a file that is a series, or no time step");
+        return dataset.map(|dataset| (dataset, source.clone())).map_err(in_file);
     }
     unsupported::refuse(&source, unsupported::BY_MAGIC).map_err(in_file)?;
     let head = source.head(256).map_err(in_file)?;
@@ -167,7 +252,7 @@ fn open(path: &Path, request: &Request) -> Result<Dataset> {
             error.expected(format!("{formats}; formats from outside have nodes of their own")),
         ));
     };
-    let dataset = (format.open)(source, request).map_err(in_file)?;
+    let dataset = (format.open)(source.clone(), request).map_err(in_file)?;
     let dataset = refuse_no_series(
         dataset,
         request,
@@ -182,7 +267,7 @@ fn open(path: &Path, request: &Request) -> Result<Dataset> {
                 .expected(format!("{with}, or no solution")),
         ));
     }
-    Ok(dataset)
+    Ok((dataset, source))
 }
 
 /// True if a file shows that it is of a format that ships.
@@ -242,15 +327,18 @@ fn open_external(source: &Arc<Source>, request: &Request, chosen: &SelectedArray
         cell_count: head.cell_count,
         arrays: head.arrays.iter().enumerate().map(array).collect(),
         geometry: Geometry::Added(added),
+        blocks: CellBlocks::default(),
         is_old_order: false,
     };
     Ok(Dataset {
         format: head.format,
         pieces: vec![piece],
         has_blocks: false,
+        blocks: Vec::new(),
         time: None,
         global_ids: None,
         time_steps: head.times,
+        notes: Vec::new(),
         active_scalars: head.scalar,
         warnings: Vec::new(),
         file_bytes: source.len(),

@@ -9,8 +9,9 @@
 //! γ = 1.4, gas constant R = 1.
 
 use self::Formula::{Scalar, Vector};
+use super::blocks;
 use super::contents::{
-    Compute, Dataset, Encoding, Geometry, Meter, Piece, PieceArray, Stored, structured_counts,
+    CellBlocks, Compute, Dataset, Encoding, Geometry, Meter, Piece, PieceArray, Stored, structured_counts,
 };
 use super::numbers::{self, ByteOrder, NumberType};
 use super::request::{Format, Request};
@@ -67,13 +68,25 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
         dataset.warnings.push("The PLOT3D grid has no solution file, so it holds no quantity.".to_owned());
     }
     let mut solutions = solutions.into_iter();
-    for grid in grids {
-        dataset.pieces.push(piece(&source, grid, solutions.next(), request)?);
+    let names: Vec<String> = (1..=grids.len()).map(|number| format!("grid {number}")).collect();
+    let selected = blocks::selected(if names.len() > 1 { &names } else { &[] }, request)?;
+    for (block, grid) in grids.into_iter().enumerate() {
+        let solution = solutions.next();
+        if selected.get(block) != Some(&false) {
+            dataset.pieces.push(piece(&source, block, grid, solution, request)?);
+        }
     }
+    dataset.blocks = if names.len() > 1 { names } else { Vec::new() };
     Ok(dataset)
 }
 
-fn piece(source: &Arc<Source>, grid: Block, solution: Option<Block>, request: &Request) -> Result<Piece> {
+fn piece(
+    source: &Arc<Source>,
+    block: usize,
+    grid: Block,
+    solution: Option<Block>,
+    request: &Request,
+) -> Result<Piece> {
     let (point_count, cell_count) = structured_counts(grid.dimensions)?;
     let computed = |name: &str, component_count: usize, compute: Compute| {
         Stored::of_f64(source, name, component_count, point_count, Encoding::Computed(compute))
@@ -84,7 +97,7 @@ fn piece(source: &Arc<Source>, grid: Block, solution: Option<Block>, request: &R
         return Err(Error::run("a PLOT3D grid lacks coordinates"));
     };
     let coordinates = [x.clone(), y.clone(), z.clone()];
-    let points = computed("coordinates", 3, Arc::new(move |meter| interleave(&coordinates, meter)));
+    let points = Stored::joined("coordinates", coordinates);
     if let Some(flags) = rest.first() {
         let flags = Stored { name: "iblank".to_owned(), ..flags.clone() };
         // 0 marks a point outside the flow; other values say what kind of point it is.
@@ -111,14 +124,9 @@ fn piece(source: &Arc<Source>, grid: Block, solution: Option<Block>, request: &R
         cell_count,
         geometry: Geometry::Curvilinear { dimensions: grid.dimensions, points },
         arrays,
+        blocks: CellBlocks::One(block),
         is_old_order: false,
     })
-}
-
-/// Planes of three components as tuples.
-fn interleave(planes: &[Stored; 3], meter: &Meter) -> Result<Vec<f64>> {
-    let [x, y, z] = [planes[0].load(meter)?, planes[1].load(meter)?, planes[2].load(meter)?];
-    Ok(x.into_par_iter().zip(y).zip(z).flat_map_iter(|((x, y), z)| [x, y, z]).collect())
 }
 
 /// A quantity from the planes of a solution.

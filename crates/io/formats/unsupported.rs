@@ -27,8 +27,10 @@ const OPENFOAM: &str =
     "a .vtu file: `foamToVTK` in the case's folder writes one for each time, VTK/…/internal.vtu";
 const SALOME: &str =
     "a .vtu file: Salome's ParaVis reads it and saves its data as .vtu, and so does `meshio convert`";
-const HDF5: &str =
-    "a .vtu file: the program that wrote this one, or ParaView with the .xdmf file beside it, can save one";
+/// Beginning of every file in HDF5.
+pub(super) const HDF5_MAGIC: &[u8] = b"\x89HDF\r\n\x1a\n";
+pub(super) const HDF5: &str = "the .xdmf file beside it, if there is one: it says what the numbers are; or a .vtu file of the program that wrote this one";
+const CGNS_ADF: &str = "a CGNS file in HDF5: `adf2hdf FILE` of the CGNS tools makes one of it";
 const ABAQUS: &str =
     "a .vtu file: Abaqus/CAE exports field output as text, or as .inp with `meshio convert` after it";
 const ENSIGHT: &str = "a .vtu file: open the .case file beside it in ParaView and save its data as .vtu";
@@ -37,16 +39,13 @@ const ANSYS: &str = "a .vtu file: `pymapdl_reader` (ansys-mapdl-reader) reads it
 const TABLE: &str =
     "a grid with cells: points alone have no volume; ParaView's Delaunay3D joins them to tetrahedra";
 
+/// Formats in HDF5, by the names within.
+pub(super) const IN_HDF5: &[UnsupportedFormat] =
+    &[("a MED file (Salome)", SALOME, |file| file.holds(&["ENS_MAA", "INFOS_GENERALES"]))];
+
 /// Formats that their first bytes tell for sure. Of containers those that are told by what is inside stand first.
 pub(super) const BY_MAGIC: &[UnsupportedFormat] = &[
-    ("a VTKHDF file (VTK's data in HDF5)", PARAVIEW, |file| file.is_hdf5() && file.holds(&["VTKHDF"])),
-    ("a CGNS file", PARAVIEW, |file| file.is_hdf5() && file.holds(&["CGNSLibraryVersion", "CGNSBase_t"])),
-    ("an Exodus II file", PARAVIEW, |file| file.is_container() && file.holds(&["num_el_blk", "eb_prop1"])),
-    ("a MED file (Salome)", SALOME, |file| file.is_hdf5() && file.holds(&["ENS_MAA", "INFOS_GENERALES"])),
-    ("an HDF5 file", HDF5, |file| file.is_hdf5()),
-    ("a netCDF file", "a .vtu or .vts file: ParaView reads it and saves its data so", |file| {
-        file.is_container()
-    }),
+    ("a CGNS file in ADF, its older form", CGNS_ADF, |file| file.holds(&["ADF Database Version"])),
     ("a mesh of Gmsh", MESHIO, |file| file.begins(&["$MeshFormat"])),
     ("data of Abaqus (.odb)", ABAQUS, |file| file.begins(&["HKSRD0"])),
     ("a file of OpenFOAM", OPENFOAM, |file| file.has_line(|line| line.trim() == "FoamFile")),
@@ -57,7 +56,6 @@ pub(super) const BY_MAGIC: &[UnsupportedFormat] = &[
     }),
     ("a geometry file of EnSight", ENSIGHT, |file| file.begins(&["C Binary", "Fortran Binary"])),
     ("a Tecplot file", PARAVIEW, |file| file.begins(&["#!TDV"])),
-    ("an XDMF file", PARAVIEW, |file| file.has_tag("Xdmf")),
     ("a mesh of FEniCS (XML)", MESHIO, |file| file.has_tag("dolfin")),
     ("a surface (PLY)", SURFACE, |file| file.begins(&["ply\n", "ply\r"])),
     ("a surface (STL)", SURFACE, |file| file.is_stl()),
@@ -82,6 +80,11 @@ pub(super) const BY_MAGIC: &[UnsupportedFormat] = &[
 
 /// Formats of plain text that only words tell; asked where nothing else is meant.
 pub(super) const BY_WORDS: &[UnsupportedFormat] = &[
+    (
+        "an HDF5 file behind a block of its writer's own",
+        "the file without that block: `h5unjam -i FILE -o NEW` makes one",
+        |file| [512, 1024, 2048].iter().any(|&place| file.has_magic_at(place, HDF5_MAGIC)),
+    ),
     ("input of LS-DYNA", LS_DYNA, |file| file.has_line(|line| line.to_lowercase().starts_with("*keyword"))),
     ("input of Abaqus (.inp)", MESHIO, |file| {
         file.has_line(|line| {
@@ -121,7 +124,7 @@ pub(super) fn refuse_folder(path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Bytes searched of a text; names in HDF5 and netCDF stand anywhere, for the most part early.
+/// Bytes searched of a text; names in HDF5 stand anywhere, for the most part early.
 const HEAD: u64 = 4096;
 const CONTAINER_HEAD: u64 = 4 << 20;
 
@@ -177,15 +180,9 @@ impl FileStart {
         self.has_line(|line| words.iter().any(|word| line.starts_with(word)))
     }
 
-    fn is_hdf5(&self) -> bool {
-        // A block for the user's own may stand before it.
-        [0, 512, 1024, 2048].iter().any(|&place| self.has_magic_at(place, b"\x89HDF\r\n\x1a\n"))
-    }
-
-    /// True if it is HDF5 or netCDF.
+    /// True if names may stand anywhere in it.
     fn is_container(&self) -> bool {
-        self.is_hdf5()
-            || ["CDF\x01", "CDF\x02", "CDF\x05"].iter().any(|magic| self.bytes.starts_with(magic.as_bytes()))
+        self.has_magic_at(0, HDF5_MAGIC)
     }
 
     /// Text, or 80 bytes of anything, the number of triangles and 50 bytes for each.

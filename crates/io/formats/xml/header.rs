@@ -19,7 +19,7 @@ const GREATEST_DEPTH: usize = 32;
 
 /// An element of the header.
 #[derive(Debug, Default)]
-pub(super) struct Element {
+pub(in crate::formats) struct Element {
     pub tag: String,
     pub attributes: Vec<(String, String)>,
     pub children: Vec<Element>,
@@ -81,7 +81,7 @@ impl Element {
 
 /// The appended data of a file.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Appended {
+pub(in crate::formats) struct Appended {
     /// The byte after the underscore, from which offsets count.
     pub offset: u64,
     pub base64: bool,
@@ -89,6 +89,14 @@ pub(super) struct Appended {
 
 /// Reads the header: its root, and where the appended data begins.
 pub(super) fn read(source: &Arc<Source>) -> Result<(Element, Option<Appended>)> {
+    read_as(source, "VTKFile")
+}
+
+/// Reads a header whose root has this tag.
+pub(in crate::formats) fn read_as(
+    source: &Arc<Source>,
+    root_tag: &str,
+) -> Result<(Element, Option<Appended>)> {
     let mark = if source.head(3)? == *BYTE_ORDER_MARK { BYTE_ORDER_MARK.len() as u64 } else { 0 };
     let widened = Rc::new(RefCell::new(Vec::new()));
     let latin = is_latin(&source.head(256)?).then(|| Latin { widened: widened.clone(), given: 0 });
@@ -127,7 +135,7 @@ pub(super) fn read(source: &Arc<Source>) -> Result<(Element, Option<Appended>)> 
                 while open.len() > 1 {
                     close(&mut open);
                 }
-                return root(open).map(|root| (root, Some(appended)));
+                return root(open, root_tag).map(|root| (root, Some(appended)));
             }
             Event::Start(tag) => {
                 open.push(element(&tag).map_err(failed)?);
@@ -145,7 +153,9 @@ pub(super) fn read(source: &Arc<Source>) -> Result<(Element, Option<Appended>)> 
                 }
             }
             Event::CData(_) | Event::GeneralRef(_)
-                if open.last().is_some_and(|inner| inner.tag == "DataArray") =>
+                if open
+                    .last()
+                    .is_some_and(|inner| ["DataArray", "DataItem"].contains(&inner.tag.as_str())) =>
             {
                 return Err(failed(
                     Error::run("the values of an array are not plain text")
@@ -164,7 +174,7 @@ pub(super) fn read(source: &Arc<Source>) -> Result<(Element, Option<Appended>)> 
         let error = Error::run("the file ends early").got(format_args!("no end of <{tag}>"));
         return Err(error.expected("a file that was written to its end"));
     }
-    root(open).map(|root| (root, None))
+    root(open, root_tag).map(|root| (root, None))
 }
 
 /// Ends the innermost open element.
@@ -177,14 +187,13 @@ fn close(open: &mut Vec<Element>) {
     }
 }
 
-fn root(open: Vec<Element>) -> Result<Element> {
+fn root(open: Vec<Element>, tag: &str) -> Result<Element> {
     let document = open.into_iter().next().unwrap_or_default();
     let found = document.children.first().map_or("no element".to_owned(), |root| format!("<{}>", root.tag));
-    document
-        .children
-        .into_iter()
-        .find(|child| child.tag == "VTKFile")
-        .ok_or_else(|| Error::run("this is not a VTK file").got(found).expected("<VTKFile type=\"…\">"))
+    document.children.into_iter().find(|child| child.tag == tag).ok_or_else(|| match tag {
+        "VTKFile" => Error::run("this is not a VTK file").got(found).expected("<VTKFile type=\"…\">"),
+        _ => Error::run("the XML is of another kind").got(found).expected(format!("<{tag}>")),
+    })
 }
 
 fn element(tag: &BytesStart) -> Result<Element> {

@@ -1,6 +1,7 @@
 //! Every kind of small file, cut short and with bytes changed, thousands of times, always the same ones.
 
 use crate::memory::peak_of;
+use std::io::Read;
 use std::path::Path;
 use voltet_core::progress::NoProgress;
 use voltet_io::formats::{Request, inspect, read};
@@ -34,9 +35,34 @@ fn try_file(path: &Path, scalar: &str, what: &str) {
     }
 }
 
+/// Number of damaged files of each kind of HDF5 file: `VOLTET_FUZZ`, or few.
+fn case_count() -> usize {
+    std::env::var("VOLTET_FUZZ").ok().and_then(|count| count.parse().ok()).unwrap_or(120)
+}
+
+/// A packed file of `tests/files`.
+fn packed(name: &str) -> Vec<u8> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/files").join(format!("{name}.gz"));
+    let mut bytes = Vec::new();
+    flate2::read::GzDecoder::new(std::fs::File::open(path).unwrap()).read_to_end(&mut bytes).unwrap();
+    bytes
+}
+
 /// Cuts and changes a file at places spread over it.
 fn corrupt(name: &str, scalar: &str, bytes: &[u8], case_count: usize) {
     let folder = tempfile::tempdir().unwrap();
+    corrupt_in(&folder, name, name, scalar, bytes, case_count);
+}
+
+/// Cuts and changes a file of a folder at places spread over it; `read`: name of the file that is read.
+fn corrupt_in(
+    folder: &tempfile::TempDir,
+    name: &str,
+    read: &str,
+    scalar: &str,
+    bytes: &[u8],
+    case_count: usize,
+) {
     let mut state = 0x9E37_79B9_7F4A_7C15_u64;
     let mut random = move |below: usize| {
         // xorshift64 (Marsaglia 2003): the same cases in every run.
@@ -75,8 +101,8 @@ fn corrupt(name: &str, scalar: &str, bytes: &[u8], case_count: usize) {
                 format!("{name} with a bit changed at {at}")
             }
         };
-        let path = file(&folder, name, &damaged);
-        try_file(&path, scalar, &what);
+        file(folder, name, &damaged);
+        try_file(&folder.path().join(read), scalar, &what);
     }
 }
 
@@ -124,4 +150,72 @@ fn damaged_plot3d_files_are_errors_or_other_grids() {
     for layout in plot3d::layouts().step_by(3) {
         corrupt("a.xyz", "iblank", &plot3d::grid_file(layout), 40);
     }
+}
+
+#[test]
+fn damaged_vtkhdf_files_are_errors_or_other_grids() {
+    for name in ["partitions", "polyhedra", "image_steps", "linked_casing", "moving", "blocks", "curvilinear"]
+    {
+        let name = format!("vtkhdf_{name}.vtkhdf");
+        corrupt(&name, if name.contains("moving") { "T" } else { "s" }, &packed(&name), case_count());
+    }
+}
+
+#[test]
+fn damaged_cgns_files_are_errors_or_other_grids() {
+    for name in ["cells", "mixed_old", "polyhedra", "polyhedra_old", "zones"] {
+        let name = format!("cgns_{name}.cgns");
+        corrupt(&name, "s", &packed(&name), case_count());
+    }
+    corrupt("cgns_steps.cgns", "T", &packed("cgns_steps.cgns"), case_count());
+}
+
+#[test]
+fn damaged_xdmf_files_and_their_data_are_errors_or_other_grids() {
+    for name in ["polyhedra", "xml"] {
+        let name = format!("xdmf_{name}.xdmf");
+        corrupt(&name, "s", &packed(&name), case_count());
+    }
+    for (name, scalar) in [("blocks", "s"), ("dolfin", "T"), ("hdf", "s"), ("tetra", "s")] {
+        let (text, data) = (format!("xdmf_{name}.xdmf"), format!("xdmf_{name}.h5"));
+        let folder = tempfile::tempdir().unwrap();
+        file(&folder, &data, &packed(&data));
+        corrupt_in(&folder, &text, &text, scalar, &packed(&text), case_count());
+        file(&folder, &text, &packed(&text));
+        corrupt_in(&folder, &data, &text, scalar, &packed(&data), case_count());
+    }
+}
+
+#[test]
+fn damaged_exodus_files_are_errors_or_other_grids() {
+    for name in ["exodus_kinds.exo", "exodus_kinds.ex2", "exodus_old.g", "exodus_hdf5.e"] {
+        for scalar in ["T", "disp:magnitude", "p"] {
+            corrupt(name, scalar, &packed(name), case_count());
+        }
+    }
+}
+
+#[test]
+fn damaged_trees_are_errors_or_other_grids() {
+    let encoding = Encoding {
+        mode: Mode::Ascii,
+        compressor: Compressor::None,
+        big_endian: false,
+        wide_headers: false,
+        block: 256,
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let leaf = file(&folder, "leaf.vtu", &unstructured(encoding, 2, false));
+    let leaf = leaf.display();
+    let tree = format!(
+        "<VTKFile type=\"vtkMultiBlockDataSet\"><vtkMultiBlockDataSet><Block index=\"0\" name=\"a\">\
+         <DataSet index=\"0\" name=\"b\" file=\"{leaf}\"/><Piece index=\"1\"><DataSet index=\"0\" file=\"{leaf}\"/></Piece></Block>\
+         <DataSet index=\"1\" file=\"{leaf}\"/></vtkMultiBlockDataSet></VTKFile>"
+    );
+    corrupt("tree.vtm", "Float64", tree.as_bytes(), 300);
+    let series = format!(
+        "<VTKFile type=\"Collection\"><Collection><DataSet timestep=\"0\" name=\"a\" part=\"0\" file=\"{leaf}\"/>\
+         <DataSet timestep=\"0\" group=\"b\" part=\"1\" file=\"{leaf}\"/></Collection></VTKFile>"
+    );
+    corrupt("series.pvd", "Float64", series.as_bytes(), 300);
 }

@@ -1,0 +1,46 @@
+//! CGNS files as pyCGNS writes them, against the same grids in .vtu files and against formulas. VTK's reader of CGNS gives the
+//! same cells of them.
+
+use super::packed::{field, follow, grid, grid_at, path, request, same_files};
+use voltet_core::grid::Association;
+use voltet_core::progress::NoProgress;
+use voltet_io::formats::{Request, files_read_beside, inspect, steps};
+
+#[test]
+fn every_element_type_is_that_of_the_xml_file() {
+    for name in ["cells", "mixed", "mixed_old"] {
+        same_files(&format!("cgns_{name}.cgns"), "cgns_cells.vtu");
+    }
+    // The coordinates are those of another file.
+    same_files("cgns_linked.cgns", "cgns_cells.vtu");
+    assert_eq!(files_read_beside(&path("cgns_linked.cgns"), &Request::default()), [path("cgns_cells.cgns")]);
+    for name in ["polyhedra", "polyhedra_old"] {
+        same_files(&format!("cgns_{name}.cgns"), "polyhedra.vtu");
+    }
+}
+
+#[test]
+fn zones_of_several_bases_are_read_together_without_their_rind() {
+    let own = grid("cgns_zones.cgns", &request("s"));
+    follow(&own, field, "zones");
+    assert_eq!(own.points.len(), 36);
+    let cells = Request { association: Some(Association::Cell), ..request("c") };
+    assert!(grid("cgns_zones.cgns", &cells).scalar.is_some());
+    let solid = grid("cgns_zones.cgns", &Request { blocks: vec!["Solid/*".to_owned()], ..request("s") });
+    assert!(solid.points.len() == 12 && solid.points.iter().all(|point| point.x >= 20.0));
+    assert_eq!(solid.origin.blocks[..], ["Fluid/Rotor", "Fluid/Casing", "Wall/Skin", "Solid/Block"]);
+    let summary = inspect(&path("cgns_zones.cgns"), &Request::default(), &NoProgress).unwrap();
+    assert_eq!((summary.piece_count, summary.cell_count), (3, 6));
+    assert!(summary.warnings.iter().any(|warning| warning.contains("Wall/Skin")), "{:?}", summary.warnings);
+}
+
+#[test]
+fn a_step_has_its_own_solution_and_coordinates() {
+    assert_eq!(steps(&path("cgns_steps.cgns"), &Request::default()).unwrap(), (2, 0));
+    for step in 0..2 {
+        let own = grid_at("cgns_steps.cgns", "T", step);
+        let shift = step as f64;
+        follow(&own, |[x, y, z]| field([x - shift, y, z]) + 100.0 * shift, "steps");
+        assert_eq!(own.origin.time, Some(0.25 * shift));
+    }
+}
