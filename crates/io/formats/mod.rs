@@ -5,6 +5,8 @@
 //! | .vtu .vts .vtr .vti, .pvtu .pvts .pvtr .pvti, .pvd | [`xml`] |
 //! | .vtk (legacy 2.0 to 5.1, ASCII and binary) | [`legacy`] |
 //! | .vtu.series, .vtk.series | [`series`] |
+//! | meshes of Gmsh (.msh) | [`gmsh`] |
+//! | cases of OpenFOAM | [`foam`] |
 //! | PLOT3D grid and solution | [`plot3d`] |
 //!
 //! Every format is turned into the same table of contents first ([`contents`]: counts, geometry, and for each array its
@@ -25,10 +27,14 @@ mod assemble;
 mod cells;
 mod codec;
 mod contents;
+mod cursor;
 mod decode;
 mod elements;
+mod foam;
+mod gmsh;
 mod hexahedra;
 mod inspect;
+mod lazy;
 mod legacy;
 mod numbers;
 mod plot3d;
@@ -122,7 +128,7 @@ pub fn files_read_beside(path: &Path, request: &Request) -> Vec<PathBuf> {
 }
 
 /// The formats, in the order in which a file is tried as one of them.
-const FORMATS: &[Format] = &[xml::FORMAT, legacy::FORMAT, SERIES, plot3d::FORMAT];
+const FORMATS: &[Format] = &[xml::FORMAT, legacy::FORMAT, SERIES, gmsh::FORMAT, plot3d::FORMAT];
 
 /// The declaration of series of files, each of any format.
 const SERIES: Format = Format {
@@ -138,7 +144,7 @@ const SERIES: Format = Format {
 };
 
 /// File types of the reader, for its help.
-pub const FILES: &str = "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, .vtu.series, legacy .vtk) or a PLOT3D grid";
+pub const FILES: &str = "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, .vtu.series, legacy .vtk), Gmsh (.msh), a case of OpenFOAM (its folder or .foam), or a PLOT3D grid";
 
 /// File types of several formats, in one phrase.
 fn files(mut formats: impl Iterator<Item = &'static Format>) -> String {
@@ -149,7 +155,9 @@ fn files(mut formats: impl Iterator<Item = &'static Format>) -> String {
 /// Reads the table of contents of a file by the format that it shows; what is asked for but cannot be of such a file is an
 /// error.
 fn open(path: &Path, request: &Request) -> Result<Dataset> {
-    unsupported::refuse_folder(path)?;
+    if let Some(folder) = foam::case_folder(path).filter(|_| request.chosen.is_none()) {
+        return foam::open(&folder, request).map_err(|error| error.in_file(path));
+    }
     let source = Source::open(path)?;
     let in_file = |error: Error| error.in_file(path);
     if let Some(chosen) = &request.chosen {
@@ -188,7 +196,8 @@ fn open(path: &Path, request: &Request) -> Result<Dataset> {
 /// True if a file shows that it is of a format that ships.
 pub fn is_data(path: &Path) -> bool {
     let is_of_format = |head: Vec<u8>| format_of(&head, path, &Request::default()).is_some();
-    path.is_file() && Source::open(path).and_then(|source| source.head(256)).is_ok_and(is_of_format)
+    foam::case_folder(path).is_some()
+        || path.is_file() && Source::open(path).and_then(|source| source.head(256)).is_ok_and(is_of_format)
 }
 
 /// True if a file is of a format that ships. One that cannot be read is, too: there is nothing to ask others for.

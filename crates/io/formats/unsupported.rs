@@ -1,7 +1,6 @@
 //! Formats that are not read, told by their content: what a file is, and what to do with it.
 
 use super::source::Source;
-use std::path::Path;
 use voltet_core::{Error, Result};
 
 /// A format that is not read: its name with an article, a remedy (a clause that can follow "expected"), and what tells its files.
@@ -23,8 +22,7 @@ const SURFACE: &str =
     "cells with a volume: a surface has to be filled with them by a mesher (Gmsh, TetGen) first";
 const IMAGE: &str = "a .vti file (VTK image data): ParaView reads it and saves its data as .vti";
 const ARCHIVE: &str = "the file within: unpack it first";
-const OPENFOAM: &str =
-    "a .vtu file: `foamToVTK` in the case's folder writes one for each time, VTK/…/internal.vtu";
+const OPENFOAM: &str = "the case that it belongs to: its folder, a file .foam there, or system/controlDict";
 const SALOME: &str =
     "a .vtu file: Salome's ParaVis reads it and saves its data as .vtu, and so does `meshio convert`";
 const HDF5: &str =
@@ -47,7 +45,6 @@ pub(super) const BY_MAGIC: &[UnsupportedFormat] = &[
     ("a netCDF file", "a .vtu or .vts file: ParaView reads it and saves its data so", |file| {
         file.is_container()
     }),
-    ("a mesh of Gmsh", MESHIO, |file| file.begins(&["$MeshFormat"])),
     ("data of Abaqus (.odb)", ABAQUS, |file| file.begins(&["HKSRD0"])),
     ("a file of OpenFOAM", OPENFOAM, |file| file.has_line(|line| line.trim() == "FoamFile")),
     ("a mesh or case of Ansys Fluent", PARAVIEW, |file| file.begins(&["(0 ", "(1 ", "(2 "])),
@@ -107,19 +104,6 @@ pub(super) const BY_WORDS: &[UnsupportedFormat] = &[
     }),
     ("a table as text", TABLE, |file| ["csv", "tsv"].contains(&file.ending.as_str())),
 ];
-
-/// Refuses folders, and files that stand for a folder, with what they are.
-pub(super) fn refuse_folder(path: &Path) -> Result<()> {
-    let is_stub = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("foam"));
-    let folder = if is_stub { path.parent().unwrap_or(path) } else { path };
-    let is_case = |folder: &Path| {
-        ["system/controlDict", "constant/polyMesh"].iter().any(|name| folder.join(name).exists())
-    };
-    if is_stub || path.is_dir() && is_case(folder) {
-        return Err(refusal("a case of OpenFOAM", OPENFOAM).in_file(path));
-    }
-    Ok(())
-}
 
 /// Bytes searched of a text; names in HDF5 and netCDF stand anywhere, for the most part early.
 const HEAD: u64 = 4096;

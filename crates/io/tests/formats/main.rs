@@ -3,7 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod encodings;
+mod gmsh;
 mod legacy;
+mod openfoam;
 mod pieces;
 mod plot3d;
 mod real_files;
