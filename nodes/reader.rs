@@ -38,6 +38,13 @@ pub const NODE: Node = Node {
         },
         CELL_VALUES,
         Parameter {
+            name: "blocks",
+            parameter_type: ParameterType::Texts,
+            unit: "",
+            default: DefaultValue::Unset("all"),
+            help: "the blocks that are read, by their names or groups; * stands for any letters: \"fluid/*\"",
+        },
+        Parameter {
             name: "time_step",
             parameter_type: ParameterType::Integer(Range::at_least(0.0)),
             unit: "",
@@ -232,10 +239,24 @@ pub(crate) fn request(p: &Parameters, chosen: Option<SelectedArrays>) -> Result<
         (true, None) => Some(TimeStep::Index(p.integer("time_step")? as usize)),
         (false, time) => time.map(TimeStep::Time),
     };
+    let blocks = blocks(p)?;
     let scalar = p.optional("scalar").and_then(|s| s.text()).map(str::to_string);
     let subdivision = p.integer("subdivision")? as u32;
     let options = Options { cell_values, subdivision, ..Options::default() };
-    Ok(Request { scalar, association, options, time_step, chosen, ..Request::default() })
+    Ok(Request { scalar, association, blocks, options, time_step, chosen, ..Request::default() })
+}
+
+/// The names of blocks that the parameter `blocks` holds; none where it is not set.
+pub(crate) fn blocks(p: &Parameters) -> Result<Vec<String>> {
+    if !p.is_set("blocks") {
+        return Ok(Vec::new());
+    }
+    match p.texts("blocks")? {
+        none if none.is_empty() => {
+            Err(p.error("blocks", "there are no blocks").got("[]").expected("at least one name"))
+        }
+        names => Ok(names),
+    }
 }
 
 /// Finds out before any work whether the file is there, and which name was meant if not.

@@ -1,6 +1,7 @@
-//! `threshold`: the cells in which an array has some of its values, or that lie in a part of space.
+//! `threshold`: the cells in which an array has some of its values, that lie in a part of space, or that are of some blocks.
 
 use crate::drawing::{CLIP, clips};
+use crate::reader::blocks;
 use crate::relative::{demand_for, note_numbers};
 use crate::surfacing::{self, QUANTITY, VolumeStatistics, quantity, range_message};
 use std::collections::BTreeSet;
@@ -18,11 +19,12 @@ use voltet_graph::{
     ArrayRef, AxisRef, DefaultValue, DemandContext, Node, Outputs, Parameter, ParameterType, Parameters,
     Port, PortType, Range, RelativeNumberType, RunContext, StatisticKind, Value,
 };
+use voltet_io::formats::{BLOCK, blocks_named};
 
 /// The declaration.
 pub const NODE: Node = Node {
     name: "threshold",
-    summary: "Keeps the cells in which an array has values of a range or a list, or that lie in a part of space.",
+    summary: "Keeps the cells in which an array has values of a range or a list, or those of a part of space or of blocks.",
     inputs: &[Port { name: "volume", port_type: PortType::Volume, summary: "the cells and their values" }],
     outputs: &[Port { name: "volume", port_type: PortType::Volume, summary: "the cells that are kept" }],
     parameters: &[
@@ -48,20 +50,27 @@ pub const NODE: Node = Node {
                 axis: AxisRef::Every("array"),
             }),
             unit: "units of array",
-            default: DefaultValue::Unset("values or clip"),
+            default: DefaultValue::Unset("values, clip or blocks"),
             help: "lowest and highest value that is kept; -inf or inf: no limit there",
         },
         Parameter {
             name: "values",
             parameter_type: ParameterType::Numbers(None, Range::ANY),
             unit: "units of array",
-            default: DefaultValue::Unset("range or clip"),
+            default: DefaultValue::Unset("range, clip or blocks"),
             help: "the values that are kept, such as numbers of materials",
         },
         Parameter {
-            default: DefaultValue::Unset("range or values"),
+            default: DefaultValue::Unset("range, values or blocks"),
             help: "the parts of space in all of which points count; cells stay whole (crinkled)",
             ..CLIP
+        },
+        Parameter {
+            name: "blocks",
+            parameter_type: ParameterType::Texts,
+            unit: "",
+            default: DefaultValue::Unset("range, values or clip"),
+            help: "the blocks of the file that are kept, by their names or groups; * stands for any letters",
         },
         Parameter {
             name: "keep",
@@ -100,22 +109,32 @@ enum Condition {
     Range([f64; 2]),
     Values(Vec<f64>),
     Space(Vec<Clip>),
+    Blocks(Vec<String>),
 }
 
 impl Condition {
     fn new(p: &Parameters) -> Result<Condition> {
-        const CONDITIONS: [&str; 3] = ["range", "values", "clip"];
+        const CONDITIONS: [&str; 4] = ["range", "values", "clip", "blocks"];
         let given: Vec<&str> = CONDITIONS.into_iter().filter(|name| p.is_set(name)).collect();
         let [given] = given[..] else {
             let error = match given.first() {
                 None => p.error("range", "the threshold has no condition"),
                 Some(name) => p.error(name, "the threshold has several conditions").got(given.join(", ")),
             };
-            return Err(error.expected("one of range, values and clip; a node each for several"));
+            return Err(error.expected("one of range, values, clip and blocks; a node each for several"));
         };
         let refused = |name: &str, why: &str, expected: &str| Err(p.error(name, why).expected(expected));
         let (by_cells, smooth) = (p.text("association")? == "cell", p.flag("smooth")?);
         match given {
+            "blocks" => {
+                let others = ["array", "association", "keep", "smooth"];
+                match others.into_iter().find(|name| p.is_set(name)) {
+                    Some(other) => {
+                        return refused(other, "'blocks' looks at names of blocks", "no such parameter");
+                    }
+                    None => return Ok(Condition::Blocks(blocks(p)?)),
+                }
+            }
             "clip" if p.is_set("array") => {
                 return refused("array", "'clip' looks at no array", "range or values");
             }
@@ -162,7 +181,7 @@ impl Condition {
         match self {
             Condition::Range([low, high]) => (*low..=*high).contains(&value),
             Condition::Values(values) => values.contains(&value),
-            Condition::Space(_) => false,
+            Condition::Space(_) | Condition::Blocks(_) => false,
         }
     }
 }
@@ -191,7 +210,9 @@ fn demand(asking: &mut DemandContext) -> Result<()> {
     let mut demand = asking.asked.clone();
     // Cells that are left out, or cut, are none of the file's.
     (demand.file_cells, demand.without_scalar) = (false, false);
-    if !p.is_set("clip") {
+    if p.is_set("blocks") {
+        demand.cell_arrays.request(BLOCK, p.get("blocks")?.origin.clone());
+    } else if !p.is_set("clip") {
         let array = p.get("array")?;
         let name = p.text("array")?;
         match (p.text("association")?, quantity(name)) {
@@ -269,6 +290,18 @@ fn cell_array<'a>(p: &Parameters, grid: &'a Grid) -> Result<&'a Array> {
     }
 }
 
+/// For each block of the file: true if the condition names it.
+fn named_blocks(p: &Parameters, grid: &Grid, names: &[String]) -> Result<Vec<bool>> {
+    blocks_named(&grid.origin.blocks, names).map_err(|error| p.locate("blocks", error))
+}
+
+/// The number of each cell's block.
+fn block_numbers<'a>(p: &Parameters, grid: &'a Grid) -> Result<&'a [f64]> {
+    let none =
+        || p.error("blocks", "the data have no blocks").expected("a file with blocks, or no names of blocks");
+    grid.cell_arrays.get(BLOCK).map(|array| &array.values[..]).ok_or_else(none)
+}
+
 /// The whole cells that the condition keeps; the volume itself where these are all.
 fn whole(call: &mut RunContext, volume: Arc<Volume>, condition: &Condition) -> Result<Arc<Volume>> {
     let (p, grid) = (call.parameters, &volume.grid);
@@ -277,6 +310,11 @@ fn whole(call: &mut RunContext, volume: Arc<Volume>, condition: &Condition) -> R
         Condition::Space(clips) => {
             let holds = |p: u32| clips.iter().all(|clip| clip.keeps(grid.points[p as usize]));
             cells_by_points(grid, is_all, holds)
+        }
+        Condition::Blocks(names) => {
+            let (is_named, numbers) = (named_blocks(p, grid, names)?, block_numbers(p, grid)?);
+            let is_named = |cell: usize| is_named.get(numbers[cell] as usize) == Some(&true);
+            (0..grid.tetrahedra.len()).map(|i| is_named(grid.source_cell(i))).collect()
         }
         _ if p.text("association")? == "cell" => {
             let values = &cell_array(p, grid)?.values;
@@ -300,7 +338,7 @@ fn whole(call: &mut RunContext, volume: Arc<Volume>, condition: &Condition) -> R
 /// Leaves out the cells whose value is no number, which an inverted condition would keep, and says how many.
 fn leave_out_missing(call: &mut RunContext, volume: &Volume, is_kept: &mut [bool]) -> Result<()> {
     let (p, grid) = (call.parameters, &volume.grid);
-    if p.is_set("clip") || p.text("association")? == "point" {
+    if p.is_set("clip") || p.is_set("blocks") || p.text("association")? == "point" {
         return Ok(());
     }
     let (name, values) = (p.text("array")?, &cell_array(p, grid)?.values);
@@ -383,6 +421,7 @@ fn nothing_kept(p: &Parameters, volume: &Volume) -> Result<Error> {
     let name = p.text("array")?;
     let (place, found) = match Condition::new(p)? {
         Condition::Space(_) => ("clip", "no cell has its points there".into()),
+        Condition::Blocks(_) => ("blocks", "no cell is of these blocks".into()),
         condition => {
             let values: &[f64] = match p.text("association")? {
                 "cell" => &cell_array(p, &volume.grid)?.values,

@@ -7,14 +7,14 @@ use voltet_core::reading::GridReader;
 use voltet_graph::{Node, Outputs, Parameter, Parameters, PlanContext, Preparation, Registry, RunContext};
 use voltet_io::formats::{Request, SelectedArrays};
 
-/// The parameter of the node `reader` that belongs to one of its formats.
-const OF_A_FORMAT: &str = "solution";
+/// The parameters of the node `reader` that belong to some of its formats.
+const OF_FORMATS: [&str; 2] = ["blocks", "solution"];
 
 /// The node of a reader: its name is that of the reader, its parameters are those that every reader has and its own. It lives from
 /// now on as long as the program; a registry takes it as any other ([`voltet_graph::Registry::add`]).
 pub fn reader(reader: &'static dyn GridReader) -> &'static Node {
     let kind = reader.declaration();
-    let shared = reader::NODE.parameters.iter().filter(|parameter| parameter.name != OF_A_FORMAT);
+    let shared = reader::NODE.parameters.iter().filter(|parameter| !OF_FORMATS.contains(&parameter.name));
     let files: &str = format!("the file, {}", reader.files()).leak();
     let shared = shared.map(|parameter| match parameter.name {
         "path" => Parameter { help: files, ..*parameter },

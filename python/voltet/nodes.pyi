@@ -19,6 +19,7 @@ def reader(
     scalar: str | None = None,
     association: Literal["auto", "point", "cell"] | None = None,
     cell_values: Literal["average", "constant"] | None = None,
+    blocks: Sequence[str] | None = None,
     time_step: int | None = None,
     time: float | None = None,
     subdivision: int | None = None,
@@ -88,11 +89,12 @@ def threshold(
     range: Sequence[float | str] | None = None,
     values: Sequence[float] | None = None,
     clip: Sequence[Mapping[str, Any]] | None = None,
+    blocks: Sequence[str] | None = None,
     keep: Literal["all", "any"] | None = None,
     smooth: bool | None = None,
     invert: bool | None = None,
 ) -> Node:
-    """Keeps the cells in which an array has values of a range or a list, or that lie in a part of space."""
+    """Keeps the cells in which an array has values of a range or a list, or those of a part of space or of blocks."""
 def probe(
     pipeline: Pipeline,
     node: str,

@@ -58,17 +58,8 @@ fn formats_are_told_by_content_and_named_with_a_remedy() {
 }
 
 #[test]
-fn collections_of_blocks_name_a_grid_that_can_be_read() {
+fn kinds_of_vtk_without_a_volume_are_refused() {
     let folder = Folder::new();
-    let blocks = "<VTKFile type=\"vtkMultiBlockDataSet\"><vtkMultiBlockDataSet><Block index=\"0\">\
-        <DataSet index=\"0\" file=\"a/surface.vtp\"/><DataSet index=\"1\" file=\"a/solid.vtu\"/></Block>\
-        <DataSet index=\"1\" file=\"a/fluid.vtu\"/></vtkMultiBlockDataSet></VTKFile>";
-    folder.write("a.vtm", blocks);
-    refused(
-        &folder,
-        "a.vtm",
-        &["type 'vtkMultiBlockDataSet'", "one of the 2 grids", "'a/solid.vtu'", "Merge Blocks"],
-    );
     folder.write("a.vtp", "<VTKFile type=\"PolyData\"><PolyData/></VTKFile>");
     refused(&folder, "a.vtp", &["type 'PolyData'", "a surface has to be filled"]);
     folder.write("a.htg", "<VTKFile type=\"HyperTreeGrid\"><HyperTreeGrid/></VTKFile>");

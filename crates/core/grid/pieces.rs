@@ -153,12 +153,16 @@ impl PiecePoints<'_> {
         let all = boxes.iter().flatten().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], own| {
             [low.min(own[0]), high.max(own[1])]
         });
+        let mut of_blocks = BTreeMap::<usize, Vec<usize>>::new();
+        for (index, piece) in self.pieces.iter().enumerate() {
+            of_blocks.entry(piece.block).or_default().push(index);
+        }
         let mut keyed = Vec::new();
         for (index, piece) in self.pieces.iter().enumerate() {
             let Some(own) = boxes[index] else { continue };
-            let is_other = |other: usize| other != index && self.pieces[other].block == piece.block;
-            let others = boxes.iter().enumerate().filter(|&(other, _)| is_other(other));
-            let others: Vec<[DVec3; 2]> = others.filter_map(|(_, &b)| b.filter(|&b| meets(own, b))).collect();
+            let others = of_blocks[&piece.block].iter().filter(|&&other| other != index);
+            let others: Vec<[DVec3; 2]> =
+                others.filter_map(|&other| boxes[other].filter(|&b| meets(own, b))).collect();
             let key = |(point, &at): (usize, &DVec3)| {
                 let may_be_shared = others.iter().any(|&[low, high]| meets([at, at], [low, high]));
                 may_be_shared

@@ -1,8 +1,10 @@
 //! From the table of contents to the grid: decodes what is asked for, has pieces put together and tetrahedra built.
 
-use super::contents::{DEGREES, Dataset, GHOST_LEVELS, GHOST_TYPE, GLOBAL_IDS, Geometry, Meter, Piece};
+use super::contents::{
+    BLOCK, CellBlocks, DEGREES, Dataset, GHOST_LEVELS, GHOST_TYPE, GLOBAL_IDS, Geometry, Meter, Piece,
+};
 use super::request::{ArraySelection, Component, Request};
-use super::{cells, hexahedra, request};
+use super::{blocks, cells, hexahedra, request};
 use crate::memory::GridSize;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -37,6 +39,9 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     check_dimension(&cells)?;
 
     let choices = choices(dataset, request)?;
+    let (drawn, sentences) =
+        blocks::drawn_pieces(dataset, pieces.into_iter().zip(cells).collect(), &choices)?;
+    let (pieces, cells): (Vec<&Piece>, Vec<Cells>) = drawn.into_iter().unzip();
     let left = unread(dataset, &choices)?;
     // For comparison: what is not read otherwise is decoded and dropped.
     if request.every_array {
@@ -52,11 +57,12 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     let wanted = PieceRequest { request, choices: &choices, ids };
     let loaded: Vec<RawGrid> =
         of_each(pieces.into_iter().zip(cells).enumerate().collect(), |(index, (piece, cells))| {
-            let block = if dataset.has_blocks { index } else { 0 };
-            Ok(RawGrid { block, ..load(piece, cells, &wanted, &meter)? })
+            Ok(RawGrid { block: group(dataset, piece, index), ..load(piece, cells, &wanted, &meter)? })
         })?;
     let mut parts = grid::join(loaded)?;
     parts.origin.warnings.extend(dataset.warnings.iter().cloned());
+    parts.origin.warnings.extend(sentences);
+    parts.origin.blocks.clone_from(&dataset.blocks);
     parts.origin.warnings.extend(external.into_iter().flat_map(|external| external.ready().warnings.clone()));
     parts.origin.time = match dataset.time_steps.as_slice() {
         [] => dataset.time,
@@ -76,7 +82,16 @@ fn of_each<P: Send, T: Send>(pieces: Vec<P>, work: impl Fn(P) -> Result<T> + Syn
     pieces.into_par_iter().map(work).collect::<Vec<_>>().into_iter().collect()
 }
 
-/// Name of the array that numbers the points of all pieces; `None` where there is one piece, where pieces are blocks, or where one lacks it.
+/// Number of the grid that a piece is of; points of different ones stay apart.
+pub(super) fn group(dataset: &Dataset, piece: &Piece, index: usize) -> usize {
+    match piece.blocks {
+        _ if !dataset.has_blocks => 0,
+        CellBlocks::One(block) => block,
+        _ => index,
+    }
+}
+
+/// Name of the array that numbers the points of all pieces; `None` where no grid has several pieces, or where one lacks it.
 pub(super) fn global_ids(dataset: &Dataset) -> Option<&str> {
     let in_all = |name: &&str| {
         dataset.pieces.iter().filter(|piece| piece.point_count > 0).all(|piece| {
@@ -84,7 +99,9 @@ pub(super) fn global_ids(dataset: &Dataset) -> Option<&str> {
         })
     };
     let names = dataset.global_ids.as_deref().into_iter().chain(GLOBAL_IDS);
-    names.filter(|_| dataset.pieces.len() > 1 && !dataset.has_blocks).find(in_all)
+    let grids: BTreeSet<usize> =
+        dataset.pieces.iter().enumerate().map(|(index, piece)| group(dataset, piece, index)).collect();
+    names.filter(|_| grids.len() < dataset.pieces.len()).find(in_all)
 }
 
 /// True if an array is read: it is chosen, or says which cells are ghosts or of which degree.
@@ -112,7 +129,7 @@ fn refuse_beyond_memory(
 
 /// The arrays that a request means: the scalar, those beside it on the points, and those that stay on the cells.
 pub(super) fn choices(dataset: &Dataset, request: &Request) -> Result<Vec<ArraySelection>> {
-    let model = request::model(dataset)?;
+    let model = &request::model(dataset)?;
     let scalar = || request::scalar(dataset, request.scalar.as_deref(), request.association);
     let mut choices = Vec::new();
     if !request.without_scalar {
@@ -172,7 +189,8 @@ pub(super) fn unread(dataset: &Dataset, choices: &[ArraySelection]) -> Result<Sk
     let ids = global_ids(dataset);
     for array in dataset.pieces.iter().flat_map(|piece| &piece.arrays) {
         let name = &array.stored.name;
-        if !is_read(choices, name, array.association) && ids != Some(name) {
+        let is_own = !dataset.blocks.is_empty() && name == BLOCK && array.association == Association::Cell;
+        if !is_own && !is_read(choices, name, array.association) && ids != Some(name) {
             value_count = value_count.saturating_add(array.stored.promised()?.unwrap_or(0));
             if !arrays.contains(name) {
                 arrays.push(name.clone());

@@ -13,6 +13,8 @@ use voltet_core::progress::{NoProgress, Progress, refuse_beyond_memory};
 use voltet_core::reading::{FileArray, OpenGrid};
 use voltet_core::{Error, Result, counted};
 
+/// Name of the cell array that holds the number of each cell's block.
+pub const BLOCK: &str = "block";
 /// Arrays with these names flag ghosts and are not offered as quantities.
 pub(super) const GHOST_TYPE: &str = "vtkGhostType";
 /// The flag's older form: the number of layers from the piece's own cells.
@@ -34,6 +36,9 @@ pub(super) struct Dataset {
     pub pieces: Vec<Piece>,
     /// True if the parts are different grids, whose points stay apart.
     pub has_blocks: bool,
+    /// Names of the blocks in the order of the file, those that the request leaves out, too; with `/` between those of a group and
+    /// of a block within. Empty where the format has no blocks, or the file one without a name.
+    pub blocks: Vec<String>,
     /// Name of the array that the file marks as the global ids of the points.
     pub global_ids: Option<String>,
     /// Times of a series' steps; empty where there is no series.
@@ -54,8 +59,28 @@ pub(super) struct Piece {
     pub cell_count: u64,
     pub geometry: Geometry,
     pub arrays: Vec<PieceArray>,
+    /// Blocks of the cells.
+    pub blocks: CellBlocks,
     /// True if the file is of a version in which Lagrange and Bézier hexahedra had two edges in the other order.
     pub is_old_order: bool,
+}
+
+/// Blocks of the cells of a piece, by their numbers in [`Dataset::blocks`].
+#[derive(Clone)]
+#[allow(dead_code, reason = "formats whose pieces hold several blocks are added one by one")]
+pub(super) enum CellBlocks {
+    /// One for all cells.
+    One(usize),
+    /// One after the other: the number of a block, and of its cells.
+    Runs(Vec<(usize, u64)>),
+    /// In any order: the number of each cell's block.
+    Each(Compute),
+}
+
+impl Default for CellBlocks {
+    fn default() -> Self {
+        CellBlocks::One(0)
+    }
 }
 
 /// An array of a piece.
@@ -64,6 +89,8 @@ pub(super) struct PieceArray {
     pub stored: Stored,
     /// Names of the components, where the file gives them.
     pub component_names: Vec<String>,
+    /// Blocks of the piece without values, whose cells have NaN.
+    pub blocks_without: Vec<usize>,
 }
 
 /// Points and cells.
@@ -104,7 +131,7 @@ pub(super) enum StoredFaces {
 impl PieceArray {
     /// An array whose components have no names.
     pub fn new(association: Association, stored: Stored) -> PieceArray {
-        PieceArray { association, stored, component_names: Vec::new() }
+        PieceArray { association, stored, component_names: Vec::new(), blocks_without: Vec::new() }
     }
 
     /// Its header.

@@ -2,7 +2,7 @@
 //! not of ghosts, hidden cells, surfaces beside a volume, or points that no cell uses.
 
 use super::assemble::PieceRequest;
-use super::contents::{Dataset, Geometry, Meter, Piece, PieceArray};
+use super::contents::{BLOCK, CellBlocks, Dataset, Geometry, Meter, Piece, PieceArray};
 use super::request::Request;
 use super::{assemble, cells, request};
 use crate::memory::GridSize;
@@ -34,6 +34,8 @@ pub struct Summary {
     pub bounds: Option<[DVec3; 2]>,
     /// Points with a position that is not finite.
     pub points_not_finite: u64,
+    /// Blocks, in the order of the file; those that were not selected have no cells.
+    pub blocks: Vec<BlockSummary>,
     /// All arrays, the points' first.
     pub arrays: Vec<ArraySummary>,
     /// Name of the array that the file marks as its scalars.
@@ -57,6 +59,30 @@ impl Summary {
     pub fn has_volume(&self) -> bool {
         let is_volume = |&code: &u8| CellType::from_code(code).is_some_and(|cell| cell.dimension == 3);
         self.cells_by_type.keys().any(is_volume)
+    }
+
+    /// The arrays but that of the numbers of blocks.
+    pub fn quantities(&self) -> impl Iterator<Item = &ArraySummary> {
+        let is_number = |array: &ArraySummary| {
+            !self.blocks.is_empty() && array.head.name == BLOCK && array.head.association == Association::Cell
+        };
+        self.arrays.iter().filter(move |array| !is_number(array))
+    }
+}
+
+/// One block of a file.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct BlockSummary {
+    /// Name, after those of the groups that it is in, with `/` between.
+    pub name: String,
+    /// Cells by VTK type code.
+    pub cells_by_type: BTreeMap<u8, u64>,
+}
+
+impl BlockSummary {
+    /// Cells of any type.
+    pub fn cell_count(&self) -> u64 {
+        self.cells_by_type.values().sum()
     }
 }
 
@@ -98,6 +124,11 @@ pub(super) fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Su
         time_steps: dataset.time_steps.clone(),
         file_bytes: dataset.file_bytes,
         warnings: dataset.warnings.clone(),
+        blocks: dataset
+            .blocks
+            .iter()
+            .map(|name| BlockSummary { name: name.clone(), ..Default::default() })
+            .collect(),
         ..Summary::default()
     };
     // Of what is drawn; of all, where nothing is.
@@ -119,6 +150,7 @@ pub(super) fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Su
         if piece.cell_count > 0 {
             count_cells(&cells, piece, &mut summary.cells_by_type);
             summary.size.add(&cells);
+            count_blocks(&cells, piece, &mut summary.blocks, &meter)?;
         }
         let mut raw = assemble::load(piece, cells, &wanted, &meter)?;
         let damage = grid::check_cells(&raw).err().map(|error| error.to_string());
@@ -131,7 +163,7 @@ pub(super) fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Su
         let of_drawn = raw.points.iter().zip(&drawn.points).filter(|(_, is_drawn)| **is_drawn);
         add_points(&mut drawn_bounds, of_drawn.map(|(point, _)| point));
         add_points(&mut all_bounds, raw.points.iter());
-        raw.block = if dataset.has_blocks { index } else { 0 };
+        raw.block = assemble::group(dataset, piece, index);
         pieces.push(raw);
     }
     // A single piece's ghosts are nobody else's; what is damaged is said by what reads it to draw it.
@@ -200,6 +232,29 @@ fn count_cells(cells: &Cells, piece: &Piece, by_type: &mut BTreeMap<u8, u64>) {
             add(code, piece.cell_count);
         }
     }
+}
+
+/// Counts a piece's cells by block and type.
+fn count_blocks(cells: &Cells, piece: &Piece, blocks: &mut [BlockSummary], meter: &Meter) -> Result<()> {
+    if blocks.is_empty() {
+        return Ok(());
+    }
+    if let CellBlocks::One(block) = piece.blocks {
+        if let Some(block) = blocks.get_mut(block) {
+            count_cells(cells, piece, &mut block.cells_by_type);
+        }
+        return Ok(());
+    }
+    let Some(stored) = piece.array(Association::Cell, BLOCK) else { return Ok(()) };
+    let numbers: Vec<f64> = stored.load(meter)?;
+    for (cell, &number) in numbers.iter().enumerate() {
+        let code =
+            if let Cells::Mixed(set) = cells { set.types.get(cell).copied() } else { Some(code::TETRA) };
+        if let (Some(block), Some(code)) = (blocks.get_mut(number as usize), code) {
+            *block.cells_by_type.entry(code).or_default() += 1;
+        }
+    }
+    Ok(())
 }
 
 fn add_points<'a>(bounds: &mut Option<[DVec3; 2]>, points: impl Iterator<Item = &'a DVec3>) {

@@ -5,7 +5,7 @@
 //! the bytes of an array.
 
 use super::contents::{
-    Dataset, Encoding, Geometry, Piece, PieceArray, Stored, StoredCells, StoredFaces, TIME,
+    CellBlocks, Dataset, Encoding, Geometry, Piece, PieceArray, Stored, StoredCells, StoredFaces, TIME,
     extent_dimensions, structured_counts, tuples,
 };
 use super::numbers::{ByteOrder, NumberType};
@@ -125,7 +125,8 @@ fn open(source: Arc<Source>, _: &Request) -> Result<Dataset> {
     let geometry = contents.geometry(&kind)?;
     // "Version 4.2".
     let is_old_order = version.split(' ').next_back().is_some_and(|version| is_before(version, [5, 0]));
-    dataset.pieces.push(Piece { point_count, cell_count, geometry, arrays, is_old_order });
+    let blocks = CellBlocks::default();
+    dataset.pieces.push(Piece { point_count, cell_count, geometry, arrays, blocks, is_old_order });
     let mode = if scanner.binary { "binary" } else { "ASCII" };
     dataset.format = format!("legacy VTK {version} {kind}, {mode}");
     Ok(dataset)

@@ -24,6 +24,7 @@
 //! the tests as an independent writer.
 
 mod assemble;
+mod blocks;
 mod cells;
 mod codec;
 mod contents;
@@ -46,16 +47,18 @@ mod unsupported;
 mod xml;
 
 pub use assemble::{SkippedArray, length};
+pub use blocks::blocks_named;
 pub use cells::face_stream;
+pub use contents::BLOCK;
 pub use elements::{SurfaceColors, SurfaceFile};
-pub use inspect::{ArraySummary, Summary};
+pub use inspect::{ArraySummary, BlockSummary, Summary};
 pub use request::{Component, Request, SelectedArrays, TimeStep};
 pub use source::existing_file;
 pub use surfaces::{SURFACE_FILES, read_surface};
 pub use voltet_core::grid::{Association, CellValues, Options};
 pub use voltet_core::reading::FileArray;
 
-use contents::{Compute, Dataset, Encoding, ExternalFormat, Geometry, Piece, PieceArray, Stored};
+use contents::{CellBlocks, Compute, Dataset, Encoding, ExternalFormat, Geometry, Piece, PieceArray, Stored};
 use request::Format;
 use source::{Source, printable};
 use std::path::{Path, PathBuf};
@@ -135,8 +138,8 @@ const SERIES: Format = Format {
     files: "a series of files (.vtu.series, .vtk.series)",
     matches: |head, path, _| series::is_series(head, path),
     open: |source, request| {
-        let series::Step { path, times } = series::step(&source, request)?;
-        let dataset = open(&path, &Request { time_step: None, ..request.clone() })?;
+        let series::SeriesStep { path, times } = series::step(&source, request)?;
+        let (dataset, _) = open_contents(&path, &Request { time_step: None, ..request.clone() })?;
         let format = format!("series of {}; {}", counted(times.len(), "file"), dataset.format);
         Ok(Dataset { format, time_steps: times, ..dataset })
     },
@@ -155,6 +158,13 @@ fn files(mut formats: impl Iterator<Item = &'static Format>) -> String {
 /// Reads the table of contents of a file by the format that it shows; what is asked for but cannot be of such a file is an
 /// error.
 fn open(path: &Path, request: &Request) -> Result<Dataset> {
+    let (mut dataset, source) = open_contents(path, request)?;
+    blocks::number_cells(&mut dataset, request, &source).map_err(|error| error.in_file(path))?;
+    Ok(dataset)
+}
+
+/// The table of contents before blocks are numbered, and the file.
+fn open_contents(path: &Path, request: &Request) -> Result<(Dataset, Arc<Source>)> {
     if let Some(folder) = foam::case_folder(path).filter(|_| request.chosen.is_none()) {
         return foam::open(&folder, request).map_err(|error| error.in_file(path));
     }
@@ -162,8 +172,8 @@ fn open(path: &Path, request: &Request) -> Result<Dataset> {
     let in_file = |error: Error| error.in_file(path);
     if let Some(chosen) = &request.chosen {
         let dataset = open_external(&source, request, chosen).map_err(in_file)?;
-        return refuse_no_series(dataset, request, "a file that is a series, or no time step")
-            .map_err(in_file);
+        let dataset = refuse_no_series(dataset, request, "a file that is a series, or no time step");
+        return dataset.map(|dataset| (dataset, source.clone())).map_err(in_file);
     }
     unsupported::refuse(&source, unsupported::BY_MAGIC).map_err(in_file)?;
     let head = source.head(256).map_err(in_file)?;
@@ -175,7 +185,7 @@ fn open(path: &Path, request: &Request) -> Result<Dataset> {
             error.expected(format!("{formats}; formats from outside have nodes of their own")),
         ));
     };
-    let dataset = (format.open)(source, request).map_err(in_file)?;
+    let dataset = (format.open)(source.clone(), request).map_err(in_file)?;
     let dataset = refuse_no_series(
         dataset,
         request,
@@ -190,7 +200,7 @@ fn open(path: &Path, request: &Request) -> Result<Dataset> {
                 .expected(format!("{with}, or no solution")),
         ));
     }
-    Ok(dataset)
+    Ok((dataset, source))
 }
 
 /// True if a file shows that it is of a format that ships.
@@ -251,12 +261,14 @@ fn open_external(source: &Arc<Source>, request: &Request, chosen: &SelectedArray
         cell_count: head.cell_count,
         arrays: head.arrays.iter().enumerate().map(array).collect(),
         geometry: Geometry::Added(added),
+        blocks: CellBlocks::default(),
         is_old_order: false,
     };
     Ok(Dataset {
         format: head.format,
         pieces: vec![piece],
         has_blocks: false,
+        blocks: Vec::new(),
         time: None,
         global_ids: None,
         time_steps: head.times,

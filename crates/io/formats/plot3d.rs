@@ -9,8 +9,9 @@
 //! γ = 1.4, gas constant R = 1.
 
 use self::Formula::{Scalar, Vector};
+use super::blocks;
 use super::contents::{
-    Compute, Dataset, Encoding, Geometry, Meter, Piece, PieceArray, Stored, structured_counts,
+    CellBlocks, Compute, Dataset, Encoding, Geometry, Meter, Piece, PieceArray, Stored, structured_counts,
 };
 use super::numbers::{self, ByteOrder, NumberType};
 use super::request::{Format, Request};
@@ -67,13 +68,25 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
         dataset.warnings.push("The PLOT3D grid has no solution file, so it holds no quantity.".to_owned());
     }
     let mut solutions = solutions.into_iter();
-    for grid in grids {
-        dataset.pieces.push(piece(&source, grid, solutions.next(), request)?);
+    let names: Vec<String> = (1..=grids.len()).map(|number| format!("grid {number}")).collect();
+    let selected = blocks::selected(if names.len() > 1 { &names } else { &[] }, request)?;
+    for (block, grid) in grids.into_iter().enumerate() {
+        let solution = solutions.next();
+        if selected.get(block) != Some(&false) {
+            dataset.pieces.push(piece(&source, block, grid, solution, request)?);
+        }
     }
+    dataset.blocks = if names.len() > 1 { names } else { Vec::new() };
     Ok(dataset)
 }
 
-fn piece(source: &Arc<Source>, grid: Block, solution: Option<Block>, request: &Request) -> Result<Piece> {
+fn piece(
+    source: &Arc<Source>,
+    block: usize,
+    grid: Block,
+    solution: Option<Block>,
+    request: &Request,
+) -> Result<Piece> {
     let (point_count, cell_count) = structured_counts(grid.dimensions)?;
     let computed = |name: &str, component_count: usize, compute: Compute| {
         Stored::of_f64(source, name, component_count, point_count, Encoding::Computed(compute))
@@ -111,6 +124,7 @@ fn piece(source: &Arc<Source>, grid: Block, solution: Option<Block>, request: &R
         cell_count,
         geometry: Geometry::Curvilinear { dimensions: grid.dimensions, points },
         arrays,
+        blocks: CellBlocks::One(block),
         is_old_order: false,
     })
 }

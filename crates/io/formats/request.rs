@@ -1,7 +1,7 @@
 //! Request to a reader: arrays, time step, conversion of cell values, the reader of a format that comes from outside; and the arrays
 //! of a file that it selects.
 
-use super::contents::{Dataset, GHOST_LEVELS, GHOST_TYPE, Piece};
+use super::contents::{BLOCK, Dataset, GHOST_LEVELS, GHOST_TYPE, PieceArray};
 use super::source::Source;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -36,6 +36,8 @@ pub struct Request {
     pub cell_arrays: Vec<String>,
     /// Places where names among `point_arrays` and among `cell_arrays` are written, for errors about them.
     pub origins: [BTreeMap<String, SourceSpan>; 2],
+    /// The blocks that are read, by their names or groups; `*` stands for any letters. None: all.
+    pub blocks: Vec<String>,
     /// The step of a time series (.pvd); `None`: the first.
     pub time_step: Option<TimeStep>,
     /// Options of the import.
@@ -181,19 +183,39 @@ pub(super) struct ArraySelection {
     pub component: Component,
 }
 
-/// The piece whose arrays stand for all pieces': the first that holds cells.
-pub(super) fn model(dataset: &Dataset) -> Result<&Piece> {
-    dataset.pieces.iter().find(|piece| piece.cell_count > 0 && piece.point_count > 0).ok_or_else(|| {
+/// The arrays that stand for all pieces': those of the first that holds cells; where pieces are blocks, of each those that none
+/// before it has.
+pub(super) fn model(dataset: &Dataset) -> Result<Vec<&PieceArray>> {
+    let mut pieces = dataset.pieces.iter().filter(|piece| piece.cell_count > 0 && piece.point_count > 0);
+    let first = pieces.next().ok_or_else(|| {
         Error::run("the file holds no cells").expected("a grid with at least one three-dimensional cell")
-    })
+    })?;
+    let key = |array: &PieceArray| (array.stored.name.clone(), array.association == Association::Cell);
+    let mut arrays: Vec<&PieceArray> = first.arrays.iter().collect();
+    let mut known: BTreeSet<_> = arrays.iter().map(|array| key(array)).collect();
+    for piece in pieces.filter(|_| dataset.has_blocks) {
+        let further: Vec<&PieceArray> =
+            piece.arrays.iter().filter(|array| !known.contains(&key(array))).collect();
+        known.extend(further.iter().map(|array| key(array)));
+        arrays.extend(further);
+    }
+    Ok(arrays)
+}
+
+/// The arrays of points or of cells among some.
+fn arrays_of<'a>(
+    arrays: &[&'a PieceArray],
+    association: Association,
+) -> impl Iterator<Item = &'a PieceArray> {
+    arrays.iter().copied().filter(move |array| array.association == association)
 }
 
 /// Names of the arrays that are quantities, points' first.
-fn names(piece: &Piece, association: Option<Association>) -> Vec<(&str, Association)> {
+fn names<'a>(model: &[&'a PieceArray], association: Option<Association>) -> Vec<(&'a str, Association)> {
     [Association::Point, Association::Cell]
         .into_iter()
         .filter(|&own| association.is_none_or(|association| own == association))
-        .flat_map(|own| piece.arrays_of(own))
+        .flat_map(|own| arrays_of(model, own))
         .map(|array| (array.stored.name.as_str(), array.association))
         .filter(|(name, _)| ![GHOST_TYPE, GHOST_LEVELS].contains(name))
         .collect()
@@ -205,8 +227,12 @@ pub(super) fn scalar(
     wanted: Option<&str>,
     association: Option<Association>,
 ) -> Result<ArraySelection> {
-    let piece = model(dataset)?;
-    let all = names(piece, association);
+    let model = model(dataset)?;
+    let mut all = names(&model, association);
+    // The numbers of blocks are no quantity, but can be drawn.
+    if wanted.is_none() && !dataset.blocks.is_empty() {
+        all.retain(|&entry| entry != (BLOCK, Association::Cell));
+    }
     if all.is_empty() {
         let (found, accepted) = match association {
             None => ("no arrays", "an array with one value a point or cell"),
@@ -226,16 +252,16 @@ pub(super) fn scalar(
             }
         },
     };
-    scalar_of(piece, name, association)
+    scalar_of(&model, name, association)
 }
 
 /// The array of one component that a name means.
 pub(super) fn scalar_of(
-    piece: &Piece,
+    model: &[&PieceArray],
     name: &str,
     association: Option<Association>,
 ) -> Result<ArraySelection> {
-    let choice = array(piece, name, association)?;
+    let choice = array(model, name, association)?;
     if choice.component == Component::All && choice.component_count > 1 {
         return Err(Error::run(format!("the array '{}' is not a scalar", choice.name))
             .got(counted(choice.component_count, "component"))
@@ -249,8 +275,12 @@ pub(super) fn scalar_of(
 }
 
 /// The array that `wanted` (`NAME`, `NAME:magnitude` or `NAME:0`) means.
-pub(super) fn array(piece: &Piece, wanted: &str, association: Option<Association>) -> Result<ArraySelection> {
-    let all = names(piece, association);
+pub(super) fn array(
+    model: &[&PieceArray],
+    wanted: &str,
+    association: Option<Association>,
+) -> Result<ArraySelection> {
+    let all = names(model, association);
     let find = |name: &str| all.iter().find(|entry| entry.0 == name).copied();
     let whole = find(wanted).map(|(name, own)| (name, own, None));
     let part = || {
@@ -258,8 +288,8 @@ pub(super) fn array(piece: &Piece, wanted: &str, association: Option<Association
         find(stem).map(|(name, own)| (name, own, Some(suffix)))
     };
     let found = whole.or_else(part);
-    let (name, own, suffix) = found.ok_or_else(|| unknown(piece, wanted, association, &all))?;
-    let mut same = piece.arrays_of(own).filter(|array| array.stored.name == name);
+    let (name, own, suffix) = found.ok_or_else(|| unknown(model, wanted, association, &all))?;
+    let mut same = arrays_of(model, own).filter(|array| array.stored.name == name);
     let chosen = same.next();
     let component_count = chosen.map_or(1, |array| array.stored.component_count);
     if same.next().is_some() {
@@ -280,16 +310,17 @@ pub(super) fn array(piece: &Piece, wanted: &str, association: Option<Association
 
 /// The error about a name that is not in the file.
 fn unknown(
-    piece: &Piece,
+    model: &[&PieceArray],
     wanted: &str,
     association: Option<Association>,
     all: &[(&str, Association)],
 ) -> Error {
     let stem = wanted.rsplit_once(':').map_or(wanted, |(stem, _)| stem);
-    let is_elsewhere = names(piece, None).iter().any(|&(name, _)| name == wanted || name == stem);
+    let is_elsewhere = names(model, None).iter().any(|&(name, _)| name == wanted || name == stem);
     let error = Error::run(match association.filter(|_| is_elsewhere) {
         Some(Association::Point) => format!("'{stem}' is an array of the cells, not of the points"),
         Some(Association::Cell) => format!("'{stem}' is an array of the points, not of the cells"),
+        None if wanted == BLOCK => "the file has no blocks and no array 'block'".into(),
         None => format!("the file holds no array '{wanted}'"),
     });
     if all.is_empty() {
@@ -299,7 +330,7 @@ fn unknown(
 }
 
 /// Names in quotes, each once, shortened where there are many.
-fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+pub(super) fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     const SHOWN: usize = 12;
     let mut seen = BTreeSet::new();
     let names: Vec<&str> = names.into_iter().filter(|name| seen.insert(*name)).collect();

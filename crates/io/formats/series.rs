@@ -50,7 +50,7 @@ fn entries(source: &Source) -> Result<Vec<Entry>> {
 }
 
 /// A step of a series.
-pub(super) struct Step {
+pub(super) struct SeriesStep {
     /// The file of its data.
     pub path: PathBuf,
     /// Times of all steps, ascending.
@@ -58,14 +58,14 @@ pub(super) struct Step {
 }
 
 /// The step that a request means.
-pub(super) fn step(source: &Source, request: &Request) -> Result<Step> {
+pub(super) fn step(source: &Source, request: &Request) -> Result<SeriesStep> {
     let entries = entries(source)?;
     let times: Vec<f64> = entries.iter().map(|entry| entry.time).collect();
     let path = beside(source.path(), &entries[request.step_index(&times)?].name);
-    if is_series(&open_named(source.path(), &path)?.head(256)?, &path) {
+    if is_series(&open_named(source.path(), &path, 0)?.head(256)?, &path) {
         return Err(Error::run("a series names another").got(path.display()).expected("files of data"));
     }
-    Ok(Step { path, times })
+    Ok(SeriesStep { path, times })
 }
 
 /// The files that a series names, of every step or of that asked for; none for other files.

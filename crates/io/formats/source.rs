@@ -11,9 +11,12 @@ use voltet_files::names_beside;
 /// An open file of known length.
 #[derive(Debug)]
 pub(super) struct Source {
-    file: File,
+    /// `None`: it is opened for each reading.
+    file: Option<File>,
     path: PathBuf,
     len: u64,
+    /// True if `file` is a copy in another encoding, without a name.
+    is_copy: bool,
 }
 
 /// A clause for an error's `expected` where there is no file at `path`: the file beside it that was meant, if any.
@@ -44,7 +47,7 @@ impl Source {
         if metadata.len() == 0 {
             return Err(Error::run("the file is empty").expected("a data file").in_file(path));
         }
-        let source = Source { file, path: path.to_owned(), len: metadata.len() };
+        let source = Source { file: Some(file), path: path.to_owned(), len: metadata.len(), is_copy: false };
         let head = source.head(4)?;
         let mark = if head.starts_with(&[0xff, 0xfe]) || head.starts_with(&[0xfe, 0xff]) { 2 } else { 0 };
         let wide: Option<fn([u8; 2]) -> u16> = match head[..] {
@@ -68,7 +71,15 @@ impl Source {
         let kept = |error| Error::run("the file cannot be kept as UTF-8").got(error).in_file(&self.path);
         let mut file = tempfile::tempfile().map_err(kept)?;
         file.write_all(text.as_bytes()).map_err(kept)?;
-        Ok(Source { file, path: self.path.clone(), len: text.len() as u64 })
+        Ok(Source { file: Some(file), path: self.path.clone(), len: text.len() as u64, is_copy: true })
+    }
+
+    /// The file opened anew for each reading, for programs may keep few open; a copy of it without a name stays open.
+    pub fn closed(self: Arc<Self>) -> Arc<Self> {
+        if self.is_copy {
+            return self;
+        }
+        Arc::new(Source { file: None, path: self.path.clone(), len: self.len, is_copy: false })
     }
 
     /// A gzip archive as what it holds, of which `limit` bytes at most, in a file without a name.
@@ -78,7 +89,7 @@ impl Source {
         let mut reader = flate2::read::MultiGzDecoder::new(packed).take(limit.unwrap_or(u64::MAX));
         let mut file = tempfile::tempfile().map_err(failed)?;
         let len = std::io::copy(&mut reader, &mut file).map_err(failed)?;
-        Ok(Arc::new(Source { file, path: self.path.clone(), len }))
+        Ok(Arc::new(Source { file: Some(file), path: self.path.clone(), len, is_copy: true }))
     }
 
     /// The path as the user wrote it.
@@ -94,8 +105,11 @@ impl Source {
     /// Fills `bytes` from `offset` on.
     pub fn read_at(&self, offset: u64, bytes: &mut [u8]) -> Result<()> {
         self.check(offset, bytes.len() as u64)?;
-        read_exact_at(&self.file, offset, bytes)
-            .map_err(|error| Error::run("the file cannot be read").got(error).in_file(&self.path))
+        let read = match &self.file {
+            Some(file) => read_exact_at(file, offset, bytes),
+            None => File::open(&self.path).and_then(|file| read_exact_at(&file, offset, bytes)),
+        };
+        read.map_err(|error| Error::run("the file cannot be read").got(error).in_file(&self.path))
     }
 
     /// Reads `len` bytes from `offset` on; checks against the file's length before it allocates.

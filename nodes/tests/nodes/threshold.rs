@@ -319,3 +319,52 @@ fn a_smooth_cut_of_a_linear_field_is_a_clip_at_a_plane() {
         assert!(apart < ROUNDING, "{keys}: {apart}");
     }
 }
+
+/// Keeps blocks of a tree of three rows of cubes: names and cubes.
+fn kept_blocks(keys: &str) -> Result<Volume> {
+    let folder = folder();
+    let leaf = |name: &str, cubes: usize| {
+        let encoding = voltet_testing::files::xml::encodings()[0];
+        let bytes = voltet_testing::files::samples::unstructured(encoding, cubes, false);
+        std::fs::write(folder.path().join(format!("{name}.vtu")), bytes).unwrap();
+        format!("<DataSet index=\"0\" name=\"{name}\" file=\"{name}.vtu\"/>")
+    };
+    let tree = format!(
+        "<VTKFile type=\"vtkMultiBlockDataSet\"><vtkMultiBlockDataSet><Block index=\"0\" name=\"fluid\">{}{}</Block>{}\
+         </vtkMultiBlockDataSet></VTKFile>",
+        leaf("rotor", 1),
+        leaf("stator", 2),
+        leaf("solid", 4)
+    );
+    std::fs::write(folder.path().join("a.vtm"), tree).unwrap();
+    let text = BEGIN.replace("a.vtk", "a.vtm").replace("\"a\"", "\"Float64\"");
+    let text = format!(
+        "{text}[nodes.made]\ntype = \"threshold\"\ninputs = {{ volume = \"gradient\" }}\n{keys}\n\
+         [nodes.taker]\ntype = \"taker\"\ninputs = {{ volume = \"made\" }}\n"
+    );
+    let (values, _) = taken(&text, folder.path(), &Demand::default())?;
+    Ok(Volume::clone(&*values[0].volume().unwrap()?))
+}
+
+#[test]
+fn blocks_are_kept_by_their_names() {
+    // Six tetrahedra a cube.
+    let cubes = |keys: &str| kept_blocks(keys).unwrap().grid.tetrahedra.len() / 6;
+    assert_eq!(cubes("blocks = [\"solid\"]"), 4);
+    assert_eq!(cubes("blocks = [\"fluid\"]"), 3);
+    assert_eq!(cubes("blocks = [\"*tor\", \"solid\"]"), 7);
+    assert_eq!(cubes("blocks = [\"fluid/rotor\"]\ninvert = true"), 6);
+    assert_eq!(cubes("array = \"block\"\nassociation = \"cell\"\nvalues = [1, 2]"), 6);
+    for (keys, said) in [
+        ("blocks = []", "there are no blocks"),
+        ("blocks = [\"fluid/roter\"]", "'fluid/rotor', the nearest"),
+        ("blocks = [\"solid\"]\nrange = [0, 1]", "several conditions"),
+        ("blocks = [\"solid\"]\nkeep = \"any\"", "names of blocks"),
+        ("blocks = [\"*\"]\ninvert = true", "no cell is kept"),
+    ] {
+        let error = kept_blocks(keys).expect_err(keys).to_string();
+        assert!(error.contains(said), "{keys}: {error}");
+    }
+    let without = refused("blocks = [\"a\"]");
+    assert!(without.contains("no blocks"), "{without}");
+}

@@ -4,6 +4,7 @@
 //! Of a pipeline writers are left out, and a node of type `bands` is added to each node with a volume and a transfer function as
 //! inputs: its demand is all that is read and computed.
 
+use super::blocks::tree;
 use super::shared::{ArrayChoice, DONE, Outcome, differs, open, with_bar};
 use crate::cli::arguments::Info;
 use crate::cli::present::{self, grouped, name, print};
@@ -13,7 +14,9 @@ use crate::engine::drawing_bytes;
 use crate::graph::pipeline::Pipeline;
 use crate::graph::{Graph, LinkEntry, NodeEntry, ParameterValue, PortType, Registry};
 use crate::io::encode;
-use crate::io::formats::{ArraySummary, Association, FileArray, Request, Summary, inspect, unread};
+use crate::io::formats::{
+    ArraySummary, Association, BlockSummary, FileArray, Request, Summary, inspect, unread,
+};
 use crate::io::memory::GridSize;
 use crate::io::provenance::{CameraRecord, DataFile, PluginRecord, Provenance, SidecarFiles};
 use crate::nodes::files::argument;
@@ -60,6 +63,10 @@ fn json(summary: &Summary) -> Value {
         })
     };
     let cells = |(&code, &count): (&u8, &u64)| object!({ "vtk_type": code, "name": CellType::name_of(code, 1), "count": count });
+    let block = |block: &BlockSummary| {
+        let types = block.cells_by_type.iter().map(cells).collect::<Vec<_>>();
+        object!({ "name": block.name, "cells": block.cell_count(), "cells_by_type": types })
+    };
     let bounds = summary.bounds.map(|corners| corners.map(|corner| corner.to_array()));
     let memory = summary.has_volume().then(|| {
         let [reading, drawing, lit] = memory_bytes(&summary.size);
@@ -70,6 +77,7 @@ fn json(summary: &Summary) -> Value {
         "points": summary.point_count, "points_joined": summary.points_joined,
         "ghosts_without_owner": summary.ghosts_without_owner, "points_not_finite": summary.points_not_finite,
         "cells": summary.cell_count, "cells_by_type": summary.cells_by_type.iter().map(cells).collect::<Vec<_>>(),
+        "blocks": summary.blocks.iter().map(block).collect::<Vec<_>>(),
         "bounds": bounds, "arrays": summary.arrays.iter().map(array).collect::<Vec<_>>(),
         "active_scalars": summary.active_scalars, "time": summary.time, "time_steps": summary.time_steps,
         "memory_bytes": memory, "warnings": summary.warnings,
@@ -134,6 +142,7 @@ fn describe_data(path: &Path, summary: &Summary) -> String {
     for (&code, &count) in &summary.cells_by_type {
         text += &format!("  {:>12}  {}\n", with_commas(count), CellType::name_of(code, count));
     }
+    text += &tree(&summary.blocks);
     if let Some([low, high]) = summary.bounds {
         text += "\nBounds (world units)\n";
         for (axis, low, high) in [("x", low.x, high.x), ("y", low.y, high.y), ("z", low.z, high.z)] {
@@ -190,12 +199,12 @@ fn suggestion(arguments: &Info, wanted: &Request, summary: &Summary, registry: &
     if let Some(damage) = &summary.damage {
         return format!("\nNo pipeline to start with: {}\n", name(damage));
     }
-    let (Some(bounds), true) = (summary.bounds, summary.arrays.iter().any(differs)) else {
+    let (Some(bounds), true) = (summary.bounds, summary.quantities().any(differs)) else {
         return "\nNo array whose values differ: nothing to draw.\n".into();
     };
     let heads: Vec<FileArray> = summary.arrays.iter().map(|array| array.head.clone()).collect();
     let mut refusal = None;
-    for array in summary.arrays.iter().filter(|array| differs(array)) {
+    for array in summary.quantities().filter(|array| differs(array)) {
         let choice = ArrayChoice::from_head(&array.head, &heads);
         let pipeline =
             pipeline(arguments, wanted.node_type(), &choice, array.range.unwrap_or_default(), bounds);

@@ -1,5 +1,6 @@
 //! The commands, one file each: a function that returns the exit code, or an error.
 
+mod blocks;
 mod diff;
 #[cfg(feature = "editor")]
 mod edit;

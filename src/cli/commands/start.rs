@@ -335,7 +335,7 @@ fn first_quantity(arguments: &Start, summary: &Summary) -> Result<ArrayChoice> {
         return Err(without_volume(arguments));
     }
     let heads: Vec<FileArray> = summary.arrays.iter().map(|array| array.head.clone()).collect();
-    let mut arrays: Vec<&ArraySummary> = summary.arrays.iter().filter(|array| differs(array)).collect();
+    let mut arrays: Vec<&ArraySummary> = summary.quantities().filter(|array| differs(array)).collect();
     // Labels last; the file's own first, then scalars of the points, scalars of the cells, vectors, whole numbers.
     arrays.sort_by_key(|array| {
         let own = summary.active_scalars.as_deref() == Some(array.head.name.as_str());

@@ -9,7 +9,7 @@ mod file;
 
 use self::cells::{Faces, MeshPaths};
 use self::file::{FieldValues, FoamFile, existing, misfit};
-use super::contents::{Compute, Dataset, Encoding, Piece, PieceArray, Stored};
+use super::contents::{CellBlocks, Compute, Dataset, Encoding, Piece, PieceArray, Stored};
 use super::lazy::geometry;
 use super::numbers::{ByteOrder, NumberType};
 use super::request::Request;
@@ -119,8 +119,8 @@ fn parts(folder: &Path) -> Result<(Vec<Part>, bool)> {
     }
 }
 
-/// Reads the table of contents of a case.
-pub(super) fn open(folder: &Path, request: &Request) -> Result<Dataset> {
+/// Reads the table of contents of a case, with the file of its points.
+pub(super) fn open(folder: &Path, request: &Request) -> Result<(Dataset, Arc<Source>)> {
     let (parts, has_both) = parts(folder)?;
     let times: Vec<f64> =
         parts.first().map_or(Vec::new(), |part| part.times.iter().map(|step| step.0).collect());
@@ -145,7 +145,7 @@ pub(super) fn open(folder: &Path, request: &Request) -> Result<Dataset> {
         1 => format!("OpenFOAM, {encoding}"),
         count => format!("OpenFOAM, {encoding}, {}", counted(count, "processor")),
     };
-    Ok(dataset)
+    Ok((dataset, head.source))
 }
 
 /// Number of cells that the file of owners notes, or else that its numbers show.
@@ -185,6 +185,7 @@ fn piece(part: &Part, time_folder: Option<&str>, time: f64, file_bytes: &mut u64
         cell_count,
         arrays,
         geometry: geometry(counts, move |_| read_mesh(&mesh)),
+        blocks: CellBlocks::One(0),
         is_old_order: false,
     })
 }

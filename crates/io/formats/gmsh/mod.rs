@@ -11,7 +11,7 @@ mod views;
 
 use self::mesh::{Counts, MeshFile, Section, header};
 use self::views::View;
-use super::contents::{Compute, Dataset, Encoding, Piece, PieceArray, Stored};
+use super::contents::{CellBlocks, Compute, Dataset, Encoding, Piece, PieceArray, Stored};
 use super::cursor::Cursor;
 use super::lazy::geometry;
 use super::numbers::NumberType;
@@ -199,6 +199,7 @@ fn piece(file: Arc<MeshFile>, counts: &Counts, arrays: Vec<views::ViewArray>) ->
             let of = file.clone();
             move |_| of.read_geometry()
         }),
+        blocks: CellBlocks::One(0),
         is_old_order: false,
     }
 }

@@ -1,9 +1,9 @@
 //! PolyData (.vtp): the vertices, lines, polygons and strips of all pieces.
 
 use super::header::{self, Element};
-use super::{Context, marked, points};
+use super::serial::{Context, marked, points};
 use crate::formats::assemble::{column, load_points};
-use crate::formats::contents::{GHOST_TYPE, Geometry, Meter, Piece, Stored};
+use crate::formats::contents::{CellBlocks, GHOST_TYPE, Geometry, Meter, Piece, Stored};
 use crate::formats::elements::{ElementKind, Elements, SurfaceColors, linear_colors, too_many_points};
 use crate::formats::numbers::NumberType;
 use crate::formats::request;
@@ -73,10 +73,17 @@ fn add_piece(
         dimensions: [point_count, 1, 1],
         points: points(context, element, point_count)?,
     };
-    let piece = Piece { point_count, cell_count, geometry, arrays, is_old_order: false };
+    let piece = Piece {
+        point_count,
+        cell_count,
+        geometry,
+        arrays,
+        blocks: CellBlocks::default(),
+        is_old_order: false,
+    };
     let values = match colors.array() {
         Some(name) => {
-            let choice = request::scalar_of(&piece, name, None)?;
+            let choice = request::scalar_of(&piece.arrays.iter().collect::<Vec<_>>(), name, None)?;
             Some((choice.association, column(&piece, &choice, meter)?))
         }
         None => None,
