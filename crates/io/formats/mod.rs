@@ -7,6 +7,8 @@
 //! | .vtu.series, .vtk.series | [`series`] |
 //! | meshes of Gmsh (.msh) | [`gmsh`] |
 //! | cases of OpenFOAM | [`foam`] |
+//! | AVS UCD (.inp, .ucd) | [`ucd`] |
+//! | meshes of Abaqus (.inp), SU2 (.su2), Nastran (.bdf) | [`abaqus`], [`su2`], [`nastran`] |
 //! | PLOT3D grid and solution | [`plot3d`] |
 //!
 //! Every format is turned into the same table of contents first ([`contents`]: counts, geometry, and for each array its
@@ -23,6 +25,7 @@
 //! files, decodes every array, drops the line numbers) would take more code than reading the format; vtkio serves
 //! the tests as an independent writer.
 
+mod abaqus;
 mod assemble;
 mod blocks;
 mod cells;
@@ -37,12 +40,16 @@ mod hexahedra;
 mod inspect;
 mod lazy;
 mod legacy;
+mod nastran;
 mod numbers;
 mod plot3d;
 mod request;
 mod series;
 mod source;
+mod su2;
 mod surfaces;
+mod tagged;
+mod ucd;
 mod unsupported;
 mod xml;
 
@@ -116,22 +123,38 @@ pub fn steps(path: &Path, request: &Request) -> Result<(usize, usize)> {
 }
 
 /// The files that reading a data file may open beside it: those that a series or a parallel file names, the solution beside
-/// a PLOT3D grid. What cannot be read names none.
+/// a PLOT3D grid, those of a case. What cannot be read names none.
 pub fn files_beside(path: &Path) -> Vec<PathBuf> {
     let solution = Some(path.with_extension("q")).filter(|solution| solution != path && solution.is_file());
     let named = xml::files_named(path, None).into_iter().chain(series::files_named(path, None));
-    named.chain(solution).collect()
+    named.chain(solution).chain(foam::files_named(path, None)).collect()
 }
 
 /// Further files that reading for this request opens: of a series the files of one step.
 pub fn files_read_beside(path: &Path, request: &Request) -> Vec<PathBuf> {
     let solution = plot3d::solution_beside(path, request);
     let of_series = series::files_named(path, Some(request));
-    xml::files_named(path, Some(request)).into_iter().chain(of_series).chain(solution).collect()
+    let of_case = foam::files_named(path, Some(request));
+    xml::files_named(path, Some(request))
+        .into_iter()
+        .chain(of_series)
+        .chain(solution)
+        .chain(of_case)
+        .collect()
 }
 
 /// The formats, in the order in which a file is tried as one of them.
-const FORMATS: &[Format] = &[xml::FORMAT, legacy::FORMAT, SERIES, gmsh::FORMAT, plot3d::FORMAT];
+const FORMATS: &[Format] = &[
+    xml::FORMAT,
+    legacy::FORMAT,
+    SERIES,
+    gmsh::FORMAT,
+    ucd::FORMAT,
+    abaqus::FORMAT,
+    su2::FORMAT,
+    nastran::FORMAT,
+    plot3d::FORMAT,
+];
 
 /// The declaration of series of files, each of any format.
 const SERIES: Format = Format {
@@ -147,7 +170,7 @@ const SERIES: Format = Format {
 };
 
 /// File types of the reader, for its help.
-pub const FILES: &str = "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, .vtu.series, legacy .vtk), Gmsh (.msh), a case of OpenFOAM (its folder or .foam), or a PLOT3D grid";
+pub const FILES: &str = "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, .vtu.series, legacy .vtk), Gmsh (.msh), a case of OpenFOAM (its folder or .foam), AVS UCD (.inp), a mesh of Abaqus (.inp), SU2 (.su2) or Nastran (.bdf), or a PLOT3D grid";
 
 /// File types of several formats, in one phrase.
 fn files(mut formats: impl Iterator<Item = &'static Format>) -> String {

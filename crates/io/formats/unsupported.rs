@@ -80,7 +80,7 @@ pub(super) const BY_MAGIC: &[UnsupportedFormat] = &[
 /// Formats of plain text that only words tell; asked where nothing else is meant.
 pub(super) const BY_WORDS: &[UnsupportedFormat] = &[
     ("input of LS-DYNA", LS_DYNA, |file| file.has_line(|line| line.to_lowercase().starts_with("*keyword"))),
-    ("input of Abaqus (.inp)", MESHIO, |file| {
+    ("input of Abaqus", "a name that ends in .inp", |file| {
         file.has_line(|line| {
             let words = ["*heading", "*node", "*part", "*element", "*preprint"];
             words.iter().any(|word| line.to_lowercase().starts_with(word))
@@ -92,7 +92,9 @@ pub(super) const BY_WORDS: &[UnsupportedFormat] = &[
         "a .vtu file: `pymapdl_reader` (ansys-mapdl-reader) reads it and saves it by save_as_vtk",
         |file| ["rst", "rth", "rfl"].contains(&file.ending.as_str()),
     ),
-    ("input of Nastran", MESHIO, |file| file.has_line_with(&["BEGIN BULK", "GRID  ", "GRID,"])),
+    ("input of Nastran", "a name that ends in .bdf or .nas", |file| {
+        file.has_line_with(&["BEGIN BULK", "GRID  ", "GRID,"])
+    }),
     ("a Tecplot file", PARAVIEW, |file| {
         file.has_line(|line| line.to_uppercase().replace(' ', "").starts_with("VARIABLES="))
     }),

@@ -3,8 +3,8 @@
 use super::file::{FoamFile, misfit};
 use crate::formats::lazy::GatheredCells;
 use std::path::PathBuf;
-use voltet_core::Result;
 use voltet_core::grid::{CellSet, code};
+use voltet_core::{Error, Result};
 
 /// Files of a mesh.
 #[derive(Clone)]
@@ -13,6 +13,7 @@ pub(super) struct MeshPaths {
     pub faces: PathBuf,
     pub owner: PathBuf,
     pub neighbour: PathBuf,
+    pub zones: Option<PathBuf>,
 }
 
 /// Faces with their cells.
@@ -80,6 +81,52 @@ impl Faces {
             }
         }
         gathered.into_set()
+    }
+}
+
+/// Zones of the cells of a mesh.
+#[derive(Default)]
+pub(super) struct CellZones {
+    /// Names in the order of the file.
+    pub names: Vec<String>,
+    /// Cells in ascending order, with the place of the first zone that each is in.
+    cells: Vec<(u32, u32)>,
+}
+
+impl CellZones {
+    /// Reads them; none where the mesh has no such file.
+    pub fn read(mesh: &MeshPaths, cell_count: u64) -> Result<CellZones> {
+        let Some(path) = &mesh.zones else { return Ok(CellZones::default()) };
+        let mut zones = CellZones::default();
+        for (place, (name, cells)) in FoamFile::open(path, false)?.zones()?.into_iter().enumerate() {
+            zones.names.push(name);
+            zones.cells.extend(cells.into_iter().map(|cell| (cell, place as u32)));
+        }
+        zones.cells.sort_unstable();
+        zones.cells.dedup_by_key(|entry| entry.0);
+        match zones.cells.last() {
+            Some(&(last, _)) if u64::from(last) >= cell_count => {
+                let error = Error::run("a zone names a cell that does not exist").got(last);
+                Err(error.expected(format_args!("a number below {cell_count}")).in_file(path))
+            }
+            _ => Ok(zones),
+        }
+    }
+
+    /// Number of cells in no zone.
+    pub fn rest(&self, cell_count: u64) -> u64 {
+        cell_count - self.cells.len() as u64
+    }
+
+    /// Number of cells in a zone that are in none before it.
+    pub fn count(&self, zone: usize) -> u64 {
+        self.cells.iter().filter(|entry| entry.1 as usize == zone).count() as u64
+    }
+
+    /// Place of a cell's zone; `None`: it is in none.
+    pub fn zone(&self, cell: usize) -> Option<usize> {
+        let place = self.cells.binary_search_by_key(&cell, |entry| entry.0 as usize).ok()?;
+        Some(self.cells[place].1 as usize)
     }
 }
 

@@ -284,6 +284,35 @@ impl FoamFile {
         self.in_file(points)
     }
 
+    /// Names of zones with their cells.
+    pub fn zones(&mut self) -> Result<Vec<(String, Vec<u32>)>> {
+        let zones = self.list_of_zones();
+        self.in_file(zones)
+    }
+
+    fn list_of_zones(&mut self) -> Result<Vec<(String, Vec<u32>)>> {
+        let (count, _) = self.list_head()?;
+        let mut zones = Vec::new();
+        for _ in 0..count {
+            let name = self.required("the name of a zone")?;
+            let brace = self.required("{")?;
+            if brace != "{" {
+                let error = self.cursor.error("the zones are damaged").got(format_args!("'{brace}'"));
+                return Err(error.expected("{"));
+            }
+            let mut cells = Vec::new();
+            loop {
+                match self.required("an entry of a zone")?.as_str() {
+                    "}" => break,
+                    "cellLabels" => cells = self.list_of_labels()?,
+                    _ => {}
+                }
+            }
+            zones.push((name, cells));
+        }
+        Ok(zones)
+    }
+
     /// Moves to the values of a field within the mesh; `component_count` numbers make a tuple.
     pub fn field_values(&mut self, component_count: usize) -> Result<FieldValues> {
         let values = self.internal_field(component_count);

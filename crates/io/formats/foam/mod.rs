@@ -2,13 +2,14 @@
 //!
 //! A case is named by its folder, by a file `*.foam` in it, or by its `system/controlDict`. Steps are the folders whose
 //! names are numbers. The mesh of a time is the last that was written until then (`TIME/polyMesh`). Fields of cells
-//! and of points are arrays; values at boundaries are not read.
+//! and of points are arrays; values at boundaries are not read. Cell zones are blocks.
 
 mod cells;
 mod file;
 
-use self::cells::{Faces, MeshPaths};
+use self::cells::{CellZones, Faces, MeshPaths};
 use self::file::{FieldValues, FoamFile, existing, misfit};
+use super::blocks::selected;
 use super::contents::{CellBlocks, Compute, Dataset, Encoding, Piece, PieceArray, Stored};
 use super::lazy::geometry;
 use super::numbers::{ByteOrder, NumberType};
@@ -86,6 +87,7 @@ impl Part {
             faces: file("faces")?,
             owner: file("owner")?,
             neighbour: file("neighbour")?,
+            zones: self.mesh_file("cellZones", time),
         })
     }
 }
@@ -132,12 +134,24 @@ pub(super) fn open(folder: &Path, request: &Request) -> Result<(Dataset, Arc<Sou
                 .to_owned(),
         );
     }
-    for part in &parts {
-        let (name, time) = match step.map(|step| &parts[0].times[step]) {
-            None => (None, f64::INFINITY),
-            Some((time, name)) => (Some(name.as_str()), *time),
+    let (name, time) = match step.map(|step| &parts[0].times[step]) {
+        None => (None, f64::INFINITY),
+        Some((time, name)) => (Some(name.as_str()), *time),
+    };
+    let meshes = parts.iter().map(|part| PartMesh::open(part, time)).collect::<Result<Vec<PartMesh>>>()?;
+    dataset.blocks = block_names(&meshes);
+    let is_selected = selected(&dataset.blocks, request)?;
+    for (part, mesh) in parts.iter().zip(meshes) {
+        let numbers =
+            mesh.zones.names.iter().map(|name| dataset.blocks.iter().position(|block| block == name));
+        let selection = CellSelection {
+            blocks: numbers.map(|block| block.unwrap_or(0)).collect(),
+            is_selected: is_selected.clone(),
+            zones: mesh.zones,
         };
-        dataset.pieces.push(piece(part, name, time, &mut dataset.file_bytes)?);
+        let folder = name.map(|name| part.folder.join(name));
+        let counts = [mesh.point_count, mesh.cell_count];
+        dataset.pieces.push(piece(mesh.paths, counts, folder, selection, &mut dataset.file_bytes)?);
     }
     let head = FoamFile::open(&parts[0].mesh(f64::INFINITY)?.points, true)?;
     let encoding = if head.binary.is_some() { "binary" } else { "ASCII" };
@@ -158,20 +172,101 @@ fn cell_count(mesh: &MeshPaths) -> Result<u64> {
     }
 }
 
-fn piece(part: &Part, time_folder: Option<&str>, time: f64, file_bytes: &mut u64) -> Result<Piece> {
-    let mesh = part.mesh(time)?;
-    let counts = [FoamFile::open(&mesh.points, true)?.point_count()?, cell_count(&mesh)?];
-    let [point_count, cell_count] = counts;
+/// The mesh of a part, of which the cells are not yet read.
+struct PartMesh {
+    paths: MeshPaths,
+    point_count: u64,
+    cell_count: u64,
+    zones: CellZones,
+}
+
+impl PartMesh {
+    fn open(part: &Part, time: f64) -> Result<PartMesh> {
+        let paths = part.mesh(time)?;
+        let point_count = FoamFile::open(&paths.points, true)?.point_count()?;
+        let cell_count = cell_count(&paths)?;
+        let zones = CellZones::read(&paths, cell_count)?;
+        Ok(PartMesh { paths, point_count, cell_count, zones })
+    }
+}
+
+/// Name of the block of cells in no zone, where there are zones.
+const NO_ZONE: &str = "no zone";
+
+/// Names of the zones of all parts; of none where there are no zones.
+fn block_names(meshes: &[PartMesh]) -> Vec<String> {
+    let mut blocks: Vec<String> = Vec::new();
+    for name in meshes.iter().flat_map(|mesh| &mesh.zones.names) {
+        if !blocks.contains(name) {
+            blocks.push(name.clone());
+        }
+    }
+    if !blocks.is_empty() && meshes.iter().any(|mesh| mesh.zones.rest(mesh.cell_count) > 0) {
+        blocks.push(NO_ZONE.to_owned());
+    }
+    blocks
+}
+
+/// Blocks of a part's cells, and those that are read.
+struct CellSelection {
+    zones: CellZones,
+    /// Numbers of the zones' blocks.
+    blocks: Vec<usize>,
+    is_selected: Vec<bool>,
+}
+
+impl CellSelection {
+    /// Number of a cell's block; of cells in no zone the last.
+    fn block(&self, cell: usize) -> usize {
+        match self.zones.zone(cell) {
+            Some(zone) => self.blocks[zone],
+            None => self.is_selected.len().saturating_sub(1),
+        }
+    }
+
+    fn contains(&self, cell: usize) -> bool {
+        self.is_selected.get(self.block(cell)).copied().unwrap_or(true)
+    }
+
+    fn is_all(&self) -> bool {
+        !self.is_selected.contains(&false)
+    }
+
+    /// Number of selected cells.
+    fn count(&self, cell_count: u64) -> u64 {
+        if self.is_all() {
+            return cell_count;
+        }
+        let zones = self.blocks.iter().enumerate().filter(|&(_, &block)| self.is_selected[block]);
+        let rest = if self.is_selected.last() == Some(&true) { self.zones.rest(cell_count) } else { 0 };
+        zones.fold(rest, |sum, (zone, _)| sum + self.zones.count(zone))
+    }
+}
+
+fn piece(
+    mesh: MeshPaths,
+    [point_count, cell_count]: [u64; 2],
+    folder: Option<PathBuf>,
+    selection: CellSelection,
+    file_bytes: &mut u64,
+) -> Result<Piece> {
+    let selected_count = selection.count(cell_count);
+    let selection = Arc::new(selection);
     let mut arrays = Vec::new();
-    if let Some(name) = time_folder {
-        let folder = part.folder.join(name);
+    if let Some(folder) = folder {
         let mut files: Vec<String> =
             names(&folder).into_iter().filter(|name| folder.join(name).is_file()).collect();
         files.dedup_by(|packed, plain| packed.strip_suffix(".gz") == Some(plain));
         for file in files {
             if let Some(field) = Field::of_file(&folder.join(file))? {
                 *file_bytes += field.source.len();
-                arrays.push(field.array(counts));
+                arrays.push(match field.association {
+                    Association::Point => field.array(point_count, None),
+                    Association::Cell => {
+                        let selection = (!selection.is_all()).then(|| (selection.clone(), selected_count));
+                        field.array(cell_count, selection)
+                    }
+                });
             }
         }
     }
@@ -179,22 +274,30 @@ fn piece(part: &Part, time_folder: Option<&str>, time: f64, file_bytes: &mut u64
         *file_bytes += std::fs::metadata(path).map_or(0, |metadata| metadata.len());
     }
     // Hexahedra, which are most cells of most meshes, have eight corners.
-    let counts = [point_count, cell_count, cell_count.saturating_mul(8)];
+    let counts = [point_count, selected_count, selected_count.saturating_mul(8)];
+    let of = selection.clone();
+    let numbers: Compute = Arc::new(move |_| {
+        let cells = (0..cell_count as usize).filter(|&cell| selection.contains(cell));
+        Ok(cells.map(|cell| selection.block(cell) as f64).collect())
+    });
     Ok(Piece {
         point_count,
-        cell_count,
+        cell_count: selected_count,
         arrays,
-        geometry: geometry(counts, move |_| read_mesh(&mesh)),
-        blocks: CellBlocks::One(0),
+        geometry: geometry(counts, move |_| read_mesh(&mesh, cell_count, &of)),
+        blocks: CellBlocks::Each(numbers),
         is_old_order: false,
     })
 }
 
-fn read_mesh(mesh: &MeshPaths) -> Result<(Vec<DVec3>, Cells)> {
+fn read_mesh(mesh: &MeshPaths, cell_count: u64, selection: &CellSelection) -> Result<(Vec<DVec3>, Cells)> {
     let coordinates = FoamFile::open(&mesh.points, false)?.points()?;
     let points = coordinates.as_chunks().0.iter().map(|&point| DVec3::from_array(point)).collect();
     let faces = Faces::read(mesh)?;
-    Ok((points, Cells::Mixed(faces.cells(|_| true))))
+    if faces.cell_count as u64 != cell_count {
+        return Err(misfit("cells", faces.cell_count, format!("{cell_count}, as it notes"), &mesh.owner));
+    }
+    Ok((points, Cells::Mixed(faces.cells(|cell| selection.contains(cell)))))
 }
 
 /// A field of a time, whose head was read.
@@ -230,19 +333,31 @@ impl Field {
         {
             bytes_of_tuples = Some((count, file.scalar, order, file.position()));
         }
-        Ok(Some(Field { path: path.to_owned(), source: file.source, association, kind, bytes_of_tuples }))
+        Ok(Some(Field {
+            path: path.to_owned(),
+            source: file.source.closed(),
+            association,
+            kind,
+            bytes_of_tuples,
+        }))
     }
 
-    /// Its array; bytes that lie side by side are read from the file as they are.
-    fn array(self, [point_count, cell_count]: [u64; 2]) -> PieceArray {
-        let tuple_count = if self.association == Association::Cell { cell_count } else { point_count };
+    /// Its array, of all tuples or of the selected cells; bytes that lie side by side are read from the file as they are.
+    fn array(self, tuple_count: u64, selection: Option<(Arc<CellSelection>, u64)>) -> PieceArray {
         let name = self.path.file_name().unwrap_or_default().to_string_lossy();
         let name = name.strip_suffix(".gz").unwrap_or(&name).to_owned();
-        let (component_count, path) = (self.kind.1, self.path);
-        let load: Compute = Arc::new(move |_| load_field(&path, component_count, tuple_count));
-        let mut stored =
-            Stored::of_f64(&self.source, &name, component_count, tuple_count, Encoding::Computed(load));
-        if let Some((_, number_type, order, place)) = self.bytes_of_tuples.filter(|own| own.0 == tuple_count)
+        let (n, path) = (self.kind.1, self.path);
+        let selected_count = selection.as_ref().map_or(tuple_count, |selection| selection.1);
+        let is_whole = selection.is_none();
+        let load: Compute = Arc::new(move |_| {
+            let values = load_field(&path, n, tuple_count)?;
+            let Some((selection, _)) = &selection else { return Ok(values) };
+            let tuples = values.chunks(n).enumerate().filter(|&(cell, _)| selection.contains(cell));
+            Ok(tuples.flat_map(|(_, tuple)| tuple.iter().copied()).collect())
+        });
+        let mut stored = Stored::of_f64(&self.source, &name, n, selected_count, Encoding::Computed(load));
+        if let Some((_, number_type, order, place)) =
+            self.bytes_of_tuples.filter(|own| own.0 == tuple_count && is_whole)
         {
             stored = Stored { number_type, order, encoding: Encoding::Bytes(place), ..stored };
         }
@@ -262,4 +377,33 @@ fn load_field(path: &Path, component_count: usize, tuple_count: u64) -> Result<V
             Ok(tuple.iter().copied().cycle().take(tuple_count as usize * component_count).collect())
         }
     }
+}
+
+/// The files of a case that reading it opens, of every time or of that asked for; none for other paths.
+pub(super) fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf> {
+    let Some(folder) = case_folder(path) else { return Vec::new() };
+    let parts = parts(&folder).map_or(Vec::new(), |found| found.0);
+    let mut files = Vec::new();
+    for part in &parts {
+        let times: Vec<f64> = part.times.iter().map(|step| step.0).collect();
+        let index = request.filter(|_| !times.is_empty()).and_then(|request| request.step_index(&times).ok());
+        let time = index.map(|index| times[index]);
+        let of_time = part.times.iter().filter(|step| time.is_none_or(|time| time == step.0));
+        let folders = of_time.map(|step| part.folder.join(&step.1));
+        for folder in folders {
+            files.extend(
+                names(&folder).into_iter().map(|name| folder.join(name)).filter(|file| file.is_file()),
+            );
+        }
+        let times: Vec<f64> = match time {
+            Some(time) => vec![time],
+            None => times.into_iter().chain([f64::INFINITY]).collect(),
+        };
+        for mesh in times.into_iter().filter_map(|time| part.mesh(time).ok()) {
+            files.extend([mesh.points, mesh.faces, mesh.owner, mesh.neighbour]);
+        }
+    }
+    files.sort();
+    files.dedup();
+    files
 }

@@ -38,10 +38,9 @@ pub(super) struct MeshFile {
     tags: Mutex<[Option<Arc<Tags>>; 2]>,
 }
 
-/// Numbers of what a file holds.
+/// Numbers of the volume elements of a group, or of all that are read.
 #[derive(Default)]
 pub(super) struct Counts {
-    pub nodes: u64,
     pub cells: u64,
     pub corners: u64,
     /// Pyramids of 14 nodes.
@@ -53,7 +52,7 @@ pub(super) struct Volumes {
     pub cells: GatheredCells,
     tags: Vec<u64>,
     /// Places in [`MeshFile::groups`].
-    pub blocks: Vec<u32>,
+    pub blocks: Vec<f64>,
     /// For each cell the order of its nodes.
     pub orders: Vec<&'static [u8]>,
 }
@@ -80,8 +79,8 @@ impl MeshFile {
         format!("Gmsh {}, {encoding}", self.version)
     }
 
-    /// Counts nodes and volume elements, and finds the groups of these.
-    pub fn count(&mut self, _names: &[(i64, String)]) -> Result<Counts> {
+    /// Number of nodes.
+    pub fn node_count(&self) -> Result<u64> {
         let mut cursor = self.cursor(&self.nodes, self.version >= 4.0);
         if self.version >= 4.0 {
             cursor.number::<u64>(NumberType::U64, "the number of entities")?;
@@ -91,19 +90,28 @@ impl MeshFile {
         if nodes > cursor.left() / 8 + 1 {
             return Err(cursor.error("the nodes do not fit the file").got(nodes));
         }
-        let mut counts = Counts { nodes, ..Counts::default() };
-        let mut groups: Vec<i64> = Vec::new();
+        Ok(nodes)
+    }
+
+    /// Finds the physical groups of the volume elements, and counts these and their nodes by group. Groups with a name stand first.
+    pub fn find_groups(&mut self, names: &[(i64, String)]) -> Result<Vec<Counts>> {
+        let mut groups: Vec<i64> = names.iter().map(|name| name.0).collect();
+        let mut counts: Vec<Counts> = groups.iter().map(|_| Counts::default()).collect();
+        let mut place = 0;
         each(&mut self.cursor(&self.elements, true), self.groups_of_4(), |element| {
             let Some(volume) = element.volume else { return Ok(()) };
-            if groups.last() != Some(&element.group) && !groups.contains(&element.group) {
-                groups.push(element.group);
+            if groups.get(place) != Some(&element.group) {
+                place = groups.iter().position(|&group| group == element.group).unwrap_or(groups.len());
             }
-            counts.cells += 1;
-            counts.corners += volume.order.len() as u64;
-            counts.reduced += u64::from(element.nodes.len() != volume.order.len());
+            if place == groups.len() {
+                groups.push(element.group);
+                counts.push(Counts::default());
+            }
+            counts[place].cells += 1;
+            counts[place].corners += volume.order.len() as u64;
+            counts[place].reduced += u64::from(element.nodes.len() != volume.order.len());
             Ok(())
         })?;
-        self.is_selected = vec![true; groups.len()];
         self.groups = groups;
         Ok(counts)
     }
@@ -176,11 +184,14 @@ impl MeshFile {
 
     /// Calls `visit` with each selected volume element and its place among the groups.
     fn each_volume(&self, mut visit: impl FnMut(&MeshElement, usize) -> Result<()>) -> Result<()> {
+        let mut block = 0;
         each(&mut self.cursor(&self.elements, true), self.groups_of_4(), |element| {
-            let block = self.groups.iter().position(|&group| group == element.group);
-            match block.filter(|&block| element.volume.is_some() && self.is_selected[block]) {
-                Some(block) => visit(element, block),
-                None => Ok(()),
+            if self.groups.get(block) != Some(&element.group) {
+                block = self.groups.iter().position(|&group| group == element.group).unwrap_or(0);
+            }
+            match element.volume.is_some() && self.is_selected.get(block) == Some(&true) {
+                true => visit(element, block),
+                false => Ok(()),
             }
         })
     }
@@ -205,7 +216,7 @@ impl MeshFile {
             }
             volumes.cells.add(volume.code, corners.iter().copied());
             volumes.tags.push(element.tag);
-            volumes.blocks.push(block as u32);
+            volumes.blocks.push(block as f64);
             volumes.orders.push(volume.order);
             Ok(())
         })?;

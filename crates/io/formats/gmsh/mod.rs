@@ -11,6 +11,7 @@ mod views;
 
 use self::mesh::{Counts, MeshFile, Section, header};
 use self::views::View;
+use super::blocks::selected;
 use super::contents::{CellBlocks, Compute, Dataset, Encoding, Piece, PieceArray, Stored};
 use super::cursor::Cursor;
 use super::lazy::geometry;
@@ -57,8 +58,19 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
             return Err(Error::run("the mesh is not complete").expected(format_args!("a section {name}")));
         }
     }
-    let counts = file.count(&names)?;
+    let node_count = file.node_count()?;
+    let of_groups = file.find_groups(&names)?;
+    let blocks = block_names(&file.groups, &names);
+    file.is_selected = selected(&blocks, request)?;
+    file.is_selected.resize(file.groups.len(), true);
+    let mut counts = Counts::default();
+    for (own, _) in of_groups.iter().zip(&file.is_selected).filter(|group| *group.1) {
+        counts.cells += own.cells;
+        counts.corners += own.corners;
+        counts.reduced += own.reduced;
+    }
     let mut dataset = Dataset {
+        blocks,
         format: file.format(),
         file_bytes: source.len(),
         time_steps: views::times(&views),
@@ -91,7 +103,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
             ));
         }
     }
-    dataset.pieces.push(piece(Arc::new(file), &counts, arrays));
+    dataset.pieces.push(piece(Arc::new(file), node_count, &counts, arrays));
     Ok(dataset)
 }
 
@@ -178,8 +190,21 @@ fn entities(cursor: &mut Cursor, is_partitioned: bool, groups: &mut HashMap<i64,
     Ok(())
 }
 
-fn piece(file: Arc<MeshFile>, counts: &Counts, arrays: Vec<views::ViewArray>) -> Piece {
-    let point_count = if file.is_split { counts.corners } else { counts.nodes };
+/// Names of the physical groups of volumes; none where there are no groups.
+fn block_names(groups: &[i64], names: &[(i64, String)]) -> Vec<String> {
+    if groups == [0] {
+        return Vec::new();
+    }
+    let name = |group: &i64| match names.iter().find(|name| name.0 == *group) {
+        Some((_, name)) => name.clone(),
+        None if *group == 0 => "no group".to_owned(),
+        None => group.to_string(),
+    };
+    groups.iter().map(name).collect()
+}
+
+fn piece(file: Arc<MeshFile>, node_count: u64, counts: &Counts, arrays: Vec<views::ViewArray>) -> Piece {
+    let point_count = if file.is_split { counts.corners } else { node_count };
     let arrays = arrays.into_iter().map(|array| {
         let (association, component_count) = (array.association(), array.component_count());
         let tuple_count = if association == Association::Cell { counts.cells } else { point_count };
@@ -199,7 +224,7 @@ fn piece(file: Arc<MeshFile>, counts: &Counts, arrays: Vec<views::ViewArray>) ->
             let of = file.clone();
             move |_| of.read_geometry()
         }),
-        blocks: CellBlocks::One(0),
+        blocks: CellBlocks::Each(Arc::new(move |_| Ok(file.read_volumes()?.blocks))),
         is_old_order: false,
     }
 }

@@ -63,7 +63,7 @@ fn arrays_are_those_of_the_views() {
         let summary = inspect(&path, &Request::default(), &NoProgress).unwrap();
         assert_eq!((summary.point_count, summary.cell_count), (23, 4));
         assert_eq!(summary.time_steps, [0.0, 1.5, 4.0]);
-        let names: Vec<&str> = summary.arrays.iter().map(|array| array.head.name.as_str()).collect();
+        let names: Vec<&str> = summary.quantities().map(|array| array.head.name.as_str()).collect();
         assert_eq!(names, ["f", "position", "jumps", "transient", "mean f"], "{name}");
         let y = grid(&path, &request("position:1"));
         assert!(y.points.iter().zip(&**y.scalar.as_ref().unwrap()).all(|(p, &y)| p.y == y));
@@ -108,6 +108,37 @@ fn meshio_writes_the_same_as_vtu() {
         };
         assert_eq!(sorted(&found), sorted(&expected));
         assert_eq!(found.scalar, expected.scalar);
+    }
+}
+
+#[test]
+fn physical_groups_of_volumes_are_blocks() {
+    for (name, fluid, solid) in [
+        ("linear_4.msh", "fluid", "solid part"),
+        ("linear_2.msh", "fluid", "solid part"),
+        ("every_element_4.msh", "fluid", "solid"),
+        ("every_element_2.msh", "fluid", "solid"),
+    ] {
+        let summary = inspect(&sample(name), &Request::default(), &NoProgress).unwrap();
+        let names: Vec<&str> = summary.blocks.iter().map(|block| &*block.name).collect();
+        assert_eq!(names, [solid, fluid], "{name}");
+        let constant = Options { cell_values: CellValues::Constant, ..Options::default() };
+        let of = |scalar: &str, blocks: &[&str]| {
+            let blocks = blocks.iter().map(|block| block.to_string()).collect();
+            grid(&sample(name), &Request { options: constant, blocks, ..request(scalar) })
+        };
+        let (all, part) = (of("block", &[]), of("block", &[fluid]));
+        let cell_count = summary.blocks[1].cell_count();
+        assert!(part.scalar.as_ref().unwrap().iter().all(|&block| block == 1.0), "{name}");
+        let is_fluid = |i: &usize| all.scalar.as_ref().unwrap()[all.tetrahedra[*i][0] as usize] == 1.0;
+        assert_eq!((0..all.tetrahedra.len()).filter(is_fluid).count(), part.tetrahedra.len(), "{name}");
+        // Elements keep their numbers among all in the values of a part.
+        for (scalar, first) in [("jumps", if cell_count == 2 { 1.0 } else { 0.0 }), ("f", 0.0)] {
+            let part = of(scalar, &[fluid]);
+            let p = part.tetrahedra[0][0] as usize;
+            let value = part.scalar.as_ref().unwrap()[p] - field(part.points[p]);
+            assert!((value - first).abs() < 1e-10, "{name} {scalar}: {value}");
+        }
     }
 }
 

@@ -6,6 +6,7 @@ mod blocks;
 mod encodings;
 mod gmsh;
 mod legacy;
+mod meshes;
 mod openfoam;
 mod pieces;
 mod plot3d;

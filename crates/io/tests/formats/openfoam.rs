@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use voltet_core::grid::{CellValues, Grid, Options};
 use voltet_core::progress::NoProgress;
-use voltet_io::formats::{Association, Request, TimeStep, inspect, read};
+use voltet_io::formats::{Association, Request, TimeStep, files_beside, files_read_beside, inspect, read};
 
 fn sample(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/files/openfoam").join(name)
@@ -80,7 +80,7 @@ fn text_bytes_packed_and_decomposed_cases_read_the_same() {
     let bytes = inspect(&sample("bytes"), &request("T"), &NoProgress).unwrap();
     assert_eq!(bytes.format, "OpenFOAM, binary");
     let arrays: Vec<(&str, Association, usize)> =
-        bytes.arrays.iter().map(|a| (&*a.head.name, a.head.association, a.head.component_count)).collect();
+        bytes.quantities().map(|a| (&*a.head.name, a.head.association, a.head.component_count)).collect();
     let expected = [("D", Association::Point, 3), ("S", Association::Cell, 6), ("T", Association::Cell, 1)];
     assert_eq!(arrays, expected);
 }
@@ -97,6 +97,11 @@ fn fields_are_those_of_the_time_and_of_the_place() {
         // Rounding of sums of at most 14.
         assert!((a + 10.0 - b).abs() < 1e-13);
     }
+    // Four files of the mesh; T, D and S of each time, C of the last.
+    assert_eq!(
+        [files_beside(&case), files_read_beside(&case, &request("T"))].map(|files| files.len()),
+        [14, 8]
+    );
     let height = grid(&case, &request("D:2"));
     assert!(height.points.iter().zip(height.scalar.as_ref().unwrap().iter()).all(|(p, &d)| d == 2.0 * p.z));
     let shear = grid(&case, &request("S:YZ"));
@@ -105,6 +110,38 @@ fn fields_are_those_of_the_time_and_of_the_place() {
     let (y, z) = (grid(&case, &request("C:1")), grid(&case, &request("C:2")));
     let [x, y, z, t] = [x, y, z, t].map(|grid| grid.scalar.unwrap());
     assert!((0..t.len()).all(|i| (x[i] * x[i] - y[i] * z[i] + 10.0 - t[i]).abs() < 1e-13));
+}
+
+#[test]
+fn cell_zones_are_blocks() {
+    let of = |name: &str, scalar: &str, blocks: &[&str]| {
+        let blocks = blocks.iter().map(|block| block.to_string()).collect();
+        grid(&sample(name), &Request { blocks, ..request(scalar) })
+    };
+    for name in ["text", "bytes", "packed", "decomposed"] {
+        let summary = inspect(&sample(name), &Request::default(), &NoProgress).unwrap();
+        let names: Vec<&str> = summary.blocks.iter().map(|block| &*block.name).collect();
+        assert_eq!(names, ["left", "right"], "{name}");
+        let (all, right) = (of(name, "block", &[]), of(name, "block", &["right"]));
+        for grid in [&all, &right] {
+            let scalar = grid.scalar.as_ref().unwrap();
+            let is_right = |p: &u32| scalar[*p as usize] == 1.0;
+            for (i, tetrahedron) in grid.tetrahedra.iter().enumerate() {
+                let x: f64 = grid.corners(i).iter().map(|p| p.x / 4.0).sum();
+                assert!(tetrahedron.iter().all(|p| is_right(p) == (x > 1.0)), "{name}: {x}");
+            }
+        }
+        assert!(right.tetrahedra.len() < all.tetrahedra.len());
+        // The part has the values of the whole.
+        for scalar in ["T", "D:0", "S:1"] {
+            let (all, right) =
+                (tetrahedra(&of(name, scalar, &[])), tetrahedra(&of(name, scalar, &["right"])));
+            assert!(right.iter().all(|(place, values)| all[place] == *values), "{name} {scalar}");
+        }
+    }
+    let wrong = Request { blocks: vec!["rihgt".to_owned()], ..request("T") };
+    let wrong = read(&sample("text"), &wrong, &NoProgress).unwrap_err().to_string();
+    assert!(wrong.contains("no such block") && wrong.contains("'right'"), "{wrong}");
 }
 
 fn copy(from: &Path, to: &Path) {
@@ -179,7 +216,7 @@ fn mistakes_name_the_file_and_the_line() {
     expect(message("10/T", "<scalar>\n16\n(", "<scalar>\n16\n(x", "T"), &["'x", "10/T:"]);
     expect(
         message("constant/polyMesh/owner", "nCells:16", "nCells:17", "T"),
-        &["all cells", "found 16", "17"],
+        &["number of cells", "found 16", "17"],
     );
     expect(
         message("constant/polyMesh/points", "\n39\n", "\n3900\n", "T"),

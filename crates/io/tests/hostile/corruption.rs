@@ -182,3 +182,11 @@ fn damaged_cases_of_openfoam_are_errors_or_other_grids() {
         corrupt_case(name, "D:0", &files, 100);
     }
 }
+
+#[test]
+fn damaged_meshes_of_text_are_errors_or_other_grids() {
+    corrupt("a.ucd", "f", include_bytes!("../files/mesh.ucd"), 200);
+    corrupt("a.su2", "block", include_bytes!("../files/mesh.su2"), 200);
+    corrupt("a.bdf", "block", include_bytes!("../files/mesh.bdf"), 200);
+    corrupt("a.inp", "block", include_bytes!("../files/mesh.inp"), 200);
+}
