@@ -35,7 +35,7 @@ fn formats_are_told_by_content_and_named_with_a_remedy() {
         ("a.k", bytes("$ a comment\n*KEYWORD\n*NODE\n"), "input of LS-DYNA", "LS-PrePost"),
         ("a.cdb", bytes("/COM,ANSYS RELEASE\n/PREP7\n"), "input of Ansys", "pymapdl_reader"),
         ("b.txt", bytes(&format!("{}BEGIN BULK\n", "SOL 101\n".repeat(40))), "input of Nastran", ".bdf"),
-        ("a.case", bytes("FORMAT\ntype:  ensight gold\n"), "an EnSight case", paraview),
+        ("a.geo", bytes("C Binary"), "a geometry file of EnSight", ".case file beside it"),
         ("points", bytes("/*---*\\\nFoamFile\n{\n"), "a file of OpenFOAM", "its folder"),
         ("a.xdmf", bytes("<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">"), "an XDMF file", paraview),
         ("a.xml", bytes("<dolfin>"), "a mesh of FEniCS", "meshio"),

@@ -7,6 +7,7 @@
 //! | .vtu.series, .vtk.series | [`series`] |
 //! | meshes of Gmsh (.msh) | [`gmsh`] |
 //! | cases of OpenFOAM | [`foam`] |
+//! | cases of EnSight Gold (.case) | [`ensight`] |
 //! | AVS UCD (.inp, .ucd) | [`ucd`] |
 //! | meshes of Abaqus (.inp), SU2 (.su2), Nastran (.bdf) | [`abaqus`], [`su2`], [`nastran`] |
 //! | PLOT3D grid and solution | [`plot3d`] |
@@ -34,6 +35,7 @@ mod contents;
 mod cursor;
 mod decode;
 mod elements;
+mod ensight;
 mod foam;
 mod gmsh;
 mod hexahedra;
@@ -127,14 +129,19 @@ pub fn steps(path: &Path, request: &Request) -> Result<(usize, usize)> {
 pub fn files_beside(path: &Path) -> Vec<PathBuf> {
     let solution = Some(path.with_extension("q")).filter(|solution| solution != path && solution.is_file());
     let named = xml::files_named(path, None).into_iter().chain(series::files_named(path, None));
-    named.chain(solution).chain(foam::files_named(path, None)).collect()
+    named
+        .chain(solution)
+        .chain(foam::files_named(path, None))
+        .chain(ensight::files_named(path, None))
+        .collect()
 }
 
 /// Further files that reading for this request opens: of a series the files of one step.
 pub fn files_read_beside(path: &Path, request: &Request) -> Vec<PathBuf> {
     let solution = plot3d::solution_beside(path, request);
     let of_series = series::files_named(path, Some(request));
-    let of_case = foam::files_named(path, Some(request));
+    let of_case =
+        foam::files_named(path, Some(request)).into_iter().chain(ensight::files_named(path, Some(request)));
     xml::files_named(path, Some(request))
         .into_iter()
         .chain(of_series)
@@ -149,6 +156,7 @@ const FORMATS: &[Format] = &[
     legacy::FORMAT,
     SERIES,
     gmsh::FORMAT,
+    ensight::FORMAT,
     ucd::FORMAT,
     abaqus::FORMAT,
     su2::FORMAT,
@@ -170,7 +178,7 @@ const SERIES: Format = Format {
 };
 
 /// File types of the reader, for its help.
-pub const FILES: &str = "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, .vtu.series, legacy .vtk), Gmsh (.msh), a case of OpenFOAM (its folder or .foam), AVS UCD (.inp), a mesh of Abaqus (.inp), SU2 (.su2) or Nastran (.bdf), or a PLOT3D grid";
+pub const FILES: &str = "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, .vtu.series, legacy .vtk), Gmsh (.msh), a case of OpenFOAM (its folder or .foam), EnSight Gold (.case), AVS UCD (.inp), a mesh of Abaqus (.inp), SU2 (.su2) or Nastran (.bdf), or a PLOT3D grid";
 
 /// File types of several formats, in one phrase.
 fn files(mut formats: impl Iterator<Item = &'static Format>) -> String {

@@ -29,7 +29,7 @@ const HDF5: &str =
     "a .vtu file: the program that wrote this one, or ParaView with the .xdmf file beside it, can save one";
 const ABAQUS: &str =
     "a .vtu file: Abaqus/CAE exports field output as text, or as .inp with `meshio convert` after it";
-const ENSIGHT: &str = "a .vtu file: open the .case file beside it in ParaView and save its data as .vtu";
+const ENSIGHT: &str = "the .case file beside it";
 const LS_DYNA: &str = "a .vtu file: LS-PrePost saves the results (d3plot), and ParaView reads these";
 const ANSYS: &str = "a .vtu file: `pymapdl_reader` (ansys-mapdl-reader) reads it and saves its grid";
 const TABLE: &str =
@@ -48,10 +48,6 @@ pub(super) const BY_MAGIC: &[UnsupportedFormat] = &[
     ("data of Abaqus (.odb)", ABAQUS, |file| file.begins(&["HKSRD0"])),
     ("a file of OpenFOAM", OPENFOAM, |file| file.has_line(|line| line.trim() == "FoamFile")),
     ("a mesh or case of Ansys Fluent", PARAVIEW, |file| file.begins(&["(0 ", "(1 ", "(2 "])),
-    ("an EnSight case", PARAVIEW, |file| {
-        file.has_line(|line| line.trim().eq_ignore_ascii_case("format"))
-            && file.has_line(|line| line.to_lowercase().replace(' ', "").starts_with("type:ensight"))
-    }),
     ("a geometry file of EnSight", ENSIGHT, |file| file.begins(&["C Binary", "Fortran Binary"])),
     ("a Tecplot file", PARAVIEW, |file| file.begins(&["#!TDV"])),
     ("an XDMF file", PARAVIEW, |file| file.has_tag("Xdmf")),

@@ -4,6 +4,7 @@
 
 mod blocks;
 mod encodings;
+mod ensight;
 mod gmsh;
 mod legacy;
 mod meshes;

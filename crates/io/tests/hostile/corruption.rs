@@ -91,10 +91,10 @@ fn corrupt(name: &str, scalar: &str, bytes: &[u8], case_count: usize) {
     }
 }
 
-/// Cuts and changes the files of a case of OpenFOAM, one after the other.
-fn corrupt_case(name: &str, scalar: &str, files: &[&str], case_count: usize) {
+/// Cuts and changes files of a folder, one after the other, and reads what is named.
+fn corrupt_case(name: &str, named: &str, scalar: &str, files: &[&str], case_count: usize) {
     let folder = tempfile::tempdir().unwrap();
-    let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/files/openfoam").join(name);
+    let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/files").join(name);
     let sound: Vec<Vec<u8>> = files.iter().map(|file| std::fs::read(sample.join(file)).unwrap()).collect();
     let write = |file: &str, bytes: &[u8]| {
         let path = folder.path().join(file);
@@ -107,7 +107,7 @@ fn corrupt_case(name: &str, scalar: &str, files: &[&str], case_count: usize) {
         let which = case / 8 % files.len();
         let (damaged, what) = damage(&sound[which], case, &mut random);
         write(files[which], &damaged);
-        try_file(folder.path(), scalar, &format!("{name}/{} {what}", files[which]));
+        try_file(&folder.path().join(named), scalar, &format!("{name}/{} {what}", files[which]));
         write(files[which], &sound[which]);
     }
 }
@@ -178,8 +178,9 @@ fn damaged_cases_of_openfoam_are_errors_or_other_grids() {
     ] {
         let mesh = mesh(ending);
         let files: Vec<&str> = mesh.iter().map(String::as_str).chain(fields).collect();
-        corrupt_case(name, "T", &files, 200);
-        corrupt_case(name, "D:0", &files, 100);
+        let name = format!("openfoam/{name}");
+        corrupt_case(&name, "", "T", &files, 200);
+        corrupt_case(&name, "", "D:0", &files, 100);
     }
 }
 
@@ -189,4 +190,13 @@ fn damaged_meshes_of_text_are_errors_or_other_grids() {
     corrupt("a.su2", "block", include_bytes!("../files/mesh.su2"), 200);
     corrupt("a.bdf", "block", include_bytes!("../files/mesh.bdf"), 200);
     corrupt("a.inp", "block", include_bytes!("../files/mesh.inp"), 200);
+}
+
+#[test]
+fn damaged_cases_of_ensight_are_errors_or_other_grids() {
+    let files =
+        ["parts.0.case", "parts.0.00000.geo", "parts.0.00000_n.f", "parts.0.00000_n.p", "parts.0.00000_c.g"];
+    for scalar in ["f_n", "p_n:1", "g_c"] {
+        corrupt_case("ensight", files[0], scalar, &files, 200);
+    }
 }
