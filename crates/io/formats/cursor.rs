@@ -10,6 +10,13 @@ const WINDOW: usize = 1 << 18;
 /// No word or line of a sound file is longer.
 const LONGEST: usize = 1 << 22;
 
+/// A place in a file and its line.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Place {
+    at: u64,
+    line: usize,
+}
+
 /// A position in a file.
 #[derive(Clone)]
 pub(super) struct Cursor {
@@ -48,7 +55,17 @@ impl Cursor {
         }
     }
 
-    /// Place in the file.
+    /// At a place in a file of text.
+    pub fn at(source: &Arc<Source>, place: Place) -> Cursor {
+        Cursor::within(source, place.at, source.len(), place.line)
+    }
+
+    /// The place, to come back to.
+    pub fn place(&self) -> Place {
+        Place { at: self.position(), line: self.line }
+    }
+
+    /// Bytes before the position.
     pub fn position(&self) -> u64 {
         self.start + self.at as u64
     }

@@ -8,6 +8,7 @@
 //! | meshes of Gmsh (.msh) | [`gmsh`] |
 //! | cases of OpenFOAM | [`foam`] |
 //! | cases of EnSight Gold (.case) | [`ensight`] |
+//! | Tecplot text (.dat) | [`tecplot`] |
 //! | AVS UCD (.inp, .ucd) | [`ucd`] |
 //! | meshes of Abaqus (.inp), SU2 (.su2), Nastran (.bdf) | [`abaqus`], [`su2`], [`nastran`] |
 //! | PLOT3D grid and solution | [`plot3d`] |
@@ -51,6 +52,7 @@ mod source;
 mod su2;
 mod surfaces;
 mod tagged;
+mod tecplot;
 mod ucd;
 mod unsupported;
 mod xml;
@@ -157,6 +159,7 @@ const FORMATS: &[Format] = &[
     SERIES,
     gmsh::FORMAT,
     ensight::FORMAT,
+    tecplot::FORMAT,
     ucd::FORMAT,
     abaqus::FORMAT,
     su2::FORMAT,
@@ -178,7 +181,7 @@ const SERIES: Format = Format {
 };
 
 /// File types of the reader, for its help.
-pub const FILES: &str = "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, .vtu.series, legacy .vtk), Gmsh (.msh), a case of OpenFOAM (its folder or .foam), EnSight Gold (.case), AVS UCD (.inp), a mesh of Abaqus (.inp), SU2 (.su2) or Nastran (.bdf), or a PLOT3D grid";
+pub const FILES: &str = "VTK (.vtu .vts .vtr .vti, .pvtu …, .pvd, .vtu.series, legacy .vtk), Gmsh (.msh), a case of OpenFOAM (its folder or .foam), EnSight Gold (.case), Tecplot text (.dat), AVS UCD (.inp), a mesh of Abaqus (.inp), SU2 (.su2) or Nastran (.bdf), or a PLOT3D grid";
 
 /// File types of several formats, in one phrase.
 fn files(mut formats: impl Iterator<Item = &'static Format>) -> String {

@@ -49,7 +49,7 @@ pub(super) const BY_MAGIC: &[UnsupportedFormat] = &[
     ("a file of OpenFOAM", OPENFOAM, |file| file.has_line(|line| line.trim() == "FoamFile")),
     ("a mesh or case of Ansys Fluent", PARAVIEW, |file| file.begins(&["(0 ", "(1 ", "(2 "])),
     ("a geometry file of EnSight", ENSIGHT, |file| file.begins(&["C Binary", "Fortran Binary"])),
-    ("a Tecplot file", PARAVIEW, |file| file.begins(&["#!TDV"])),
+    ("a binary Tecplot file", PARAVIEW, |file| file.begins(&["#!TDV"])),
     ("an XDMF file", PARAVIEW, |file| file.has_tag("Xdmf")),
     ("a mesh of FEniCS (XML)", MESHIO, |file| file.has_tag("dolfin")),
     ("a surface (PLY)", SURFACE, |file| file.begins(&["ply\n", "ply\r"])),
@@ -90,9 +90,6 @@ pub(super) const BY_WORDS: &[UnsupportedFormat] = &[
     ),
     ("input of Nastran", "a name that ends in .bdf or .nas", |file| {
         file.has_line_with(&["BEGIN BULK", "GRID  ", "GRID,"])
-    }),
-    ("a Tecplot file", PARAVIEW, |file| {
-        file.has_line(|line| line.to_uppercase().replace(' ', "").starts_with("VARIABLES="))
     }),
     ("data of COMSOL as text", "a .vtu file: COMSOL exports VTK (.vtu) by Export › Data", |file| {
         file.begins(&["% Model:", "# Created by COMSOL"])

@@ -1,6 +1,6 @@
 //! GoldGeometry and variables of EnSight Gold: parts with nodes and elements of several types, in text and in C binary of either order.
 
-use crate::formats::cursor::Cursor;
+use crate::formats::cursor::{Cursor, Place};
 use crate::formats::lazy::GatheredCells;
 use crate::formats::numbers::{ByteOrder, NumberType, Target};
 use crate::formats::source::Source;
@@ -38,13 +38,6 @@ pub(super) struct GoldElements {
     kind: (usize, u8),
     /// Place of the connectivity.
     place: Place,
-}
-
-/// A place in a file.
-#[derive(Clone, Copy)]
-struct Place {
-    at: u64,
-    line: usize,
 }
 
 /// One part.
@@ -126,13 +119,9 @@ impl GoldFile {
         Ok(())
     }
 
-    fn place(&self) -> Place {
-        Place { at: self.cursor.position(), line: self.cursor.line_number() }
-    }
-
     fn go_to(&mut self, place: Place) {
         let binary = self.cursor.binary;
-        self.cursor = Cursor::within(&self.source, place.at, self.source.len(), place.line);
+        self.cursor = Cursor::at(&self.source, place);
         self.cursor.binary = binary;
     }
 
@@ -398,7 +387,7 @@ fn part_head(file: &mut GoldFile, number: u64, name: String, has_ids: bool) -> R
             );
         }
     };
-    let coordinates = file.place();
+    let coordinates = file.cursor.place();
     file.skip(node_count.saturating_mul(3))?;
     Ok(GoldPart { number, name, node_count, coordinates, elements: Vec::new(), block })
 }
@@ -418,7 +407,7 @@ fn elements(file: &mut GoldFile, name: &str, has_ids: bool) -> Result<GoldElemen
     if has_ids {
         file.skip(count)?;
     }
-    let place = file.place();
+    let place = file.cursor.place();
     if kind.0 > 0 {
         file.skip(count.saturating_mul(kind.0 as u64))?;
     } else {

@@ -13,4 +13,5 @@ mod pieces;
 mod plot3d;
 mod real_files;
 mod surfaces;
+mod tecplot;
 mod writers;

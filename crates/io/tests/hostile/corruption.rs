@@ -190,6 +190,7 @@ fn damaged_meshes_of_text_are_errors_or_other_grids() {
     corrupt("a.su2", "block", include_bytes!("../files/mesh.su2"), 200);
     corrupt("a.bdf", "block", include_bytes!("../files/mesh.bdf"), 200);
     corrupt("a.inp", "block", include_bytes!("../files/mesh.inp"), 200);
+    corrupt("a.dat", "f", include_bytes!("../files/mesh.dat"), 200);
 }
 
 #[test]
