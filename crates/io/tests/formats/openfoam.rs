@@ -234,3 +234,96 @@ fn mistakes_name_the_file_and_the_line() {
     let missing = read(&folder.path().join("case"), &request("T"), &NoProgress).unwrap_err().to_string();
     assert!(missing.contains("no mesh") && missing.contains("processor0"), "{missing}");
 }
+
+/// Lists of bytes, of this width of labels, width of numbers, and order.
+#[derive(Clone, Copy, Debug)]
+struct Arch {
+    label: usize,
+    scalar: usize,
+    big_endian: bool,
+}
+
+impl Arch {
+    fn head(self, class: &str) -> Vec<u8> {
+        let order = if self.big_endian { "MSB" } else { "LSB" };
+        let (label, scalar) = (8 * self.label, 8 * self.scalar);
+        let arch = format!("{order};label={label};scalar={scalar}");
+        format!("/*---*\\\n\\*---*/\nFoamFile\n{{ version 2; format binary; arch \"{arch}\"; class {class}; }}\n// * * * //\n").into_bytes()
+    }
+
+    fn list(self, count: usize, numbers: impl IntoIterator<Item = (usize, [u8; 8], [u8; 4])>) -> Vec<u8> {
+        let mut bytes = format!("\n{count}\n(").into_bytes();
+        for (width, long, short) in numbers {
+            let mut own = if width == 8 { long.to_vec() } else { short.to_vec() };
+            if self.big_endian {
+                own.reverse();
+            }
+            bytes.extend(own);
+        }
+        bytes.extend(b")\n");
+        bytes
+    }
+
+    fn labels(self, labels: &[i32]) -> Vec<u8> {
+        let of = |&label: &i32| (self.label, i64::from(label).to_le_bytes(), label.to_le_bytes());
+        self.list(labels.len(), labels.iter().map(of))
+    }
+
+    fn scalars(self, count: usize, values: &[f64]) -> Vec<u8> {
+        let of = |&value: &f64| (self.scalar, value.to_le_bytes(), (value as f32).to_le_bytes());
+        self.list(count, values.iter().map(of))
+    }
+}
+
+#[test]
+fn labels_and_numbers_of_every_width_and_order_are_read() {
+    // Two unit cubes along x.
+    let mut faces = vec![[1, 4, 10, 7]];
+    let mut owner = vec![0];
+    for c in 0..2 {
+        let end = if c == 0 { [0, 6, 9, 3] } else { [2, 5, 11, 8] };
+        let sides = [[c, c + 3, c + 4, c + 1], [c + 6, c + 7, c + 10, c + 9]];
+        faces.extend(sides.into_iter().chain([[c, c + 1, c + 7, c + 6], [c + 3, c + 9, c + 10, c + 4], end]));
+        owner.extend([c; 5]);
+    }
+    let points: Vec<f64> = (0..12).flat_map(|p| [p % 3, p / 3 % 2, p / 6].map(f64::from)).collect();
+    for bits in 0..8 {
+        let arch = Arch {
+            label: if bits & 1 == 0 { 4 } else { 8 },
+            scalar: if bits & 2 == 0 { 4 } else { 8 },
+            big_endian: bits & 4 != 0,
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, class: &str, parts: &[&[u8]]| {
+            let path = folder.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, [&arch.head(class), &parts.concat()[..]].concat()).unwrap();
+        };
+        let ends: Vec<i32> = (0..=faces.len() as i32).map(|face| 4 * face).collect();
+        let corners = faces.as_flattened();
+        write("constant/polyMesh/points", "vectorField", &[&arch.scalars(12, &points)]);
+        write("constant/polyMesh/faces", "faceCompactList", &[&arch.labels(&ends), &arch.labels(corners)]);
+        write("constant/polyMesh/owner", "labelList", &[&arch.labels(&owner)]);
+        write("constant/polyMesh/neighbour", "labelList", &[&arch.labels(&[1])]);
+        let values = arch.scalars(2, &[0.25, 8.5]);
+        let rest: &[u8] =
+            b";\nboundaryField { #include \"walls\" a { value nonuniform List<scalar> 0(); } }\n";
+        write(
+            "10/T",
+            "volScalarField",
+            &[b"#include \"units\"\ninternalField nonuniform List<scalar> ", &values, rest],
+        );
+        write("10/p", "volScalarField", &[b"dimensions [0 2 -2 0 0 0 0];\ninternalField uniform 3;\n"]);
+        let read = grid(folder.path(), &request("T"));
+        assert_eq!(read.tetrahedra.len(), 12, "{arch:?}");
+        for (i, tetrahedron) in read.tetrahedra.iter().enumerate() {
+            let x: f64 = read.corners(i).iter().map(|p| p.x / 4.0).sum();
+            let expected = if x < 1.0 { 0.25 } else { 8.5 };
+            assert!(
+                tetrahedron.iter().all(|&p| read.scalar.as_ref().unwrap()[p as usize] == expected),
+                "{arch:?}"
+            );
+        }
+        assert!(grid(folder.path(), &request("p")).scalar.unwrap().iter().all(|&p| p == 3.0), "{arch:?}");
+    }
+}
