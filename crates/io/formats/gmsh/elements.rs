@@ -144,11 +144,37 @@ fn each_of_4(
     visit: &mut dyn FnMut(&MeshElement) -> Result<()>,
 ) -> Result<()> {
     let size = NumberType::U64;
+    let mut nodes = Vec::new();
+    each_entity(cursor, groups, &mut |cursor, entity| {
+        let &EntityElements { volume, group, count, node_count } = entity;
+        for _ in 0..count {
+            let tag = cursor.number(size, "the tag of an element")?;
+            read_nodes(cursor, size, node_count, &mut nodes)?;
+            visit(&MeshElement { volume: Some(volume), tag, group, nodes: &nodes })?;
+        }
+        Ok(())
+    })
+}
+
+/// Volume elements of an entity of version 4.1.
+struct EntityElements {
+    volume: &'static ElementType,
+    group: i64,
+    count: u64,
+    node_count: usize,
+}
+
+/// Calls `visit` with the head of each entity of volume elements, which has to move behind these.
+fn each_entity(
+    cursor: &mut Cursor,
+    groups: &HashMap<i64, i64>,
+    visit: &mut dyn FnMut(&mut Cursor, &EntityElements) -> Result<()>,
+) -> Result<()> {
+    let size = NumberType::U64;
     let entity_count: u64 = cursor.number(size, "the number of entities")?;
     for _ in 0..3 {
         cursor.number::<u64>(size, "numbers of elements")?;
     }
-    let mut nodes = Vec::new();
     for _ in 0..entity_count {
         let dimension: i64 = cursor.number(NumberType::I32, "the dimension of an entity")?;
         let entity: i64 = cursor.number(NumberType::I32, "the tag of an entity")?;
@@ -156,18 +182,46 @@ fn each_of_4(
         let count: u64 = cursor.number(size, "a number of elements")?;
         let (volume, node_count) = element_type(cursor, number)?;
         let group = if dimension == 3 { groups.get(&entity).copied().unwrap_or(0) } else { 0 };
-        if volume.is_none() && cursor.binary.is_some() {
-            let bytes = count.saturating_mul(8 * (node_count as u64 + 1));
-            cursor.skip(bytes)?;
-            continue;
-        }
-        for _ in 0..count {
-            let tag = cursor.number(size, "the tag of an element")?;
-            read_nodes(cursor, size, node_count, &mut nodes)?;
-            visit(&MeshElement { volume, tag, group, nodes: &nodes })?;
+        match volume {
+            Some(volume) => visit(cursor, &EntityElements { volume, group, count, node_count })?,
+            None => skip_elements(cursor, count, node_count)?,
         }
     }
     Ok(())
+}
+
+/// Passes over elements of version 4.1, whose numbers are not parsed.
+fn skip_elements(cursor: &mut Cursor, count: u64, node_count: usize) -> Result<()> {
+    let number_count = count.saturating_mul(node_count as u64 + 1);
+    if cursor.binary.is_some() {
+        return cursor.skip(number_count.saturating_mul(8));
+    }
+    for _ in 0..number_count {
+        if cursor.word()?.is_none() {
+            return Err(cursor.error("the file ends early").expected("the nodes of elements"));
+        }
+    }
+    Ok(())
+}
+
+/// Calls `visit` with the type, the physical group, the number and the numbers of nodes of volume elements; parameters as of [`each`].
+pub(super) fn count(
+    cursor: &mut Cursor,
+    groups: Option<&HashMap<i64, i64>>,
+    mut visit: impl FnMut(&'static ElementType, i64, u64, usize),
+) -> Result<()> {
+    match groups {
+        Some(groups) => each_entity(cursor, groups, &mut |cursor, entity| {
+            visit(entity.volume, entity.group, entity.count, entity.node_count);
+            skip_elements(cursor, entity.count, entity.node_count)
+        }),
+        None => each_of_2(cursor, &mut |element| {
+            if let Some(volume) = element.volume {
+                visit(volume, element.group, 1, element.nodes.len());
+            }
+            Ok(())
+        }),
+    }
 }
 
 /// Version 2: elements with tags, in bytes after a head for several of one type.
@@ -204,7 +258,8 @@ fn each_of_2(cursor: &mut Cursor, visit: &mut dyn FnMut(&MeshElement) -> Result<
             let mut group = 0;
             for place in 0..tag_count {
                 let value: i64 = cursor.number(int, "a tag")?;
-                group = if place == 0 { value } else { group };
+                // A negative one turns the element round.
+                group = if place == 0 { value.saturating_abs() } else { group };
             }
             read_nodes(cursor, int, node_count, &mut nodes)?;
             visit(&MeshElement { volume, tag, group, nodes: &nodes })?;

@@ -1,6 +1,6 @@
 //! The mesh of a file: version and encoding, nodes, and the elements that are volumes.
 
-use super::elements::{MeshElement, each, missing_node};
+use super::elements::{MeshElement, count, each, missing_node};
 use crate::formats::cursor::Cursor;
 use crate::formats::lazy::{GatheredCells, Tags};
 use crate::formats::numbers::{ByteOrder, NumberType};
@@ -98,20 +98,24 @@ impl MeshFile {
         let mut groups: Vec<i64> = names.iter().map(|name| name.0).collect();
         let mut counts: Vec<Counts> = groups.iter().map(|_| Counts::default()).collect();
         let mut place = 0;
-        each(&mut self.cursor(&self.elements, true), self.groups_of_4(), |element| {
-            let Some(volume) = element.volume else { return Ok(()) };
-            if groups.get(place) != Some(&element.group) {
-                place = groups.iter().position(|&group| group == element.group).unwrap_or(groups.len());
-            }
-            if place == groups.len() {
-                groups.push(element.group);
-                counts.push(Counts::default());
-            }
-            counts[place].cells += 1;
-            counts[place].corners += volume.order.len() as u64;
-            counts[place].reduced += u64::from(element.nodes.len() != volume.order.len());
-            Ok(())
-        })?;
+        count(
+            &mut self.cursor(&self.elements, true),
+            self.groups_of_4(),
+            |volume, group, count, node_count| {
+                if groups.get(place) != Some(&group) {
+                    place = groups.iter().position(|&known| known == group).unwrap_or(groups.len());
+                }
+                if place == groups.len() {
+                    groups.push(group);
+                    counts.push(Counts::default());
+                }
+                let corner_count = volume.order.len();
+                let own = &mut counts[place];
+                own.cells = own.cells.saturating_add(count);
+                own.corners = own.corners.saturating_add(count.saturating_mul(corner_count as u64));
+                own.reduced = own.reduced.saturating_add(if node_count == corner_count { 0 } else { count });
+            },
+        )?;
         self.groups = groups;
         Ok(counts)
     }

@@ -183,7 +183,8 @@ fn entities(cursor: &mut Cursor, is_partitioned: bool, groups: &mut HashMap<i64,
                 ints(cursor)?;
             }
             if dimension == 3 {
-                groups.extend(group.map(|group| (tag, group)));
+                // A negative one turns the elements round.
+                groups.extend(group.map(|group| (tag, group.saturating_abs())));
             }
         }
     }

@@ -204,7 +204,7 @@ fn partitioned(version: f64, big_endian: Option<bool>) -> Vec<u8> {
         w.ints(&[1]);
         w.doubles(&[0.0; 3]);
         w.sizes(&[0]);
-        for (volume, groups) in [(2, &[9][..]), (3, &[9, 4][..])] {
+        for (volume, groups) in [(2, &[9][..]), (3, &[-9, 4][..])] {
             w.ints(&[volume, 3, 1]);
             w.sizes(&[1]);
             w.ints(&[volume - 1]);
@@ -244,11 +244,11 @@ fn partitioned(version: f64, big_endian: Option<bool>) -> Vec<u8> {
         if big_endian.is_some() {
             w.ints(&[4, 1, 4, 800, 9, 3, 1, 2, e, b, c, d]);
             w.ints(&[2, 1, 2, 20, 1, 6, b, c, d]);
-            w.ints(&[4, 1, 4, 3, 9, 2, 1, 1, a, b, c, d]);
+            w.ints(&[4, 1, 4, 3, -9, 2, 1, 1, a, b, c, d]);
         } else {
             w.ints(&[800, 4, 4, 9, 3, 1, 2, e, b, c, d]);
             w.ints(&[20, 2, 2, 1, 6, b, c, d]);
-            w.ints(&[3, 4, 4, 9, 2, 1, 1, a, b, c, d]);
+            w.ints(&[3, 4, 4, -9, 2, 1, 1, a, b, c, d]);
         }
     }
     w.text("\n$EndElements\n$Periodic\n0\n$EndPeriodic\n");
@@ -279,6 +279,8 @@ fn both_versions_in_text_and_in_bytes_of_either_order_read_the_same() {
         for big_endian in [None, Some(false), Some(true)] {
             let what = format!("{version} {big_endian:?}");
             let path = file(&folder, "a.msh", &partitioned(version, big_endian));
+            let blocks = inspect(&path, &Request::default(), &NoProgress).unwrap().blocks;
+            assert_eq!((blocks.len(), &*blocks[0].name), (1, "the body"), "{what}");
             let temperature = grid(&path, &request("T"));
             let points: Vec<[f64; 3]> = temperature.points.iter().map(|p| p.to_array()).collect();
             assert_eq!(points, POINTS, "{what}");
