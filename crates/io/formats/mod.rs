@@ -9,6 +9,12 @@
 //! | .cgns | [`cgns`], by [`hdf5`] |
 //! | .xdmf, .xmf | [`xdmf`] |
 //! | .e .exo .ex2 .g | [`exodus`], by [`netcdf`] or [`hdf5`] |
+//! | meshes of Gmsh (.msh) | [`gmsh`] |
+//! | cases of OpenFOAM | [`foam`] |
+//! | cases of EnSight Gold (.case) | [`ensight`] |
+//! | Tecplot text (.dat) | [`tecplot`] |
+//! | AVS UCD (.inp, .ucd) | [`ucd`] |
+//! | meshes of Abaqus (.inp), SU2 (.su2), Nastran (.bdf) | [`abaqus`], [`su2`], [`nastran`] |
 //! | PLOT3D grid and solution | [`plot3d`] |
 //!
 //! Every format is turned into the same table of contents first ([`contents`]: counts, geometry, and for each array its
@@ -25,26 +31,37 @@
 //! files, decodes every array, drops the line numbers) would take more code than reading the format; vtkio serves
 //! the tests as an independent writer.
 
+mod abaqus;
 mod assemble;
 mod blocks;
 mod cells;
 mod cgns;
 mod codec;
 mod contents;
+mod cursor;
 mod decode;
 mod elements;
+mod ensight;
 mod exodus;
+mod foam;
+mod gmsh;
 mod hdf5;
 mod hexahedra;
 mod inspect;
+mod lazy;
 mod legacy;
+mod nastran;
 mod netcdf;
 mod numbers;
 mod plot3d;
 mod request;
 mod series;
 mod source;
+mod su2;
 mod surfaces;
+mod tagged;
+mod tecplot;
+mod ucd;
 mod unsupported;
 mod vtkhdf;
 mod xdmf;
@@ -120,7 +137,7 @@ pub fn steps(path: &Path, request: &Request) -> Result<(usize, usize)> {
 }
 
 /// The files that reading a data file may open beside it: those that a series or a parallel file names, the solution beside
-/// a PLOT3D grid. What cannot be read names none.
+/// a PLOT3D grid, those of a case. What cannot be read names none.
 pub fn files_beside(path: &Path) -> Vec<PathBuf> {
     let solution = Some(path.with_extension("q")).filter(|solution| solution != path && solution.is_file());
     let named = xml::files_named(path, None).into_iter().chain(series::files_named(path, None));
@@ -130,6 +147,8 @@ pub fn files_beside(path: &Path) -> Vec<PathBuf> {
         .chain(xdmf::files_named(path, &request))
         .chain(solution)
         .chain(exodus::parts_beside(path))
+        .chain(foam::files_named(path, None))
+        .chain(ensight::files_named(path, None))
         .collect()
 }
 
@@ -138,6 +157,8 @@ pub fn files_read_beside(path: &Path, request: &Request) -> Vec<PathBuf> {
     let solution = plot3d::solution_beside(path, request);
     let of_series = series::files_named(path, Some(request));
     let of_links = files_linked(path, request);
+    let of_case =
+        foam::files_named(path, Some(request)).into_iter().chain(ensight::files_named(path, Some(request)));
     xml::files_named(path, Some(request))
         .into_iter()
         .chain(of_series)
@@ -145,6 +166,7 @@ pub fn files_read_beside(path: &Path, request: &Request) -> Vec<PathBuf> {
         .chain(xdmf::files_named(path, request))
         .chain(solution)
         .chain(exodus::parts_beside(path))
+        .chain(of_case)
         .collect()
 }
 
@@ -161,8 +183,22 @@ fn files_linked(path: &Path, request: &Request) -> Vec<PathBuf> {
 }
 
 /// The formats, in the order in which a file is tried as one of them.
-const FORMATS: &[Format] =
-    &[xdmf::FORMAT, xml::FORMAT, legacy::FORMAT, SERIES, HDF5, exodus::FORMAT, plot3d::FORMAT];
+const FORMATS: &[Format] = &[
+    xdmf::FORMAT,
+    xml::FORMAT,
+    legacy::FORMAT,
+    SERIES,
+    HDF5,
+    exodus::FORMAT,
+    gmsh::FORMAT,
+    ensight::FORMAT,
+    tecplot::FORMAT,
+    ucd::FORMAT,
+    abaqus::FORMAT,
+    su2::FORMAT,
+    nastran::FORMAT,
+    plot3d::FORMAT,
+];
 
 /// The declaration of series of files, each of any format.
 const SERIES: Format = Format {
@@ -216,7 +252,7 @@ fn read_hdf5(source: &Source, root: &hdf5::Group, request: &Request) -> Result<D
 }
 
 /// File types of the reader, for its help.
-pub const FILES: &str = "VTK (.vtu .vts .vtr .vti, .pvtu …, .vtm, .pvd, .vtu.series, .vtkhdf, legacy .vtk), CGNS, XDMF, Exodus II (.e .exo .g) or a PLOT3D grid";
+pub const FILES: &str = "VTK (.vtu .vts .vtr .vti, .pvtu …, .vtm, .pvd, .vtu.series, .vtkhdf, legacy .vtk), CGNS, XDMF, Exodus II (.e .exo .g), Gmsh (.msh), a case of OpenFOAM (its folder or .foam), EnSight Gold (.case), Tecplot text (.dat), AVS UCD (.inp), a mesh of Abaqus (.inp), SU2 (.su2) or Nastran (.bdf), or a PLOT3D grid";
 
 /// File types of several formats, in one phrase.
 fn files(mut formats: impl Iterator<Item = &'static Format>) -> String {
@@ -234,7 +270,9 @@ fn open(path: &Path, request: &Request) -> Result<Dataset> {
 
 /// The table of contents before blocks are numbered, and the file.
 fn open_contents(path: &Path, request: &Request) -> Result<(Dataset, Arc<Source>)> {
-    unsupported::refuse_folder(path)?;
+    if let Some(folder) = foam::case_folder(path).filter(|_| request.chosen.is_none()) {
+        return foam::open(&folder, request).map_err(|error| error.in_file(path));
+    }
     let source = Source::open(path)?;
     let in_file = |error: Error| error.in_file(path);
     if let Some(chosen) = &request.chosen {
@@ -273,7 +311,8 @@ fn open_contents(path: &Path, request: &Request) -> Result<(Dataset, Arc<Source>
 /// True if a file shows that it is of a format that ships.
 pub fn is_data(path: &Path) -> bool {
     let is_of_format = |head: Vec<u8>| format_of(&head, path, &Request::default()).is_some();
-    path.is_file() && Source::open(path).and_then(|source| source.head(256)).is_ok_and(is_of_format)
+    foam::case_folder(path).is_some()
+        || path.is_file() && Source::open(path).and_then(|source| source.head(256)).is_ok_and(is_of_format)
 }
 
 /// True if a file is of a format that ships. One that cannot be read is, too: there is nothing to ask others for.

@@ -235,7 +235,10 @@ pub(super) fn scalar(
     }
     if all.is_empty() {
         let (found, accepted) = match association {
-            None => ("no arrays", "an array with one value a point or cell"),
+            None => (
+                "no arrays",
+                "an array with one value a point or cell; a calculator with the expression \"1\" and a boundary show the mesh alone",
+            ),
             Some(Association::Point) => ("no point arrays", "an array with one value a point"),
             Some(Association::Cell) => ("no cell arrays", "an array with one value a cell"),
         };

@@ -1,7 +1,7 @@
 //! A file that is read at positions, from several threads.
 
 use std::fs::File;
-use std::io::Write;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::parameters::nearest;
@@ -80,6 +80,16 @@ impl Source {
             return self;
         }
         Arc::new(Source { file: None, path: self.path.clone(), len: self.len, is_copy: false })
+    }
+
+    /// A gzip archive as what it holds, of which `limit` bytes at most, in a file without a name.
+    pub fn unpacked(&self, limit: Option<u64>) -> Result<Arc<Source>> {
+        let failed = |error| Error::run("the file cannot be unpacked").got(error).in_file(&self.path);
+        let packed = File::open(&self.path).map_err(failed)?;
+        let mut reader = flate2::read::MultiGzDecoder::new(packed).take(limit.unwrap_or(u64::MAX));
+        let mut file = tempfile::tempfile().map_err(failed)?;
+        let len = std::io::copy(&mut reader, &mut file).map_err(failed)?;
+        Ok(Arc::new(Source { file: Some(file), path: self.path.clone(), len, is_copy: true }))
     }
 
     /// The path as the user wrote it.

@@ -1,7 +1,6 @@
 //! Formats that are not read, told by their content: what a file is, and what to do with it.
 
 use super::source::Source;
-use std::path::Path;
 use voltet_core::{Error, Result};
 
 /// A format that is not read: its name with an article, a remedy (a clause that can follow "expected"), and what tells its files.
@@ -23,8 +22,7 @@ const SURFACE: &str =
     "cells with a volume: a surface has to be filled with them by a mesher (Gmsh, TetGen) first";
 const IMAGE: &str = "a .vti file (VTK image data): ParaView reads it and saves its data as .vti";
 const ARCHIVE: &str = "the file within: unpack it first";
-const OPENFOAM: &str =
-    "a .vtu file: `foamToVTK` in the case's folder writes one for each time, VTK/…/internal.vtu";
+const OPENFOAM: &str = "the case that it belongs to: its folder, a file .foam there, or system/controlDict";
 const SALOME: &str =
     "a .vtu file: Salome's ParaVis reads it and saves its data as .vtu, and so does `meshio convert`";
 /// Beginning of every file in HDF5.
@@ -33,7 +31,7 @@ pub(super) const HDF5: &str = "the .xdmf file beside it, if there is one: it say
 const CGNS_ADF: &str = "a CGNS file in HDF5: `adf2hdf FILE` of the CGNS tools makes one of it";
 const ABAQUS: &str =
     "a .vtu file: Abaqus/CAE exports field output as text, or as .inp with `meshio convert` after it";
-const ENSIGHT: &str = "a .vtu file: open the .case file beside it in ParaView and save its data as .vtu";
+const ENSIGHT: &str = "the .case file beside it";
 const LS_DYNA: &str = "a .vtu file: LS-PrePost saves the results (d3plot), and ParaView reads these";
 const ANSYS: &str = "a .vtu file: `pymapdl_reader` (ansys-mapdl-reader) reads it and saves its grid";
 const TABLE: &str =
@@ -46,16 +44,11 @@ pub(super) const IN_HDF5: &[UnsupportedFormat] =
 /// Formats that their first bytes tell for sure. Of containers those that are told by what is inside stand first.
 pub(super) const BY_MAGIC: &[UnsupportedFormat] = &[
     ("a CGNS file in ADF, its older form", CGNS_ADF, |file| file.holds(&["ADF Database Version"])),
-    ("a mesh of Gmsh", MESHIO, |file| file.begins(&["$MeshFormat"])),
     ("data of Abaqus (.odb)", ABAQUS, |file| file.begins(&["HKSRD0"])),
     ("a file of OpenFOAM", OPENFOAM, |file| file.has_line(|line| line.trim() == "FoamFile")),
     ("a mesh or case of Ansys Fluent", PARAVIEW, |file| file.begins(&["(0 ", "(1 ", "(2 "])),
-    ("an EnSight case", PARAVIEW, |file| {
-        file.has_line(|line| line.trim().eq_ignore_ascii_case("format"))
-            && file.has_line(|line| line.to_lowercase().replace(' ', "").starts_with("type:ensight"))
-    }),
     ("a geometry file of EnSight", ENSIGHT, |file| file.begins(&["C Binary", "Fortran Binary"])),
-    ("a Tecplot file", PARAVIEW, |file| file.begins(&["#!TDV"])),
+    ("a binary Tecplot file", PARAVIEW, |file| file.begins(&["#!TDV"])),
     ("a mesh of FEniCS (XML)", MESHIO, |file| file.has_tag("dolfin")),
     ("a surface (PLY)", SURFACE, |file| file.begins(&["ply\n", "ply\r"])),
     ("a surface (STL)", SURFACE, |file| file.is_stl()),
@@ -86,7 +79,7 @@ pub(super) const BY_WORDS: &[UnsupportedFormat] = &[
         |file| [512, 1024, 2048].iter().any(|&place| file.has_magic_at(place, HDF5_MAGIC)),
     ),
     ("input of LS-DYNA", LS_DYNA, |file| file.has_line(|line| line.to_lowercase().starts_with("*keyword"))),
-    ("input of Abaqus (.inp)", MESHIO, |file| {
+    ("input of Abaqus", "a name that ends in .inp", |file| {
         file.has_line(|line| {
             let words = ["*heading", "*node", "*part", "*element", "*preprint"];
             words.iter().any(|word| line.to_lowercase().starts_with(word))
@@ -98,9 +91,8 @@ pub(super) const BY_WORDS: &[UnsupportedFormat] = &[
         "a .vtu file: `pymapdl_reader` (ansys-mapdl-reader) reads it and saves it by save_as_vtk",
         |file| ["rst", "rth", "rfl"].contains(&file.ending.as_str()),
     ),
-    ("input of Nastran", MESHIO, |file| file.has_line_with(&["BEGIN BULK", "GRID  ", "GRID,"])),
-    ("a Tecplot file", PARAVIEW, |file| {
-        file.has_line(|line| line.to_uppercase().replace(' ', "").starts_with("VARIABLES="))
+    ("input of Nastran", "a name that ends in .bdf or .nas", |file| {
+        file.has_line_with(&["BEGIN BULK", "GRID  ", "GRID,"])
     }),
     ("data of COMSOL as text", "a .vtu file: COMSOL exports VTK (.vtu) by Export › Data", |file| {
         file.begins(&["% Model:", "# Created by COMSOL"])
@@ -110,19 +102,6 @@ pub(super) const BY_WORDS: &[UnsupportedFormat] = &[
     }),
     ("a table as text", TABLE, |file| ["csv", "tsv"].contains(&file.ending.as_str())),
 ];
-
-/// Refuses folders, and files that stand for a folder, with what they are.
-pub(super) fn refuse_folder(path: &Path) -> Result<()> {
-    let is_stub = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("foam"));
-    let folder = if is_stub { path.parent().unwrap_or(path) } else { path };
-    let is_case = |folder: &Path| {
-        ["system/controlDict", "constant/polyMesh"].iter().any(|name| folder.join(name).exists())
-    };
-    if is_stub || path.is_dir() && is_case(folder) {
-        return Err(refusal("a case of OpenFOAM", OPENFOAM).in_file(path));
-    }
-    Ok(())
-}
 
 /// Bytes searched of a text; names in HDF5 stand anywhere, for the most part early.
 const HEAD: u64 = 4096;

@@ -48,61 +48,92 @@ fn packed(name: &str) -> Vec<u8> {
     bytes
 }
 
-/// Cuts and changes a file at places spread over it.
-fn corrupt(name: &str, scalar: &str, bytes: &[u8], case_count: usize) {
-    let folder = tempfile::tempdir().unwrap();
-    corrupt_in(&folder, name, name, scalar, bytes, case_count);
+/// Cuts and changes bytes at a place, in a way that the number of the case says.
+fn damage(bytes: &[u8], case: usize, random: &mut impl FnMut(usize) -> usize) -> (Vec<u8>, String) {
+    let mut damaged = bytes.to_vec();
+    let at = random(bytes.len());
+    let what = match case % 8 {
+        0 => {
+            damaged.truncate(at);
+            format!("cut at {at}")
+        }
+        1 => {
+            damaged.remove(at);
+            format!("without byte {at}")
+        }
+        2 => {
+            damaged.insert(at, b'0' + (case % 10) as u8);
+            format!("with a byte more at {at}")
+        }
+        3 => {
+            let end = (at + 8).min(bytes.len());
+            damaged[at..end].fill(0xFF);
+            format!("with 0xFF from {at}")
+        }
+        4 if damaged[at].is_ascii_digit() => {
+            damaged[at] = b'9';
+            format!("with a 9 at {at}")
+        }
+        _ => {
+            damaged[at] ^= 1 << random(8);
+            format!("with a bit changed at {at}")
+        }
+    };
+    (damaged, what)
 }
 
-/// Cuts and changes a file of a folder at places spread over it; `read`: name of the file that is read.
-fn corrupt_in(
-    folder: &tempfile::TempDir,
-    name: &str,
-    read: &str,
-    scalar: &str,
-    bytes: &[u8],
-    case_count: usize,
-) {
+/// Numbers below a bound: the same in every run.
+fn random_numbers() -> impl FnMut(usize) -> usize {
     let mut state = 0x9E37_79B9_7F4A_7C15_u64;
-    let mut random = move |below: usize| {
-        // xorshift64 (Marsaglia 2003): the same cases in every run.
+    move |below: usize| {
+        // xorshift64 (Marsaglia 2003).
         state ^= state << 13;
         state ^= state >> 7;
         state ^= state << 17;
         (state % below as u64) as usize
-    };
+    }
+}
+
+/// Cuts and changes a file at places spread over it.
+fn corrupt(name: &str, scalar: &str, bytes: &[u8], case_count: usize) {
+    let folder = tempfile::tempdir().unwrap();
+    corrupt_in(&folder, [name, name], scalar, bytes, case_count);
+}
+
+/// Cuts and changes a file of a folder at places spread over it. Names: of the file, and of that which is read.
+fn corrupt_in(
+    folder: &tempfile::TempDir,
+    [name, read]: [&str; 2],
+    scalar: &str,
+    bytes: &[u8],
+    case_count: usize,
+) {
+    let mut random = random_numbers();
     for case in 0..case_count {
-        let mut damaged = bytes.to_vec();
-        let at = random(bytes.len());
-        let what = match case % 8 {
-            0 => {
-                damaged.truncate(at);
-                format!("{name} cut at {at}")
-            }
-            1 => {
-                damaged.remove(at);
-                format!("{name} without byte {at}")
-            }
-            2 => {
-                damaged.insert(at, b'0' + (case % 10) as u8);
-                format!("{name} with a byte more at {at}")
-            }
-            3 => {
-                let end = (at + 8).min(bytes.len());
-                damaged[at..end].fill(0xFF);
-                format!("{name} with 0xFF from {at}")
-            }
-            4 if damaged[at].is_ascii_digit() => {
-                damaged[at] = b'9';
-                format!("{name} with a 9 at {at}")
-            }
-            _ => {
-                damaged[at] ^= 1 << random(8);
-                format!("{name} with a bit changed at {at}")
-            }
-        };
+        let (damaged, what) = damage(bytes, case, &mut random);
         file(folder, name, &damaged);
-        try_file(&folder.path().join(read), scalar, &what);
+        try_file(&folder.path().join(read), scalar, &format!("{name} {what}"));
+    }
+}
+
+/// Cuts and changes files of a folder, one after the other, and reads what is named.
+fn corrupt_case(name: &str, named: &str, scalar: &str, files: &[&str], case_count: usize) {
+    let folder = tempfile::tempdir().unwrap();
+    let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/files").join(name);
+    let sound: Vec<Vec<u8>> = files.iter().map(|file| std::fs::read(sample.join(file)).unwrap()).collect();
+    let write = |file: &str, bytes: &[u8]| {
+        let path = folder.path().join(file);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, bytes).unwrap();
+    };
+    files.iter().zip(&sound).for_each(|(file, bytes)| write(file, bytes));
+    let mut random = random_numbers();
+    for case in 0..case_count {
+        let which = case / 8 % files.len();
+        let (damaged, what) = damage(&sound[which], case, &mut random);
+        write(files[which], &damaged);
+        try_file(&folder.path().join(named), scalar, &format!("{name}/{} {what}", files[which]));
+        write(files[which], &sound[which]);
     }
 }
 
@@ -162,6 +193,32 @@ fn damaged_vtkhdf_files_are_errors_or_other_grids() {
 }
 
 #[test]
+fn damaged_gmsh_files_are_errors_or_other_grids() {
+    corrupt("a.msh", "f", include_bytes!("../files/every_element_4.msh"), 200);
+    corrupt("a.msh", "jumps", include_bytes!("../files/every_element_2.msh"), 200);
+    corrupt("a.msh", "transient", include_bytes!("../files/linear_4.msh"), 200);
+    corrupt("a.msh", "mean f", include_bytes!("../files/linear_2.msh"), 200);
+}
+
+#[test]
+fn damaged_cases_of_openfoam_are_errors_or_other_grids() {
+    let mesh = ["points", "faces", "owner", "neighbour", "cellZones"];
+    let mesh = |ending: &str| mesh.map(|name| format!("constant/polyMesh/{name}{ending}"));
+    for (name, ending, fields) in [
+        ("text", "", ["10/T", "10/D"]),
+        ("bytes", "", ["10/T", "10/D"]),
+        ("packed", ".gz", ["10/T.gz", "10/D.gz"]),
+        ("dual", "", ["10/T", "10/D"]),
+    ] {
+        let mesh = mesh(ending);
+        let files: Vec<&str> = mesh.iter().map(String::as_str).chain(fields).collect();
+        let name = format!("openfoam/{name}");
+        corrupt_case(&name, "", "T", &files, 200);
+        corrupt_case(&name, "", "D:0", &files, 100);
+    }
+}
+
+#[test]
 fn damaged_cgns_files_are_errors_or_other_grids() {
     for name in ["cells", "mixed_old", "polyhedra", "polyhedra_old", "zones"] {
         let name = format!("cgns_{name}.cgns");
@@ -180,9 +237,9 @@ fn damaged_xdmf_files_and_their_data_are_errors_or_other_grids() {
         let (text, data) = (format!("xdmf_{name}.xdmf"), format!("xdmf_{name}.h5"));
         let folder = tempfile::tempdir().unwrap();
         file(&folder, &data, &packed(&data));
-        corrupt_in(&folder, &text, &text, scalar, &packed(&text), case_count());
+        corrupt_in(&folder, [&text, &text], scalar, &packed(&text), case_count());
         file(&folder, &text, &packed(&text));
-        corrupt_in(&folder, &data, &text, scalar, &packed(&data), case_count());
+        corrupt_in(&folder, [&data, &text], scalar, &packed(&data), case_count());
     }
 }
 
@@ -218,4 +275,22 @@ fn damaged_trees_are_errors_or_other_grids() {
          <DataSet timestep=\"0\" group=\"b\" part=\"1\" file=\"{leaf}\"/></Collection></VTKFile>"
     );
     corrupt("series.pvd", "Float64", series.as_bytes(), 300);
+}
+
+#[test]
+fn damaged_meshes_of_text_are_errors_or_other_grids() {
+    corrupt("a.ucd", "f", include_bytes!("../files/mesh.ucd"), 200);
+    corrupt("a.su2", "block", include_bytes!("../files/mesh.su2"), 200);
+    corrupt("a.bdf", "block", include_bytes!("../files/mesh.bdf"), 200);
+    corrupt("a.inp", "block", include_bytes!("../files/mesh.inp"), 200);
+    corrupt("a.dat", "f", include_bytes!("../files/mesh.dat"), 200);
+}
+
+#[test]
+fn damaged_cases_of_ensight_are_errors_or_other_grids() {
+    let files =
+        ["parts.0.case", "parts.0.00000.geo", "parts.0.00000_n.f", "parts.0.00000_n.p", "parts.0.00000_c.g"];
+    for scalar in ["f_n", "p_n:1", "g_c"] {
+        corrupt_case("ensight", files[0], scalar, &files, 200);
+    }
 }

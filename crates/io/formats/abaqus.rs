@@ -1,0 +1,367 @@
+//! Input of Abaqus (.inp) as a mesh: nodes and solid elements of parts and their instances; element sets are blocks. It holds no arrays.
+//!
+//! Source: Abaqus keywords reference guide (*NODE, *ELEMENT, *ELSET, *PART, *INSTANCE); the order of nodes in "Three-dimensional solid
+//! element library", which is VTK's.
+
+use super::contents::Dataset;
+use super::cursor::Cursor;
+use super::request::{Format, Request};
+use super::source::Source;
+use super::tagged::{TaggedElement, TaggedMesh, VisitElement, VisitNode, dataset};
+use glam::{DQuat, DVec3};
+use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
+use std::sync::Arc;
+use voltet_core::grid::code;
+use voltet_core::{Error, Result};
+
+/// The declaration.
+pub(super) const FORMAT: Format =
+    Format { files: "input of Abaqus (.inp)", matches, open, has_solution: false };
+
+fn matches(head: &[u8], path: &Path, _: &Request) -> bool {
+    let text = String::from_utf8_lossy(head).to_ascii_lowercase();
+    let is_named = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("inp"));
+    let words = ["*heading", "*node", "*part", "*element", "*preprint"];
+    let has_keyword = text.lines().any(|line| words.iter().any(|word| line.starts_with(word)));
+    !text.contains("*keyword") && (has_keyword || is_named && text.starts_with('*'))
+}
+
+/// Solid elements by their number of nodes.
+const SOLIDS: [(usize, u8); 8] = [
+    (4, code::TETRA),
+    (5, code::PYRAMID),
+    (6, code::WEDGE),
+    (8, code::HEXAHEDRON),
+    (10, code::QUADRATIC_TETRA),
+    (13, code::QUADRATIC_PYRAMID),
+    (15, code::QUADRATIC_WEDGE),
+    (20, code::QUADRATIC_HEXAHEDRON),
+];
+
+/// Beginnings of the names of solid elements: stress, heat, acoustics, convection.
+const FAMILIES: [&str; 4] = ["C3D", "DC3D", "AC3D", "DCC3D"];
+
+/// Lines of data of a part, from here to the next keyword.
+struct NodeLines {
+    part: usize,
+    lines: Cursor,
+}
+
+/// Lines of solid elements of one type.
+struct ElementLines {
+    part: usize,
+    lines: Cursor,
+    /// Number of nodes and type code of VTK.
+    solid: (usize, u8),
+    set: String,
+}
+
+/// A copy of a part in the assembly.
+struct Instance {
+    part: usize,
+    name: String,
+    rotation: DQuat,
+    /// A point on the axis of the rotation.
+    pivot: DVec3,
+    translation: DVec3,
+}
+
+/// Parts of the file; the lines outside parts are part 0.
+struct AbaqusMesh {
+    nodes: Vec<NodeLines>,
+    elements: Vec<ElementLines>,
+    instances: Vec<Instance>,
+    /// First set of the elements of a part whose keyword names none.
+    sets: HashMap<(usize, u64), String>,
+}
+
+/// A line with a keyword: its name and parameters in capitals, with values as they stand.
+struct Keyword {
+    name: String,
+    parameters: BTreeMap<String, String>,
+}
+
+impl Keyword {
+    /// `None`: a line of data or a comment.
+    fn of_line(line: &str) -> Option<Keyword> {
+        let text = line.trim_start().strip_prefix('*').filter(|text| !text.starts_with('*'))?;
+        let mut words = text.split(',').map(str::trim);
+        let name = words.next().unwrap_or_default().to_ascii_uppercase();
+        let parameter = |word: &str| {
+            let (key, value) = word.split_once('=').unwrap_or((word, ""));
+            (key.trim().to_ascii_uppercase(), value.trim().trim_matches('"').to_owned())
+        };
+        Some(Keyword { name, parameters: words.map(parameter).collect() })
+    }
+
+    fn parameter(&self, key: &str) -> &str {
+        self.parameters.get(key).map_or("", String::as_str)
+    }
+}
+
+fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
+    let mut scan = Scan {
+        cursor: Cursor::new(&source),
+        part: 0,
+        parts: Vec::new(),
+        mesh: AbaqusMesh {
+            nodes: Vec::new(),
+            elements: Vec::new(),
+            instances: Vec::new(),
+            sets: HashMap::new(),
+        },
+    };
+    while let Some(line) = scan.cursor.line()? {
+        if line.first() == Some(&b'*') {
+            let line = String::from_utf8_lossy(line).into_owned();
+            if let Some(keyword) = Keyword::of_line(&line) {
+                scan.keyword(&keyword)?;
+            }
+        }
+    }
+    let Scan { parts, mut mesh, .. } = scan;
+    let place = |part: usize, name: &str| Instance {
+        part,
+        name: name.to_owned(),
+        rotation: DQuat::IDENTITY,
+        pivot: DVec3::ZERO,
+        translation: DVec3::ZERO,
+    };
+    // A file of parts alone shows each where it is.
+    if mesh.instances.is_empty() {
+        mesh.instances = parts.iter().enumerate().map(|(part, name)| place(part + 1, name)).collect();
+    }
+    mesh.instances.insert(0, place(0, ""));
+    dataset(&source, "Abaqus input".to_owned(), mesh, Vec::new(), request)
+}
+
+/// State of the pass that finds the keywords.
+struct Scan {
+    cursor: Cursor,
+    /// Number of the part that the lines belong to.
+    part: usize,
+    /// Names of the parts from number 1 on.
+    parts: Vec<String>,
+    mesh: AbaqusMesh,
+}
+
+impl Scan {
+    fn keyword(&mut self, keyword: &Keyword) -> Result<()> {
+        match keyword.name.as_str() {
+            "INCLUDE" | "NGEN" | "ELGEN" | "NFILL" | "NCOPY" | "ELCOPY" | "SYSTEM" => {
+                let error = self.cursor.error("a keyword that makes parts of the mesh is not read");
+                Err(error.got(format_args!("*{}", keyword.name)).expected("nodes and elements in this file"))
+            }
+            "NODE" if !["", "R", "r"].contains(&keyword.parameter("SYSTEM")) => {
+                let error = self.cursor.error("coordinates of this system are not read");
+                Err(error.got(keyword.parameter("SYSTEM")).expected("rectangular ones"))
+            }
+            "NODE" => {
+                self.mesh.nodes.push(NodeLines { part: self.part, lines: self.cursor.clone() });
+                Ok(())
+            }
+            "ELEMENT" => self.elements(keyword),
+            "ELSET" => self.set(keyword),
+            "PART" => {
+                self.parts.push(keyword.parameter("NAME").to_owned());
+                self.part = self.parts.len();
+                Ok(())
+            }
+            "END PART" => {
+                self.part = 0;
+                Ok(())
+            }
+            "INSTANCE" => self.instance(keyword),
+            _ => Ok(()),
+        }
+    }
+
+    fn elements(&mut self, keyword: &Keyword) -> Result<()> {
+        let kind = keyword.parameter("TYPE").to_ascii_uppercase();
+        let rest = FAMILIES.iter().find_map(|family| kind.strip_prefix(family));
+        let Some(rest) = rest.filter(|rest| rest.starts_with(|letter: char| letter.is_ascii_digit())) else {
+            // Shells, beams, rigid surfaces, springs.
+            return Ok(());
+        };
+        let digits = rest.chars().take_while(char::is_ascii_digit).count();
+        let count = rest[..digits].parse().ok().filter(|_| !rest.ends_with('V'));
+        let solid = SOLIDS.into_iter().find(|solid| Some(solid.0) == count).ok_or_else(|| {
+            let error = self.cursor.error("elements of this type are not read").got(&kind);
+            error.expected("C3D4, C3D5, C3D6, C3D8, C3D10, C3D13, C3D15, C3D20 and their variants")
+        })?;
+        let set = keyword.parameter("ELSET").to_owned();
+        self.mesh.elements.push(ElementLines { part: self.part, lines: self.cursor.clone(), solid, set });
+        Ok(())
+    }
+
+    /// Keeps the elements of a set within a part.
+    fn set(&mut self, keyword: &Keyword) -> Result<()> {
+        let name = keyword.parameter("ELSET").to_owned();
+        if !keyword.parameter("INSTANCE").is_empty() {
+            return Ok(());
+        }
+        let is_range = keyword.parameters.contains_key("GENERATE");
+        let mut lines = self.cursor.clone();
+        while let Some(line) = data_line(&mut lines)? {
+            // Names of other sets stand among numbers.
+            let numbers: Vec<u64> = line.split(',').filter_map(|word| word.trim().parse().ok()).collect();
+            let step = numbers.get(2).copied().unwrap_or(1).max(1);
+            let elements: Vec<u64> = match numbers[..] {
+                [first, last, ..] if is_range => {
+                    if last.saturating_sub(first) / step > lines.left() + self.cursor.position() {
+                        let error = lines.error("a set holds more elements than the file").got(line);
+                        return Err(error.expected("the first, the last, the step"));
+                    }
+                    (first..=last).step_by(step as usize).collect()
+                }
+                _ => numbers,
+            };
+            for element in elements {
+                self.mesh.sets.entry((self.part, element)).or_insert_with(|| name.clone());
+            }
+        }
+        Ok(())
+    }
+
+    /// A translation, then a rotation: two points of its axis and degrees.
+    fn instance(&mut self, keyword: &Keyword) -> Result<()> {
+        let part = self.parts.iter().position(|name| name.eq_ignore_ascii_case(keyword.parameter("PART")));
+        let part = part.ok_or_else(|| {
+            let error = self.cursor.error("an instance is of a part that does not exist");
+            error
+                .got(format_args!("'{}'", keyword.parameter("PART")))
+                .expected("the name of a part before it")
+        })?;
+        let mut lines = self.cursor.clone();
+        let mut rows = Vec::new();
+        while let Some(line) = data_line(&mut lines)? {
+            let numbers: Vec<f64> = line.split(',').map_while(|word| word.trim().parse().ok()).collect();
+            rows.push((numbers, line));
+        }
+        let [translation, a, b, degrees] = match &rows[..] {
+            [] => [DVec3::ZERO; 4],
+            [(move_by, _)] if move_by.len() == 3 => {
+                [DVec3::from_slice(move_by), DVec3::ZERO, DVec3::ZERO, DVec3::ZERO]
+            }
+            [(move_by, _), (turn, _)] if move_by.len() == 3 && turn.len() == 7 => [
+                DVec3::from_slice(move_by),
+                DVec3::from_slice(turn),
+                DVec3::from_slice(&turn[3..]),
+                DVec3::splat(turn[6]),
+            ],
+            [(_, line), ..] => {
+                let error = lines.error("the place of an instance is damaged").got(format_args!("'{line}'"));
+                return Err(error.expected("a translation, and on a second line two points and degrees"));
+            }
+        };
+        let axis = (b - a).try_normalize();
+        self.mesh.instances.push(Instance {
+            part: part + 1,
+            name: keyword.parameter("NAME").to_owned(),
+            rotation: axis
+                .map_or(DQuat::IDENTITY, |axis| DQuat::from_axis_angle(axis, degrees.x.to_radians())),
+            pivot: a,
+            translation,
+        });
+        Ok(())
+    }
+}
+
+/// The next line of data; `None` before a keyword and at the end.
+fn data_line(cursor: &mut Cursor) -> Result<Option<String>> {
+    loop {
+        let Some(line) = cursor.line()? else { return Ok(None) };
+        let line = line.trim_ascii();
+        if line.starts_with(b"**") || line.is_empty() {
+            continue;
+        }
+        let is_data = !line.starts_with(b"*");
+        return Ok(is_data.then(|| String::from_utf8_lossy(line).into_owned()));
+    }
+}
+
+/// Number of a node or element of an instance among those of all.
+fn tag(instance: usize, number: u64, cursor: &Cursor) -> Result<u64> {
+    if number >> 40 != 0 {
+        return Err(cursor.error("a number of the mesh is too large").got(number));
+    }
+    Ok((instance as u64) << 40 | number)
+}
+
+fn parsed<T: std::str::FromStr>(word: &str, cursor: &Cursor) -> Result<T> {
+    let damaged = |_| cursor.error("a number is damaged").got(format_args!("'{word}'")).expected("a number");
+    word.trim().parse().map_err(damaged)
+}
+
+impl TaggedMesh for AbaqusMesh {
+    fn each_node(&self, visit: VisitNode) -> Result<()> {
+        for (number, instance) in self.instances.iter().enumerate() {
+            for own in self.nodes.iter().filter(|own| own.part == instance.part) {
+                let mut lines = own.lines.clone();
+                while let Some(line) = data_line(&mut lines)? {
+                    let mut words = line.split(',');
+                    let node = parsed(words.next().unwrap_or_default(), &lines)?;
+                    let mut position = DVec3::ZERO;
+                    for (axis, word) in words.take(3).enumerate().filter(|word| !word.1.trim().is_empty()) {
+                        position[axis] = parsed(word, &lines)?;
+                    }
+                    // Moved first, then turned.
+                    let moved = position + instance.translation;
+                    let placed = instance.rotation * (moved - instance.pivot) + instance.pivot;
+                    visit(tag(number, node, &lines)?, placed)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn each_element(&self, visit: VisitElement) -> Result<()> {
+        let mut numbers: Vec<u64> = Vec::new();
+        for (number, instance) in self.instances.iter().enumerate() {
+            for own in self.elements.iter().filter(|own| own.part == instance.part) {
+                let mut lines = own.lines.clone();
+                numbers.clear();
+                while let Some(line) = data_line(&mut lines)? {
+                    for word in line.split(',').filter(|word| !word.trim().is_empty()) {
+                        numbers.push(parsed(word, &lines)?);
+                    }
+                    // An element goes on in the next line.
+                    let Some(&element) = numbers.first().filter(|_| numbers.len() > own.solid.0) else {
+                        continue;
+                    };
+                    if numbers.len() > own.solid.0 + 1 {
+                        let error = lines.error(format!("element {element} has too many nodes"));
+                        return Err(error.got(numbers.len() - 1).expected(own.solid.0));
+                    }
+                    for node in &mut numbers[1..] {
+                        *node = tag(number, *node, &lines)?;
+                    }
+                    let block = self.block(instance, own, element);
+                    let tag = tag(number, element, &lines)?;
+                    visit(&TaggedElement { tag, code: own.solid.1, block: &block, nodes: &numbers[1..] })?;
+                    numbers.clear();
+                }
+                if !numbers.is_empty() {
+                    let error =
+                        Error::run(format!("element {} ends early", numbers[0])).got(numbers.len() - 1);
+                    return Err(error.expected(format_args!("{} nodes", own.solid.0)));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl AbaqusMesh {
+    /// Name of an element's set, after that of its instance.
+    fn block(&self, instance: &Instance, lines: &ElementLines, element: u64) -> String {
+        let listed = || self.sets.get(&(lines.part, element)).map_or("", String::as_str);
+        let set = if lines.set.is_empty() { listed() } else { &lines.set };
+        match (instance.name.as_str(), set) {
+            ("", set) => set.to_owned(),
+            (name, "") => name.to_owned(),
+            (name, set) => format!("{name}/{set}"),
+        }
+    }
+}

@@ -1,0 +1,315 @@
+//! A position in a file of text, or of text and bytes, that is read from front to back through a window.
+
+use super::numbers::{self, ByteOrder, NumberType, Target, convert};
+use super::source::Source;
+use std::sync::Arc;
+use voltet_core::{Error, Result};
+
+/// Bytes of the file that are read at a time.
+const WINDOW: usize = 1 << 18;
+/// No word or line of a sound file is longer.
+const LONGEST: usize = 1 << 22;
+
+/// A place in a file and its line.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Place {
+    at: u64,
+    line: usize,
+}
+
+/// A position in a file.
+#[derive(Clone)]
+pub(super) struct Cursor {
+    source: Arc<Source>,
+    /// Bytes from `start` on.
+    window: Vec<u8>,
+    start: u64,
+    at: usize,
+    /// The end of the part that is read.
+    end: u64,
+    line: usize,
+    /// Line in which the last word or line began.
+    last_line: usize,
+    /// The byte order of numbers; `None`: they are text.
+    pub binary: Option<ByteOrder>,
+}
+
+impl Cursor {
+    /// At the beginning of a file of text.
+    pub fn new(source: &Arc<Source>) -> Cursor {
+        Cursor::within(source, 0, source.len(), 1)
+    }
+
+    /// At the beginning of a part of a file that begins in this line.
+    pub fn within(source: &Arc<Source>, start: u64, end: u64, line: usize) -> Cursor {
+        let end = end.min(source.len());
+        Cursor {
+            source: source.clone(),
+            window: Vec::new(),
+            start,
+            at: 0,
+            end,
+            line,
+            last_line: line,
+            binary: None,
+        }
+    }
+
+    /// At a place in a file of text.
+    pub fn at(source: &Arc<Source>, place: Place) -> Cursor {
+        Cursor::within(source, place.at, source.len(), place.line)
+    }
+
+    /// The place, to come back to.
+    pub fn place(&self) -> Place {
+        Place { at: self.position(), line: self.line }
+    }
+
+    /// Bytes before the position.
+    pub fn position(&self) -> u64 {
+        self.start + self.at as u64
+    }
+
+    /// Number of the line, from 1; means nothing once bytes were passed.
+    pub fn line_number(&self) -> usize {
+        self.line
+    }
+
+    /// Bytes that are left.
+    pub fn left(&self) -> u64 {
+        self.end.saturating_sub(self.position())
+    }
+
+    /// An error at this place.
+    pub fn error(&self, what: impl Into<String>) -> Error {
+        let error = Error::run(what);
+        match self.binary {
+            Some(_) => error.at_item(format!("byte {}", self.position())),
+            None => error.at_line(self.last_line),
+        }
+    }
+
+    /// Reads on; false at the end.
+    fn fill(&mut self) -> Result<bool> {
+        self.window.drain(..self.at);
+        self.start += self.at as u64;
+        self.at = 0;
+        let next = self.start + self.window.len() as u64;
+        let count = self.end.saturating_sub(next).min(WINDOW as u64) as usize;
+        let old = self.window.len();
+        self.window.resize(old + count, 0);
+        self.source.read_at(next, &mut self.window[old..])?;
+        Ok(count > 0)
+    }
+
+    /// Length from here to the first byte for which `is_end` is true, or to the end of the file.
+    fn length(&mut self, is_end: impl Fn(u8) -> bool, what: &str) -> Result<usize> {
+        let mut from = 0;
+        loop {
+            let rest = &self.window[self.at..];
+            if let Some(found) = rest[from..].iter().position(|&byte| is_end(byte)) {
+                return Ok(from + found);
+            }
+            from = rest.len();
+            if from > LONGEST {
+                return Err(self.error(format!("a {what} is too long")));
+            }
+            if !self.fill()? {
+                return Ok(from);
+            }
+        }
+    }
+
+    /// The next line without its end; `None` at the end of the file.
+    pub fn line(&mut self) -> Result<Option<&[u8]>> {
+        let length = self.length(|byte| byte == b'\n', "line")?;
+        let begin = self.at;
+        let has_end = self.window.len() > begin + length;
+        if length == 0 && !has_end {
+            return Ok(None);
+        }
+        self.at += length + usize::from(has_end);
+        self.last_line = self.line;
+        self.line += usize::from(has_end);
+        let line = &self.window[begin..begin + length];
+        Ok(Some(line.strip_suffix(b"\r").unwrap_or(line)))
+    }
+
+    /// The next line as text without white space round it; an error at the end.
+    pub fn text_line(&mut self, what: &str) -> Result<String> {
+        match self.line()? {
+            Some(line) => Ok(String::from_utf8_lossy(line.trim_ascii()).into_owned()),
+            None => Err(self.error("the file ends early").expected(what)),
+        }
+    }
+
+    /// Skips white space.
+    pub fn skip_space(&mut self) -> Result<()> {
+        loop {
+            while let Some(byte) = self.window.get(self.at).filter(|byte| byte.is_ascii_whitespace()) {
+                self.line += usize::from(*byte == b'\n');
+                self.at += 1;
+            }
+            if self.at < self.window.len() || !self.fill()? {
+                return Ok(());
+            }
+        }
+    }
+
+    /// The next word; `None` at the end.
+    pub fn word(&mut self) -> Result<Option<&[u8]>> {
+        self.skip_space()?;
+        self.last_line = self.line;
+        let length = self.length(|byte| byte.is_ascii_whitespace(), "word")?;
+        let begin = self.at;
+        self.at += length;
+        Ok((length > 0).then(|| &self.window[begin..begin + length]))
+    }
+
+    /// The next byte that is no white space, which stays; `None` at the end.
+    pub fn peek(&mut self) -> Result<Option<u8>> {
+        self.skip_space()?;
+        Ok(self.window.get(self.at).copied())
+    }
+
+    /// Bytes up to one for which `is_end` is true, or to the end; no white space is skipped.
+    pub fn until(&mut self, is_end: impl Fn(u8) -> bool) -> Result<&[u8]> {
+        self.last_line = self.line;
+        let length = self.length(is_end, "word")?;
+        let begin = self.at;
+        self.at += length;
+        let bytes = &self.window[begin..begin + length];
+        self.line += bytes.iter().filter(|&&byte| byte == b'\n').count();
+        Ok(bytes)
+    }
+
+    /// The next `count` bytes, which the file must hold.
+    pub fn bytes(&mut self, count: usize) -> Result<&[u8]> {
+        if count as u64 > self.left() {
+            return Err(self.error("the file ends early").got(self.left()).expected(count));
+        }
+        while self.window.len() - self.at < count {
+            self.fill()?;
+        }
+        self.at += count;
+        Ok(&self.window[self.at - count..self.at])
+    }
+
+    /// Moves on by `count` bytes, which the file must hold.
+    pub fn skip(&mut self, count: u64) -> Result<()> {
+        if count > self.left() {
+            return Err(self.error("the file ends early").got(self.left()).expected(count));
+        }
+        let inside = (self.window.len() - self.at) as u64;
+        if count <= inside {
+            self.at += count as usize;
+        } else {
+            self.start = self.position() + count;
+            self.window.clear();
+            self.at = 0;
+        }
+        Ok(())
+    }
+
+    /// Moves behind the next occurrence of a mark, and returns the place where it begins; `None` where there is none.
+    pub fn skip_past(&mut self, mark: &[u8]) -> Result<Option<u64>> {
+        let first = mark.first().copied().unwrap_or(0);
+        loop {
+            let length = {
+                let mut from = self.at;
+                while from < self.window.len() && self.window[from] != first {
+                    self.line += usize::from(self.window[from] == b'\n');
+                    from += 1;
+                }
+                from - self.at
+            };
+            self.at += length;
+            if self.left() < mark.len() as u64 {
+                return Ok(None);
+            }
+            while self.window.len() - self.at < mark.len() {
+                self.fill()?;
+            }
+            if self.window[self.at..].starts_with(mark) {
+                let place = self.position();
+                self.at += mark.len();
+                return Ok(Some(place));
+            }
+            self.at += usize::from(self.window[self.at] == first);
+        }
+    }
+
+    /// A number of text, or one of this type in the byte order of the file.
+    pub fn number<T: Target>(&mut self, number_type: NumberType, what: &str) -> Result<T> {
+        let mut value = [T::default()];
+        let failed = match self.binary {
+            Some(order) => {
+                let size = number_type.size().unwrap_or(1);
+                convert(number_type, order, self.bytes(size)?, &mut value).err().map(|_| Error::run(""))
+            }
+            None => {
+                let Some(word) = self.word()? else {
+                    return Err(self.error("the file ends early").expected(what));
+                };
+                match numbers::parse(number_type, word) {
+                    Ok(parsed) => {
+                        value = [parsed];
+                        None
+                    }
+                    Err(error) => Some(error),
+                }
+            }
+        };
+        match failed {
+            None => Ok(value[0]),
+            Some(error) => {
+                let found = error.got.unwrap_or_else(|| "a number out of range".to_owned());
+                Err(self.error("a number is damaged").got(found).expected(what))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cursor(folder: &tempfile::TempDir, bytes: &[u8]) -> Cursor {
+        let path = folder.path().join("a");
+        std::fs::write(&path, bytes).unwrap();
+        Cursor::new(&Source::open(&path).unwrap())
+    }
+
+    #[test]
+    fn words_and_lines_cross_windows() {
+        let folder = tempfile::tempdir().unwrap();
+        let count = WINDOW / 4;
+        let text: String = (0..count).map(|i| format!("{i}\r\n")).collect();
+        let mut words = cursor(&folder, text.as_bytes());
+        let mut lines = cursor(&folder, text.as_bytes());
+        for i in 0..count {
+            assert_eq!(words.number::<u64>(NumberType::I64, "a number").unwrap(), i as u64);
+            assert_eq!(lines.line().unwrap().unwrap(), i.to_string().as_bytes());
+            assert_eq!(lines.line_number(), i + 2);
+        }
+        assert!(words.word().unwrap().is_none() && lines.line().unwrap().is_none());
+        assert_eq!((words.left(), lines.left()), (0, 0));
+    }
+
+    #[test]
+    fn a_mark_is_found_across_windows_and_bytes_are_skipped() {
+        let folder = tempfile::tempdir().unwrap();
+        for shift in 0..6 {
+            let text = format!("{}$$End\nx", "-\n".repeat(WINDOW / 2 - 3) + &"-".repeat(shift));
+            let mut cursor = cursor(&folder, text.as_bytes());
+            assert_eq!(cursor.skip_past(b"$End").unwrap(), Some((WINDOW - 5 + shift) as u64));
+            assert_eq!(cursor.line_number(), WINDOW / 2 - 2);
+            assert_eq!(cursor.bytes(2).unwrap(), b"\nx");
+            assert!(cursor.bytes(1).is_err() && cursor.skip_past(b"$End").unwrap().is_none());
+        }
+        let mut long = cursor(&folder, &[b'a'; 3 * WINDOW]);
+        long.skip(2 * WINDOW as u64 + 1).unwrap();
+        assert_eq!((long.left(), long.bytes(3).unwrap().len()), (WINDOW as u64 - 1, 3));
+        assert!(long.skip(WINDOW as u64).is_err());
+    }
+}

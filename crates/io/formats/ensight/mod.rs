@@ -1,0 +1,107 @@
+//! Cases of EnSight Gold (.case): geometry and variables in text and in C binary, with their steps. Parts are blocks.
+//!
+//! Source: EnSight user manual, "EnSight Gold Case File Format". Parts without volume elements are left out.
+
+mod case;
+mod parts;
+
+use self::case::CaseFile;
+use self::parts::{GoldGeometry, GoldPart};
+use super::blocks::selected;
+use super::contents::{CellBlocks, Compute, Dataset, Encoding, Piece, PieceArray, Stored};
+use super::lazy::geometry;
+use super::request::{Format, Request};
+use super::source::Source;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use voltet_core::Result;
+use voltet_core::grid::Association;
+
+/// The declaration.
+pub(super) const FORMAT: Format = Format {
+    files: "a case of EnSight Gold (.case)",
+    matches: |head, _, _| is_case(head),
+    open,
+    has_solution: false,
+};
+
+fn is_case(head: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(head).to_lowercase();
+    let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
+    lines.next() == Some("format")
+        && lines.next().is_some_and(|line| line.replace([' ', '\t'], "").starts_with("type:ensight"))
+}
+
+fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
+    let case = CaseFile::read(&source)?;
+    let times = case.times();
+    let time = if times.is_empty() { None } else { Some(times[request.step_index(&times)?]) };
+    let path = case.file(&case.geometry, time)?;
+    let grid = Arc::new(GoldGeometry::open(&path)?);
+    let volumes: Vec<usize> =
+        (0..grid.parts.len()).filter(|&part| grid.parts[part].cell_count() > 0).collect();
+    let is_unique = |name: &str| grid.parts.iter().filter(|part| part.name == name).count() == 1;
+    let name = |part: &GoldPart| match is_unique(&part.name) {
+        true => part.name.clone(),
+        false => format!("{} ({})", part.name, part.number),
+    };
+    let blocks: Vec<String> = volumes.iter().map(|&part| name(&grid.parts[part])).collect();
+    let is_selected = selected(&blocks, request)?;
+    let mut dataset = Dataset {
+        format: "EnSight Gold".to_owned(),
+        has_blocks: true,
+        blocks,
+        time_steps: times,
+        file_bytes: std::fs::metadata(&path).map_or(0, |metadata| metadata.len()),
+        ..Dataset::default()
+    };
+    for (block, &place) in volumes.iter().enumerate().filter(|(block, _)| is_selected[*block]) {
+        let part = &grid.parts[place];
+        let counts = [part.node_count, part.cell_count(), part.corner_count()];
+        let mut arrays = Vec::new();
+        for variable in &case.variables {
+            let (association, n) = (variable.association, variable.component_count);
+            let (file, of) = (case.file(&variable.pattern, time)?, grid.clone());
+            let compute: Compute = Arc::new(move |_| of.values(&file, place, association, n));
+            let tuple_count = if association == Association::Point { counts[0] } else { counts[1] };
+            let stored = Stored::of_f64(&source, &variable.name, n, tuple_count, Encoding::Computed(compute));
+            let names: &[&str] = if n == 6 { &["XX", "YY", "ZZ", "XY", "XZ", "YZ"] } else { &[] };
+            let component_names = names.iter().map(|name| (*name).to_owned()).collect();
+            arrays.push(PieceArray { component_names, ..PieceArray::new(association, stored) });
+        }
+        let of = grid.clone();
+        dataset.pieces.push(Piece {
+            point_count: counts[0],
+            cell_count: counts[1],
+            arrays,
+            geometry: geometry(counts, move |_| of.read(place)),
+            blocks: CellBlocks::One(block),
+            is_old_order: false,
+        });
+    }
+    Ok(dataset)
+}
+
+/// The files that a case names, of every step or of that asked for; none for other files.
+pub(super) fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf> {
+    let Ok(source) = Source::open(path) else { return Vec::new() };
+    if !source.head(256).is_ok_and(|head| is_case(&head)) {
+        return Vec::new();
+    }
+    let Ok(case) = &CaseFile::read(&source) else { return Vec::new() };
+    let times = case.times();
+    let asked = request.filter(|_| !times.is_empty()).and_then(|request| request.step_index(&times).ok());
+    let times: Vec<Option<f64>> = match asked {
+        Some(step) => vec![Some(times[step])],
+        None if times.is_empty() => vec![None],
+        None => times.into_iter().map(Some).collect(),
+    };
+    let patterns = || std::iter::once(&case.geometry).chain(case.variables.iter().map(|own| &own.pattern));
+    let of_time = |time: Option<f64>| {
+        patterns().filter_map(move |pattern| case.file(pattern, time).ok()).collect::<Vec<_>>()
+    };
+    let mut files: Vec<PathBuf> = times.into_iter().flat_map(of_time).collect();
+    files.sort();
+    files.dedup();
+    files
+}

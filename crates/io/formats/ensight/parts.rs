@@ -1,0 +1,438 @@
+//! GoldGeometry and variables of EnSight Gold: parts with nodes and elements of several types, in text and in C binary of either order.
+
+use crate::formats::cursor::{Cursor, Place};
+use crate::formats::lazy::GatheredCells;
+use crate::formats::numbers::{ByteOrder, NumberType, Target};
+use crate::formats::source::Source;
+use glam::DVec3;
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+use voltet_core::grid::{Association, Cells, code};
+use voltet_core::{Error, Result};
+
+/// Element types: name, number of nodes, type code of VTK or 0 where it is no volume. The order of nodes is VTK's.
+const TYPES: [(&str, usize, u8); 15] = [
+    ("tetra4", 4, code::TETRA),
+    ("tetra10", 10, code::QUADRATIC_TETRA),
+    ("pyramid5", 5, code::PYRAMID),
+    ("pyramid13", 13, code::QUADRATIC_PYRAMID),
+    ("penta6", 6, code::WEDGE),
+    ("penta15", 15, code::QUADRATIC_WEDGE),
+    ("hexa8", 8, code::HEXAHEDRON),
+    ("hexa20", 20, code::QUADRATIC_HEXAHEDRON),
+    ("point", 1, 0),
+    ("bar2", 2, 0),
+    ("bar3", 3, 0),
+    ("tria3", 3, 0),
+    ("tria6", 6, 0),
+    ("quad4", 4, 0),
+    ("quad8", 8, 0),
+];
+
+/// GoldElements of one type within a part.
+pub(super) struct GoldElements {
+    name: String,
+    pub count: u64,
+    /// Number of nodes, 0 for polyhedra and polygons, and type code of VTK, 0 for what is no volume.
+    kind: (usize, u8),
+    /// Place of the connectivity.
+    place: Place,
+}
+
+/// One part.
+pub(super) struct GoldPart {
+    pub number: u64,
+    pub name: String,
+    pub node_count: u64,
+    coordinates: Place,
+    pub elements: Vec<GoldElements>,
+    /// Numbers of points along the axes of a structured part.
+    pub block: Option<[u64; 3]>,
+}
+
+impl GoldPart {
+    /// Number of volume elements.
+    pub fn cell_count(&self) -> u64 {
+        match self.block {
+            Some(points) => points.iter().map(|n| n.saturating_sub(1)).product(),
+            None => self.volumes().map(|elements| elements.count).sum(),
+        }
+    }
+
+    /// Number of their nodes; those of polyhedra are taken for hexahedra.
+    pub fn corner_count(&self) -> u64 {
+        self.volumes().map(|own| own.count.saturating_mul(own.kind.0.max(8) as u64)).sum()
+    }
+
+    fn volumes(&self) -> impl Iterator<Item = &GoldElements> {
+        self.elements.iter().filter(|elements| elements.kind.1 > 0)
+    }
+}
+
+/// A file of geometry or of a variable.
+struct GoldFile {
+    cursor: Cursor,
+    source: Arc<Source>,
+}
+
+impl GoldFile {
+    fn open(path: &Path) -> Result<GoldFile> {
+        let source = Source::open(path)?;
+        Ok(GoldFile { cursor: Cursor::new(&source), source })
+    }
+
+    /// A line of text, or 80 bytes; `None` at the end.
+    fn line(&mut self) -> Result<Option<String>> {
+        let line = match self.cursor.binary {
+            None => loop {
+                match self.cursor.line()? {
+                    Some(line) if line.trim_ascii().is_empty() => continue,
+                    line => break line,
+                }
+            },
+            Some(_) if self.cursor.left() == 0 => None,
+            Some(_) => Some(self.cursor.bytes(80)?),
+        };
+        let text = |line: &[u8]| {
+            let end = line.iter().position(|&byte| byte == 0).unwrap_or(line.len());
+            String::from_utf8_lossy(&line[..end]).trim().to_owned()
+        };
+        Ok(line.map(text))
+    }
+
+    fn required(&mut self, what: &str) -> Result<String> {
+        self.line()?.ok_or_else(|| self.cursor.error("the file ends early").expected(what))
+    }
+
+    fn count(&mut self, what: &str) -> Result<u64> {
+        let count = self.cursor.number(NumberType::I32, what)?;
+        self.end_line()?;
+        Ok(count)
+    }
+
+    /// Moves to the next line of text after numbers.
+    fn end_line(&mut self) -> Result<()> {
+        if self.cursor.binary.is_none() {
+            self.cursor.line()?;
+        }
+        Ok(())
+    }
+
+    fn go_to(&mut self, place: Place) {
+        let binary = self.cursor.binary;
+        self.cursor = Cursor::at(&self.source, place);
+        self.cursor.binary = binary;
+    }
+
+    /// Passes over numbers, which take a place of four bytes or a word each.
+    fn skip(&mut self, count: u64) -> Result<()> {
+        if self.cursor.binary.is_some() {
+            return self.cursor.skip(count.saturating_mul(4));
+        }
+        for _ in 0..count {
+            if self.cursor.word()?.is_none() {
+                return Err(self
+                    .cursor
+                    .error("the file ends early")
+                    .expected(format_args!("{count} numbers")));
+            }
+        }
+        if count > 0 { self.end_line() } else { Ok(()) }
+    }
+
+    fn numbers<T: Target>(&mut self, number_type: NumberType, count: u64) -> Result<Vec<T>> {
+        let mut numbers = Vec::new();
+        for _ in 0..count {
+            numbers.push(self.cursor.number(number_type, "a number")?);
+        }
+        if count > 0 {
+            self.end_line()?;
+        }
+        Ok(numbers)
+    }
+
+    /// Sets the byte order by the number of a part, which is small.
+    fn find_order(&mut self) -> Result<()> {
+        let bytes = self.cursor.clone().bytes(4)?.first_chunk().copied().unwrap_or_default();
+        let is_little = u32::from_le_bytes(bytes) <= u32::from_be_bytes(bytes);
+        self.cursor.binary = Some(if is_little { ByteOrder::Little } else { ByteOrder::Big });
+        Ok(())
+    }
+}
+
+/// GoldGeometry of a case at a time.
+pub(super) struct GoldGeometry {
+    source: Arc<Source>,
+    binary: Option<ByteOrder>,
+    pub parts: Vec<GoldPart>,
+}
+
+impl GoldGeometry {
+    /// Finds the parts.
+    pub fn open(path: &Path) -> Result<GoldGeometry> {
+        GoldGeometry::of_path(path).map_err(|error| error.in_file(path))
+    }
+
+    fn of_path(path: &Path) -> Result<GoldGeometry> {
+        let mut file = GoldFile::open(path)?;
+        let head = file.source.head(80)?;
+        if head.starts_with(b"Fortran Binary") {
+            return Err(Error::run("records of Fortran are not read").expected("C binary or text"));
+        }
+        if head.starts_with(b"C Binary") {
+            file.cursor.binary = Some(ByteOrder::Little);
+            file.line()?;
+        }
+        file.required("a description")?;
+        file.required("a description")?;
+        let has_ids = |line: &str| ["given", "ignore"].iter().any(|word| line.ends_with(word));
+        let node_ids = has_ids(&file.required("node id")?);
+        let element_ids = has_ids(&file.required("element id")?);
+        let mut parts: Vec<GoldPart> = Vec::new();
+        let mut line = file.line()?;
+        while let Some(word) = line {
+            match word.as_str() {
+                "extents" => file.skip(6)?,
+                "part" => {
+                    if parts.is_empty() && file.cursor.binary.is_some() {
+                        file.find_order()?;
+                    }
+                    let number = file.count("the number of a part")?;
+                    let name = file.required("the name of a part")?;
+                    parts.push(part_head(&mut file, number, name, node_ids)?);
+                }
+                kind => {
+                    let Some(part) = parts.last_mut() else {
+                        let error = file.cursor.error("this is no geometry of EnSight Gold");
+                        return Err(error.got(format_args!("'{kind}'")).expected("part"));
+                    };
+                    part.elements.push(elements(&mut file, kind, element_ids)?);
+                }
+            }
+            line = file.line()?;
+        }
+        Ok(GoldGeometry { binary: file.cursor.binary, source: file.source.clone(), parts })
+    }
+
+    fn at(&self, place: Place) -> GoldFile {
+        let mut file = GoldFile { cursor: Cursor::new(&self.source), source: self.source.clone() };
+        file.cursor.binary = self.binary;
+        file.go_to(place);
+        file
+    }
+
+    /// Points and volume elements of a part.
+    pub fn read(&self, part: usize) -> Result<(Vec<DVec3>, Cells)> {
+        self.read_part(&self.parts[part]).map_err(|error| error.in_file(self.source.path()))
+    }
+
+    fn read_part(&self, part: &GoldPart) -> Result<(Vec<DVec3>, Cells)> {
+        let mut file = self.at(part.coordinates);
+        let n = part.node_count;
+        let mut axis = || file.numbers::<f64>(NumberType::F32, n);
+        let (x, y, z) = (axis()?, axis()?, axis()?);
+        let points = x.into_iter().zip(y).zip(z).map(|((x, y), z)| DVec3::new(x, y, z)).collect();
+        if let Some(block) = part.block {
+            return Ok((points, Cells::Structured(block.map(|n| n as usize))));
+        }
+        let mut cells = GatheredCells::default();
+        for own in part.volumes() {
+            let mut file = self.at(own.place);
+            if own.kind.0 == 0 {
+                polyhedra(&mut file, own.count, n, &mut cells)?;
+                continue;
+            }
+            for _ in 0..own.count {
+                let corners: Vec<u32> = file.cursor_numbers(own.kind.0 as u64)?;
+                cells.add(own.kind.1, checked(&file, corners, n)?);
+            }
+        }
+        Ok((points, Cells::Mixed(cells.into_set())))
+    }
+
+    /// Values of a variable at the points or volume elements of a part; not a number where it has none.
+    pub fn values(
+        &self,
+        path: &Path,
+        part: usize,
+        association: Association,
+        component_count: usize,
+    ) -> Result<Vec<f64>> {
+        self.values_of(path, part, association, component_count).map_err(|error| error.in_file(path))
+    }
+
+    fn values_of(
+        &self,
+        path: &Path,
+        part: usize,
+        association: Association,
+        component_count: usize,
+    ) -> Result<Vec<f64>> {
+        let (own, n) = (&self.parts[part], component_count as u64);
+        let mut file = GoldFile::open(path)?;
+        file.cursor.binary = self.binary;
+        file.required("a description")?;
+        let count = if association == Association::Point { own.node_count } else { own.cell_count() };
+        let mut found: HashMap<String, Vec<f64>> = HashMap::new();
+        let mut current = None;
+        while let Some(line) = file.line()? {
+            if line == "part" {
+                let number = file.count("the number of a part")?;
+                current = self.parts.iter().find(|part| part.number == number);
+                if current.is_none() {
+                    let error = file.cursor.error("a variable has values of a part that does not exist");
+                    return Err(error.got(number).expected("the number of a part of the geometry"));
+                }
+                continue;
+            }
+            let mut words = line.split_ascii_whitespace();
+            let (kind, mode) = (words.next().unwrap_or_default(), words.next());
+            let of_kind = |part: &&GoldPart| match kind {
+                "coordinates" => Some(part.node_count),
+                "block" if association == Association::Point => Some(part.node_count),
+                "block" => Some(part.cell_count()),
+                kind => Some(part.elements.iter().filter(|own| own.name == kind).map(|own| own.count).sum()),
+            };
+            let Some((part, len)) = current.zip(current.as_ref().and_then(of_kind)) else {
+                let error = file.cursor.error("a variable is damaged").got(format_args!("'{line}'"));
+                return Err(error.expected("part"));
+            };
+            let undefined = match mode {
+                None => None,
+                Some("undef") => Some(file.numbers::<f64>(NumberType::F32, 1)?[0]),
+                Some(_) => {
+                    let error = file.cursor.error("values of some elements alone are not read");
+                    return Err(error.got(format_args!("'{line}'")).expected("values of all"));
+                }
+            };
+            if part.number != own.number {
+                file.skip(len.saturating_mul(n))?;
+                continue;
+            }
+            let mut values: Vec<f64> = file.numbers(NumberType::F32, len.saturating_mul(n))?;
+            values.iter_mut().filter(|value| Some(**value) == undefined).for_each(|value| *value = f64::NAN);
+            found.insert(kind.to_owned(), values);
+        }
+        let mut all = Vec::new();
+        let whole = ["coordinates", "block"].into_iter().find_map(|kind| found.remove(kind));
+        match whole {
+            Some(values) => interleave(&values, component_count, &mut all),
+            None if association == Association::Cell => {
+                for elements in own.volumes() {
+                    match found.get(&elements.name) {
+                        Some(values) => interleave(values, component_count, &mut all),
+                        None => all.resize(all.len() + elements.count as usize * component_count, f64::NAN),
+                    }
+                }
+            }
+            None => {}
+        }
+        // The geometry was read before: there are so many points and elements.
+        all.resize(count as usize * component_count, f64::NAN);
+        Ok(all)
+    }
+}
+
+impl GoldFile {
+    fn cursor_numbers(&mut self, count: u64) -> Result<Vec<u32>> {
+        (0..count).map(|_| self.cursor.number(NumberType::I32, "the number of a node")).collect()
+    }
+}
+
+/// All values of the first component, then of the next, as tuples.
+fn interleave(values: &[f64], component_count: usize, all: &mut Vec<f64>) {
+    let count = values.len() / component_count;
+    all.extend(
+        (0..count).flat_map(|i| (0..component_count).map(move |component| values[component * count + i])),
+    );
+}
+
+/// Node numbers from 0. Errors: one beyond the nodes of the part.
+fn checked(file: &GoldFile, mut corners: Vec<u32>, node_count: u64) -> Result<Vec<u32>> {
+    for corner in &mut corners {
+        if *corner == 0 || u64::from(*corner) > node_count {
+            let error = file.cursor.error("an element names a node that does not exist").got(*corner);
+            return Err(error.expected(format_args!("1 to {node_count}")));
+        }
+        *corner -= 1;
+    }
+    Ok(corners)
+}
+
+/// Head of a part behind its name.
+fn part_head(file: &mut GoldFile, number: u64, name: String, has_ids: bool) -> Result<GoldPart> {
+    let line = file.required("coordinates or block")?;
+    let mut words = line.split_ascii_whitespace();
+    let (kind, options): (_, Vec<&str>) = (words.next().unwrap_or_default(), words.collect());
+    let is_plain = options.iter().all(|option| *option == "curvilinear");
+    let (node_count, block) = match kind {
+        "coordinates" => {
+            let count = file.count("the number of nodes")?;
+            if has_ids {
+                file.skip(count)?;
+            }
+            (count, None)
+        }
+        "block" if is_plain => {
+            let numbers: Vec<u64> = file.numbers(NumberType::I32, 3)?;
+            let block = [numbers[0], numbers[1], numbers[2]];
+            let count = block.iter().fold(1_u64, |count, &n| count.saturating_mul(n));
+            (count, Some(block))
+        }
+        _ => {
+            let error = file.cursor.error("this kind of part is not read").got(format_args!("'{line}'"));
+            return Err(
+                error.expected("coordinates, or a curvilinear block without blanking, ghosts and ranges")
+            );
+        }
+    };
+    let coordinates = file.cursor.place();
+    file.skip(node_count.saturating_mul(3))?;
+    Ok(GoldPart { number, name, node_count, coordinates, elements: Vec::new(), block })
+}
+
+/// Elements of a type behind its name.
+fn elements(file: &mut GoldFile, name: &str, has_ids: bool) -> Result<GoldElements> {
+    let kind = match (name, TYPES.iter().find(|known| known.0 == name)) {
+        (_, Some(&(_, nodes, code))) => (nodes, code),
+        ("nfaced", _) => (0, code::POLYHEDRON),
+        ("nsided", _) => (0, 0),
+        _ => {
+            let error = file.cursor.error("elements of this type are not read").got(format_args!("'{name}'"));
+            return Err(error.expected("tetra4 to hexa20, nfaced, nsided, quad8 to point"));
+        }
+    };
+    let count = file.count("the number of elements")?;
+    if has_ids {
+        file.skip(count)?;
+    }
+    let place = file.cursor.place();
+    if kind.0 > 0 {
+        file.skip(count.saturating_mul(kind.0 as u64))?;
+    } else {
+        // Numbers of faces of each, then of nodes of each face; of polygons the numbers of nodes.
+        let mut counts: Vec<u32> = file.numbers(NumberType::I32, count)?;
+        if kind.1 > 0 {
+            counts = file.numbers(NumberType::I32, counts.iter().map(|&count| u64::from(count)).sum())?;
+        }
+        file.skip(counts.iter().map(|&count| u64::from(count)).sum())?;
+    }
+    Ok(GoldElements { name: name.to_owned(), count, kind, place })
+}
+
+fn polyhedra(file: &mut GoldFile, count: u64, node_count: u64, cells: &mut GatheredCells) -> Result<()> {
+    let face_counts: Vec<u32> = file.numbers(NumberType::I32, count)?;
+    let face_count = face_counts.iter().map(|&count| u64::from(count)).sum();
+    let sizes: Vec<u32> = file.numbers(NumberType::I32, face_count)?;
+    let mut sizes = sizes.into_iter();
+    for face_count in face_counts {
+        let mut faces = Vec::new();
+        for size in sizes.by_ref().take(face_count as usize) {
+            let face = file.cursor_numbers(size.into())?;
+            faces.push(checked(file, face, node_count)?);
+        }
+        cells.add_polyhedron(faces);
+    }
+    Ok(())
+}

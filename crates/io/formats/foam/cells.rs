@@ -1,0 +1,194 @@
+//! Cells of OpenFOAM from their faces: tetrahedra, pyramids, prisms and hexahedra where the faces show them, polyhedra elsewhere.
+
+use super::file::{FoamFile, misfit};
+use crate::formats::lazy::GatheredCells;
+use std::path::PathBuf;
+use voltet_core::grid::{CellSet, code};
+use voltet_core::{Error, Result};
+
+/// Files of a mesh.
+#[derive(Clone)]
+pub(super) struct MeshPaths {
+    pub points: PathBuf,
+    pub faces: PathBuf,
+    pub owner: PathBuf,
+    pub neighbour: PathBuf,
+    pub zones: Option<PathBuf>,
+}
+
+/// Faces with their cells.
+pub(super) struct Faces {
+    points: Vec<u32>,
+    ends: Vec<u32>,
+    owner: Vec<u32>,
+    neighbour: Vec<u32>,
+    pub cell_count: usize,
+}
+
+impl Faces {
+    /// Reads them.
+    pub fn read(mesh: &MeshPaths) -> Result<Faces> {
+        let labels = |path: &PathBuf| FoamFile::open(path, false)?.labels();
+        let (points, ends) = FoamFile::open(&mesh.faces, false)?.faces()?;
+        let (owner, neighbour) = (labels(&mesh.owner)?, labels(&mesh.neighbour)?);
+        if owner.len() != ends.len() {
+            return Err(misfit("owners of faces", owner.len(), ends.len(), &mesh.owner));
+        }
+        if neighbour.len() > ends.len() {
+            let most = format!("at most {}", ends.len());
+            return Err(misfit("neighbours of faces", neighbour.len(), most, &mesh.neighbour));
+        }
+        let cell_count = owner.iter().chain(&neighbour).max().map_or(0, |&last| last as usize + 1);
+        // Each cell has faces, and each face two cells at most.
+        if cell_count > owner.len() + neighbour.len() {
+            return Err(misfit("cells", cell_count, "no more than its faces have", &mesh.owner));
+        }
+        Ok(Faces { points, ends, owner, neighbour, cell_count })
+    }
+
+    /// Points of a face.
+    fn face(&self, face: usize) -> &[u32] {
+        let begin = if face == 0 { 0 } else { self.ends[face - 1] as usize };
+        &self.points[begin..self.ends[face] as usize]
+    }
+
+    /// Selected cells, in VTK's terms.
+    pub fn cells(&self, is_selected: impl Fn(usize) -> bool) -> CellSet {
+        let mut begins = vec![0_u32; self.cell_count + 1];
+        let both = || self.owner.iter().chain(&self.neighbour);
+        both().for_each(|&cell| begins[cell as usize + 1] += 1);
+        (0..self.cell_count).for_each(|cell| begins[cell + 1] += begins[cell]);
+        // The lowest bit says that the cell is the neighbour, whose face points inward.
+        let mut next = begins.clone();
+        let mut of_cells = vec![0_u64; self.owner.len() + self.neighbour.len()];
+        for (cells, side) in [(&self.owner, 0), (&self.neighbour, 1)] {
+            for (face, &cell) in cells.iter().enumerate() {
+                let place = &mut next[cell as usize];
+                of_cells[*place as usize] = (face as u64) << 1 | side;
+                *place += 1;
+            }
+        }
+        let mut gathered = GatheredCells::default();
+        let mut faces = Vec::new();
+        for cell in (0..self.cell_count).filter(|&cell| is_selected(cell)) {
+            faces.clear();
+            for &entry in &of_cells[begins[cell] as usize..begins[cell + 1] as usize] {
+                faces.push((self.face((entry >> 1) as usize), entry & 1 == 0));
+            }
+            match simple_cell(&faces) {
+                Some((code, corners)) => gathered.add(code, corners),
+                None => gathered.add_polyhedron(faces.iter().map(|&face| outward(face)).collect()),
+            }
+        }
+        gathered.into_set()
+    }
+}
+
+/// Zones of the cells of a mesh.
+#[derive(Default)]
+pub(super) struct CellZones {
+    /// Names in the order of the file.
+    pub names: Vec<String>,
+    /// Cells in ascending order, with the place of the first zone that each is in.
+    cells: Vec<(u32, u32)>,
+}
+
+impl CellZones {
+    /// Reads them; none where the mesh has no such file.
+    pub fn read(mesh: &MeshPaths, cell_count: u64) -> Result<CellZones> {
+        let Some(path) = &mesh.zones else { return Ok(CellZones::default()) };
+        let mut zones = CellZones::default();
+        for (place, (name, cells)) in FoamFile::open(path, false)?.zones()?.into_iter().enumerate() {
+            zones.names.push(name);
+            zones.cells.extend(cells.into_iter().map(|cell| (cell, place as u32)));
+        }
+        zones.cells.sort_unstable();
+        zones.cells.dedup_by_key(|entry| entry.0);
+        match zones.cells.last() {
+            Some(&(last, _)) if u64::from(last) >= cell_count => {
+                let error = Error::run("a zone names a cell that does not exist").got(last);
+                Err(error.expected(format_args!("a number below {cell_count}")).in_file(path))
+            }
+            _ => Ok(zones),
+        }
+    }
+
+    /// Number of cells in no zone.
+    pub fn rest(&self, cell_count: u64) -> u64 {
+        cell_count - self.cells.len() as u64
+    }
+
+    /// Number of cells in a zone that are in none before it.
+    pub fn count(&self, zone: usize) -> u64 {
+        self.cells.iter().filter(|entry| entry.1 as usize == zone).count() as u64
+    }
+
+    /// Place of a cell's zone; `None`: it is in none.
+    pub fn zone(&self, cell: usize) -> Option<usize> {
+        let place = self.cells.binary_search_by_key(&cell, |entry| entry.0 as usize).ok()?;
+        Some(self.cells[place].1 as usize)
+    }
+}
+
+/// A face of a cell and true if its points turn so that it points outward.
+type Side<'a> = (&'a [u32], bool);
+
+/// Points of a face that points outward.
+fn outward((points, is_outward): Side) -> Vec<u32> {
+    if is_outward { points.to_vec() } else { points.iter().rev().copied().collect() }
+}
+
+/// Type and corners of the cell that these faces enclose, if it is one of four.
+fn simple_cell(faces: &[Side]) -> Option<(u8, Vec<u32>)> {
+    let count = |corners: usize| faces.iter().filter(|face| face.0.len() == corners).count();
+    let (code, base_corners) = match (faces.len(), count(3), count(4)) {
+        (4, 4, 0) => (code::TETRA, 3),
+        (5, 4, 1) => (code::PYRAMID, 4),
+        (5, 2, 3) => (code::WEDGE, 3),
+        (6, 0, 6) => (code::HEXAHEDRON, 4),
+        _ => return None,
+    };
+    let base = faces.iter().position(|face| face.0.len() == base_corners)?;
+    let mut corners = outward(faces[base]);
+    // VTK's wedge alone has a base that points outward.
+    if code != code::WEDGE {
+        corners.reverse();
+    }
+    let is_base = |point: &u32| faces[base].0.contains(point);
+    let others = || faces.iter().enumerate().filter(|&(face, _)| face != base).map(|(_, face)| face.0);
+    if matches!(code, code::TETRA | code::PYRAMID) {
+        let apex = *others().flatten().find(|point| !is_base(point))?;
+        let is_side = |face: &[u32]| {
+            face.iter().filter(|&&point| point == apex).count() == 1
+                && face.iter().all(|point| *point == apex || is_base(point))
+        };
+        corners.push(apex);
+        return others().all(is_side).then_some((code, corners));
+    }
+    for place in 0..base_corners {
+        let top = opposite(corners[place], others(), &is_base)?;
+        if corners.contains(&top) {
+            return None;
+        }
+        corners.push(top);
+    }
+    others().flatten().all(|point| corners.contains(point)).then_some((code, corners))
+}
+
+/// The point that edges join to a corner of the base, if it is one.
+fn opposite<'a>(
+    corner: u32,
+    faces: impl Iterator<Item = &'a [u32]>,
+    is_base: &impl Fn(&u32) -> bool,
+) -> Option<u32> {
+    let mut found = None;
+    for face in faces {
+        let Some(place) = face.iter().position(|&point| point == corner) else { continue };
+        for neighbour in [face[(place + 1) % face.len()], face[(place + face.len() - 1) % face.len()]] {
+            if !is_base(&neighbour) && *found.get_or_insert(neighbour) != neighbour {
+                return None;
+            }
+        }
+    }
+    found
+}

@@ -1,0 +1,393 @@
+//! Files of OpenFOAM: heads, words, lists of numbers, and the values of fields, in text and in bytes.
+//!
+//! Source: OpenFOAM user guide, "Mesh description" and "Basic input/output file format"; for bytes `UList` and `CompactIOList` of
+//! its sources. Numbers of bytes have the order and the widths that the entry `arch` of the head says.
+
+use crate::formats::cursor::Cursor;
+use crate::formats::numbers::{self, ByteOrder, NumberType, Target, convert};
+use crate::formats::source::Source;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use voltet_core::{Error, Result};
+
+/// Numbers of bytes that are converted at a time.
+const PART: u64 = 1 << 16;
+
+/// A file behind its head.
+pub(super) struct FoamFile {
+    cursor: Cursor,
+    pub source: Arc<Source>,
+    pub path: PathBuf,
+    pub class: String,
+    pub note: String,
+    /// Byte order of lists of numbers; `None`: they are text.
+    pub binary: Option<ByteOrder>,
+    pub label: NumberType,
+    pub scalar: NumberType,
+    pub is_packed: bool,
+}
+
+/// Values of a field within its mesh.
+pub(super) enum FieldValues {
+    /// One tuple for all.
+    Uniform(Vec<f64>),
+    /// Number of the tuples that follow.
+    List(u64),
+}
+
+/// The file at a path, or the packed one beside it with the ending .gz; `None` where there is neither.
+pub(super) fn existing(path: &Path) -> Option<PathBuf> {
+    let mut packed = path.as_os_str().to_owned();
+    packed.push(".gz");
+    [path.to_owned(), packed.into()].into_iter().find(|path| path.is_file())
+}
+
+impl FoamFile {
+    /// Opens a file and reads its head; `head_only`: of a packed one no more than the head is unpacked.
+    pub fn open(path: &Path, head_only: bool) -> Result<FoamFile> {
+        FoamFile::of_path(path, head_only).map_err(|error| error.in_file(path))
+    }
+
+    fn of_path(path: &Path, head_only: bool) -> Result<FoamFile> {
+        let mut source = Source::open(path)?;
+        let is_packed = source.head(2)? == [0x1f, 0x8b];
+        if is_packed {
+            source = source.unpacked(head_only.then_some(PART))?;
+        }
+        let mut file = FoamFile {
+            cursor: Cursor::new(&source),
+            source,
+            path: path.to_owned(),
+            class: String::new(),
+            note: String::new(),
+            binary: None,
+            label: NumberType::I32,
+            scalar: NumberType::F64,
+            is_packed,
+        };
+        file.read_head()?;
+        Ok(file)
+    }
+
+    fn read_head(&mut self) -> Result<()> {
+        let first = self.required("FoamFile")?;
+        if first != "FoamFile" || self.required("{")? != "{" {
+            let error = self.cursor.error("this is no file of OpenFOAM").got(format_args!("'{first}'"));
+            return Err(error.expected("FoamFile { … }"));
+        }
+        let (mut format, mut arch) = (String::new(), String::new());
+        loop {
+            let key = self.required("an entry of the head")?;
+            if key == "}" {
+                break;
+            }
+            let mut words = Vec::new();
+            loop {
+                let word = self.required("';'")?;
+                if word == ";" {
+                    break;
+                }
+                words.push(word);
+            }
+            let text = words.join(" ").trim_matches('"').to_owned();
+            match key.as_str() {
+                "class" => self.class = text,
+                "format" => format = text,
+                "arch" => arch = text,
+                "note" => self.note = text,
+                _ => {}
+            }
+        }
+        let big = arch.contains("MSB");
+        self.binary = (format == "binary").then_some(if big { ByteOrder::Big } else { ByteOrder::Little });
+        self.cursor.binary = self.binary;
+        if arch.contains("label=64") {
+            self.label = NumberType::I64;
+        }
+        if arch.contains("scalar=32") {
+            self.scalar = NumberType::F32;
+        }
+        match format.as_str() {
+            "ascii" | "binary" => Ok(()),
+            _ => {
+                let error = self.cursor.error("the format of the file is not known");
+                Err(error.got(format_args!("'{format}'")).expected("ascii or binary"))
+            }
+        }
+    }
+
+    /// An error that names the file.
+    fn in_file<T>(&self, result: Result<T>) -> Result<T> {
+        result.map_err(|error| error.in_file(&self.path))
+    }
+
+    /// The next word, sign of punctuation or text in quotes; `None` at the end.
+    fn token(&mut self) -> Result<Option<String>> {
+        loop {
+            match self.cursor.peek()? {
+                None => return Ok(None),
+                Some(b'"') => {
+                    self.cursor.bytes(1)?;
+                    let text = String::from_utf8_lossy(self.cursor.until(|byte| byte == b'"')?).into_owned();
+                    self.cursor.bytes(1)?;
+                    return Ok(Some(format!("\"{text}\"")));
+                }
+                Some(byte) if is_sign(byte) => {
+                    self.cursor.bytes(1)?;
+                    return Ok(Some(char::from(byte).to_string()));
+                }
+                Some(_) => {}
+            }
+            let word =
+                self.cursor.until(|byte| byte.is_ascii_whitespace() || is_sign(byte) || byte == b'"')?;
+            if word.starts_with(b"//") {
+                self.cursor.line()?;
+            } else if word.starts_with(b"/*") {
+                if !word[2..].ends_with(b"*/") {
+                    self.cursor.skip_past(b"*/")?;
+                }
+            } else {
+                return Ok(Some(String::from_utf8_lossy(word).into_owned()));
+            }
+        }
+    }
+
+    fn required(&mut self, what: &str) -> Result<String> {
+        self.token()?.ok_or_else(|| self.cursor.error("the file ends early").expected(what))
+    }
+
+    /// Number of entries of a list, and true if one value stands for all.
+    fn list_head(&mut self) -> Result<(u64, bool)> {
+        let mut word = self.required("the length of a list")?;
+        if word.starts_with("List<") {
+            word = self.required("the length of a list")?;
+        }
+        let count: u64 = word.parse().map_err(|_| {
+            let error = self.cursor.error("the length of a list is damaged").got(format_args!("'{word}'"));
+            error.expected("a number")
+        })?;
+        match self.cursor.peek()? {
+            Some(b'(') => self.cursor.bytes(1).map(|_| (count, false)),
+            Some(b'{') => self.cursor.bytes(1).map(|_| (count, true)),
+            _ if count == 0 => Ok((0, false)),
+            _ => Err(self.cursor.error("a list is damaged").expected("(")),
+        }
+    }
+
+    /// Numbers of text with parentheses between them, or of bytes.
+    fn numbers<T: Target>(&mut self, number_type: NumberType, count: u64) -> Result<Vec<T>> {
+        let size = number_type.size().unwrap_or(1) as u64;
+        let least = if self.binary.is_some() { size } else { 2 };
+        if count > self.cursor.left() / least + 1 {
+            return Err(self.cursor.error("a list ends early").expected(format_args!("{count} numbers")));
+        }
+        let mut values = Vec::with_capacity(count as usize);
+        if let Some(order) = self.binary {
+            while (values.len() as u64) < count {
+                let part = (count - values.len() as u64).min(PART);
+                let first = values.len();
+                values.resize(first + part as usize, T::default());
+                let bytes = self.cursor.bytes((part * size) as usize)?;
+                if convert(number_type, order, bytes, &mut values[first..]).is_err() {
+                    return Err(self.cursor.error("a number is out of range").expected(T::ACCEPTED));
+                }
+            }
+            return Ok(values);
+        }
+        while (values.len() as u64) < count {
+            match self.cursor.peek()? {
+                Some(b'(' | b')') => {
+                    self.cursor.bytes(1)?;
+                    continue;
+                }
+                None => {
+                    return Err(self
+                        .cursor
+                        .error("a list ends early")
+                        .expected(format_args!("{count} numbers")));
+                }
+                Some(_) => {}
+            }
+            let word = self.cursor.until(|byte| byte.is_ascii_whitespace() || is_sign(byte))?;
+            let parsed = numbers::parse(number_type, word);
+            values.push(parsed.map_err(|error| error.at_line(self.cursor.line_number()))?);
+        }
+        Ok(values)
+    }
+
+    /// A list of labels.
+    pub fn labels(&mut self) -> Result<Vec<u32>> {
+        let labels = self.list_of_labels();
+        self.in_file(labels)
+    }
+
+    fn list_of_labels(&mut self) -> Result<Vec<u32>> {
+        let (count, is_uniform) = self.list_head()?;
+        if is_uniform {
+            return Err(self.cursor.error("a list of labels holds one value for all").expected("each label"));
+        }
+        let labels = self.numbers(self.label, count)?;
+        self.end_list(count)?;
+        Ok(labels)
+    }
+
+    fn end_list(&mut self, count: u64) -> Result<()> {
+        match self.cursor.peek()? {
+            Some(b')') => self.cursor.bytes(1).map(|_| ()),
+            _ if count == 0 => Ok(()),
+            _ => Err(self.cursor.error("a list is longer than its length says").expected(")")),
+        }
+    }
+
+    /// Points of all faces, and the ends of the faces' parts.
+    pub fn faces(&mut self) -> Result<(Vec<u32>, Vec<u32>)> {
+        let faces = self.list_of_faces();
+        self.in_file(faces)
+    }
+
+    fn list_of_faces(&mut self) -> Result<(Vec<u32>, Vec<u32>)> {
+        if self.class == "faceCompactList" {
+            let mut ends = self.list_of_labels()?;
+            let points = self.list_of_labels()?;
+            if ends.first() != Some(&0) || !ends.is_sorted() || ends.last() != Some(&(points.len() as u32)) {
+                let error = self.cursor.error("the faces are damaged");
+                return Err(error.expected("ascending offsets from 0 to the number of their points"));
+            }
+            ends.remove(0);
+            return Ok((points, ends));
+        }
+        if self.binary.is_some() {
+            let error = self.cursor.error("faces of this class are not read from bytes").got(&self.class);
+            return Err(error.expected("faceCompactList"));
+        }
+        let (count, _) = self.list_head()?;
+        let (mut points, mut ends) = (Vec::new(), Vec::new());
+        for _ in 0..count {
+            let own = self.list_of_labels()?;
+            points.extend(own);
+            ends.push(points.len() as u32);
+        }
+        Ok((points, ends))
+    }
+
+    /// Number of the points that follow, of which nothing is read.
+    pub fn point_count(&mut self) -> Result<u64> {
+        let count = self.list_head().map(|head| head.0);
+        self.in_file(count)
+    }
+
+    /// Coordinates of points.
+    pub fn points(&mut self) -> Result<Vec<f64>> {
+        let count = self.list_head();
+        let count = self.in_file(count)?.0.saturating_mul(3);
+        let points = self.numbers(self.scalar, count);
+        self.in_file(points)
+    }
+
+    /// Names of zones with their cells.
+    pub fn zones(&mut self) -> Result<Vec<(String, Vec<u32>)>> {
+        let zones = self.list_of_zones();
+        self.in_file(zones)
+    }
+
+    fn list_of_zones(&mut self) -> Result<Vec<(String, Vec<u32>)>> {
+        let (count, _) = self.list_head()?;
+        let mut zones = Vec::new();
+        for _ in 0..count {
+            let name = self.required("the name of a zone")?;
+            let brace = self.required("{")?;
+            if brace != "{" {
+                let error = self.cursor.error("the zones are damaged").got(format_args!("'{brace}'"));
+                return Err(error.expected("{"));
+            }
+            let mut cells = Vec::new();
+            loop {
+                match self.required("an entry of a zone")?.as_str() {
+                    "}" => break,
+                    "cellLabels" => cells = self.list_of_labels()?,
+                    _ => {}
+                }
+            }
+            zones.push((name, cells));
+        }
+        Ok(zones)
+    }
+
+    /// Moves to the values of a field within the mesh; `component_count` numbers make a tuple.
+    pub fn field_values(&mut self, component_count: usize) -> Result<FieldValues> {
+        let values = self.internal_field(component_count);
+        self.in_file(values)
+    }
+
+    fn internal_field(&mut self, component_count: usize) -> Result<FieldValues> {
+        loop {
+            let key = self.token()?.ok_or_else(|| {
+                let error = self.cursor.error("the field has no values within the mesh");
+                error.expected("an entry internalField; entries of included files are not read")
+            })?;
+            match key.as_str() {
+                "internalField" | "value" => break,
+                ";" => {}
+                key if key.starts_with('#') => drop(self.cursor.line()?),
+                _ => self.skip_entry()?,
+            }
+        }
+        let word = self.required("uniform or nonuniform")?;
+        match word.as_str() {
+            "uniform" => {
+                let binary = self.binary.take();
+                let values = self.numbers(self.scalar, component_count as u64)?;
+                self.binary = binary;
+                Ok(FieldValues::Uniform(values))
+            }
+            "nonuniform" => match self.list_head()? {
+                (count, false) => Ok(FieldValues::List(count)),
+                (_, true) => self.numbers(self.scalar, component_count as u64).map(FieldValues::Uniform),
+            },
+            _ => {
+                let error =
+                    self.cursor.error("the values of the field are not read").got(format_args!("'{word}'"));
+                Err(error.expected("uniform or nonuniform; macros and code are not evaluated"))
+            }
+        }
+    }
+
+    /// Skips the rest of an entry: to its semicolon, or its dictionary.
+    fn skip_entry(&mut self) -> Result<()> {
+        let mut depth = 0_u32;
+        loop {
+            match self.required("';'")?.as_str() {
+                "{" | "(" | "[" => depth += 1,
+                "}" => {
+                    depth = depth.saturating_sub(1);
+                    if depth == 0 {
+                        return Ok(());
+                    }
+                }
+                ")" | "]" => depth = depth.saturating_sub(1),
+                ";" if depth == 0 => return Ok(()),
+                _ => {}
+            }
+        }
+    }
+
+    /// The numbers of a list whose head was read.
+    pub fn scalars(&mut self, count: u64) -> Result<Vec<f64>> {
+        let values = self.numbers(self.scalar, count);
+        self.in_file(values)
+    }
+
+    /// Place in the file.
+    pub fn position(&self) -> u64 {
+        self.cursor.position()
+    }
+}
+
+fn is_sign(byte: u8) -> bool {
+    b"(){}[];".contains(&byte)
+}
+
+/// The error about lists whose lengths do not fit.
+pub(super) fn misfit(what: &str, found: usize, accepted: impl std::fmt::Display, path: &Path) -> Error {
+    Error::run(format!("the mesh has the wrong number of {what}")).got(found).expected(accepted).in_file(path)
+}

@@ -1,0 +1,285 @@
+//! Elements of Gmsh: their types, the order of their nodes, and the sections that hold them.
+//!
+//! Source: Gmsh reference manual, "Node ordering" and "MSH file format"; numbers of nodes as `getElementProperties` of Gmsh 4.15
+//! gives them.
+
+use crate::formats::cursor::Cursor;
+use crate::formats::numbers::NumberType;
+use std::collections::HashMap;
+use voltet_core::grid::code;
+use voltet_core::{Error, Result};
+
+/// A type of volume elements.
+pub(super) struct ElementType {
+    /// Number of the type.
+    number: u64,
+    /// Type code of VTK.
+    pub code: u8,
+    /// For each node in VTK's order its place in Gmsh's.
+    pub order: &'static [u8],
+}
+
+const fn element(number: u64, code: u8, order: &'static [u8]) -> ElementType {
+    ElementType { number, code, order }
+}
+
+/// The volume elements that are read. Gmsh's pyramid of 14 nodes has one in the middle of its base, which VTK's has not.
+const VOLUMES: [ElementType; 12] = [
+    element(4, code::TETRA, &[0, 1, 2, 3]),
+    element(5, code::HEXAHEDRON, &[0, 1, 2, 3, 4, 5, 6, 7]),
+    element(6, code::WEDGE, &[0, 1, 2, 3, 4, 5]),
+    element(7, code::PYRAMID, &[0, 1, 2, 3, 4]),
+    element(11, code::QUADRATIC_TETRA, &[0, 1, 2, 3, 4, 5, 6, 7, 9, 8]),
+    element(12, code::TRIQUADRATIC_HEXAHEDRON, &HEXAHEDRON),
+    element(13, code::BIQUADRATIC_QUADRATIC_WEDGE, &WEDGE),
+    element(14, code::QUADRATIC_PYRAMID, &PYRAMID),
+    element(17, code::QUADRATIC_HEXAHEDRON, HEXAHEDRON.split_at(20).0),
+    element(18, code::QUADRATIC_WEDGE, WEDGE.split_at(15).0),
+    element(19, code::QUADRATIC_PYRAMID, &PYRAMID),
+    element(29, code::LAGRANGE_TETRAHEDRON, &CUBIC_TETRAHEDRON),
+];
+
+/// Corners, edges, faces, middle.
+const HEXAHEDRON: [u8; 27] =
+    [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15, 22, 23, 21, 24, 20, 25, 26];
+/// Corners, edges, quadrilaterals.
+const WEDGE: [u8; 18] = [0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11, 15, 17, 16];
+/// Corners, edges.
+const PYRAMID: [u8; 13] = [0, 1, 2, 3, 4, 5, 8, 10, 6, 7, 9, 11, 12];
+/// Corners, two nodes on each edge, one on each face.
+const CUBIC_TETRAHEDRON: [u8; 20] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 11, 10, 15, 14, 13, 12, 17, 19, 18, 16];
+
+/// Type and number of nodes of elements that are no volume, or that are passed over.
+const PASSED_OVER: [(u64, u16); 47] = [
+    (1, 2),
+    (2, 3),
+    (3, 4),
+    (8, 3),
+    (9, 6),
+    (10, 9),
+    (15, 1),
+    (16, 8),
+    (20, 9),
+    (21, 10),
+    (22, 12),
+    (23, 15),
+    (24, 15),
+    (25, 21),
+    (26, 4),
+    (27, 5),
+    (28, 6),
+    (36, 16),
+    (37, 25),
+    (38, 36),
+    (39, 12),
+    (40, 16),
+    (41, 20),
+    (42, 28),
+    (43, 36),
+    (44, 45),
+    (45, 55),
+    (46, 66),
+    (47, 49),
+    (48, 64),
+    (49, 81),
+    (50, 100),
+    (51, 121),
+    (52, 18),
+    (53, 21),
+    (54, 24),
+    (55, 27),
+    (56, 30),
+    (57, 24),
+    (58, 28),
+    (59, 32),
+    (60, 36),
+    (61, 40),
+    (62, 7),
+    (63, 8),
+    (64, 9),
+    (65, 10),
+];
+
+/// An element of a file.
+pub(super) struct MeshElement<'a> {
+    /// Its type; `None` where it is no volume.
+    pub volume: Option<&'static ElementType>,
+    pub tag: u64,
+    /// Number of its physical group; 0: none.
+    pub group: i64,
+    /// Tags of its nodes, in Gmsh's order.
+    pub nodes: &'a [u64],
+}
+
+/// Calls `visit` with each element of the section at the cursor; `groups`: physical groups of the volumes of version 4, `None` for 2.
+pub(super) fn each(
+    cursor: &mut Cursor,
+    groups: Option<&HashMap<i64, i64>>,
+    mut visit: impl FnMut(&MeshElement) -> Result<()>,
+) -> Result<()> {
+    match groups {
+        Some(groups) => each_of_4(cursor, groups, &mut visit),
+        None => each_of_2(cursor, &mut visit),
+    }
+}
+
+/// The type with this number, and how many nodes it has.
+fn element_type(cursor: &Cursor, number: u64) -> Result<(Option<&'static ElementType>, usize)> {
+    if let Some(volume) = VOLUMES.iter().find(|volume| volume.number == number) {
+        let count = if number == 14 { 14 } else { volume.order.len() };
+        return Ok((Some(volume), count));
+    }
+    match PASSED_OVER.iter().find(|flat| flat.0 == number) {
+        Some(flat) => Ok((None, flat.1.into())),
+        None => Err(cursor.error("elements of this type of Gmsh are not read").got(number).expected(
+            "tetrahedra of the orders 1 to 3; hexahedra, prisms and pyramids of the orders 1 and 2",
+        )),
+    }
+}
+
+/// Version 4.1: entities, each with elements of one type.
+fn each_of_4(
+    cursor: &mut Cursor,
+    groups: &HashMap<i64, i64>,
+    visit: &mut dyn FnMut(&MeshElement) -> Result<()>,
+) -> Result<()> {
+    let size = NumberType::U64;
+    let mut nodes = Vec::new();
+    each_entity(cursor, groups, &mut |cursor, entity| {
+        let &EntityElements { volume, group, count, node_count } = entity;
+        for _ in 0..count {
+            let tag = cursor.number(size, "the tag of an element")?;
+            read_nodes(cursor, size, node_count, &mut nodes)?;
+            visit(&MeshElement { volume: Some(volume), tag, group, nodes: &nodes })?;
+        }
+        Ok(())
+    })
+}
+
+/// Volume elements of an entity of version 4.1.
+struct EntityElements {
+    volume: &'static ElementType,
+    group: i64,
+    count: u64,
+    node_count: usize,
+}
+
+/// Calls `visit` with the head of each entity of volume elements, which has to move behind these.
+fn each_entity(
+    cursor: &mut Cursor,
+    groups: &HashMap<i64, i64>,
+    visit: &mut dyn FnMut(&mut Cursor, &EntityElements) -> Result<()>,
+) -> Result<()> {
+    let size = NumberType::U64;
+    let entity_count: u64 = cursor.number(size, "the number of entities")?;
+    for _ in 0..3 {
+        cursor.number::<u64>(size, "numbers of elements")?;
+    }
+    for _ in 0..entity_count {
+        let dimension: i64 = cursor.number(NumberType::I32, "the dimension of an entity")?;
+        let entity: i64 = cursor.number(NumberType::I32, "the tag of an entity")?;
+        let number: u64 = cursor.number(NumberType::I32, "a type of elements")?;
+        let count: u64 = cursor.number(size, "a number of elements")?;
+        let (volume, node_count) = element_type(cursor, number)?;
+        let group = if dimension == 3 { groups.get(&entity).copied().unwrap_or(0) } else { 0 };
+        match volume {
+            Some(volume) => visit(cursor, &EntityElements { volume, group, count, node_count })?,
+            None => skip_elements(cursor, count, node_count)?,
+        }
+    }
+    Ok(())
+}
+
+/// Passes over elements of version 4.1, whose numbers are not parsed.
+fn skip_elements(cursor: &mut Cursor, count: u64, node_count: usize) -> Result<()> {
+    let number_count = count.saturating_mul(node_count as u64 + 1);
+    if cursor.binary.is_some() {
+        return cursor.skip(number_count.saturating_mul(8));
+    }
+    for _ in 0..number_count {
+        if cursor.word()?.is_none() {
+            return Err(cursor.error("the file ends early").expected("the nodes of elements"));
+        }
+    }
+    Ok(())
+}
+
+/// Calls `visit` with the type, the physical group, the number and the numbers of nodes of volume elements; parameters as of [`each`].
+pub(super) fn count(
+    cursor: &mut Cursor,
+    groups: Option<&HashMap<i64, i64>>,
+    mut visit: impl FnMut(&'static ElementType, i64, u64, usize),
+) -> Result<()> {
+    match groups {
+        Some(groups) => each_entity(cursor, groups, &mut |cursor, entity| {
+            visit(entity.volume, entity.group, entity.count, entity.node_count);
+            skip_elements(cursor, entity.count, entity.node_count)
+        }),
+        None => each_of_2(cursor, &mut |element| {
+            if let Some(volume) = element.volume {
+                visit(volume, element.group, 1, element.nodes.len());
+            }
+            Ok(())
+        }),
+    }
+}
+
+/// Version 2: elements with tags, in bytes after a head for several of one type.
+fn each_of_2(cursor: &mut Cursor, visit: &mut dyn FnMut(&MeshElement) -> Result<()>) -> Result<()> {
+    let int = NumberType::I32;
+    let binary = cursor.binary.take();
+    let count: u64 = cursor.number(NumberType::U64, "the number of elements")?;
+    if binary.is_some() {
+        cursor.line()?;
+        cursor.binary = binary;
+    }
+    let mut nodes = Vec::new();
+    let (mut seen, mut tag, mut group_count) = (0, 0, 1);
+    while seen < count {
+        if binary.is_none() {
+            tag = cursor.number(NumberType::U64, "the number of an element")?;
+        }
+        let number: u64 = cursor.number(int, "a type of elements")?;
+        if binary.is_some() {
+            group_count = cursor.number(int, "a number of elements")?;
+        }
+        let tag_count: u64 = cursor.number(int, "the number of tags")?;
+        let (volume, node_count) = element_type(cursor, number)?;
+        if group_count == 0 || group_count > count - seen {
+            return Err(cursor
+                .error("a group of elements does not fit their number")
+                .got(group_count)
+                .expected(format_args!("1 to {}", count - seen)));
+        }
+        for _ in 0..group_count {
+            if binary.is_some() {
+                tag = cursor.number(int, "the number of an element")?;
+            }
+            let mut group = 0;
+            for place in 0..tag_count {
+                let value: i64 = cursor.number(int, "a tag")?;
+                // A negative one turns the element round.
+                group = if place == 0 { value.saturating_abs() } else { group };
+            }
+            read_nodes(cursor, int, node_count, &mut nodes)?;
+            visit(&MeshElement { volume, tag, group, nodes: &nodes })?;
+        }
+        seen += group_count;
+    }
+    Ok(())
+}
+
+fn read_nodes(cursor: &mut Cursor, kind: NumberType, count: usize, nodes: &mut Vec<u64>) -> Result<()> {
+    nodes.clear();
+    for _ in 0..count {
+        nodes.push(cursor.number(kind, "the tag of a node")?);
+    }
+    Ok(())
+}
+
+/// The error about an element with a node that is not there.
+pub(super) fn missing_node(element: &MeshElement, node: u64) -> Error {
+    Error::run(format!("element {} names a node that does not exist", element.tag))
+        .got(node)
+        .expected("the tag of a node of the file")
+}

@@ -1,0 +1,231 @@
+//! Meshes of Gmsh (.msh) of the versions 2 and 4.1, in text and in bytes of either order, with their post-processing views.
+//!
+//! Source: Gmsh reference manual, "MSH file format" and "MSH file format version 2 (Legacy)". A file is a row of sections,
+//! `$Name` to `$EndName`. On opening, sections are found, heads of views read, and volume elements counted; nodes,
+//! elements and values are read when they are asked for. Physical groups of volumes are blocks. Sections of other names are passed
+//! over.
+
+mod elements;
+mod mesh;
+mod views;
+
+use self::mesh::{Counts, MeshFile, Section, header};
+use self::views::View;
+use super::blocks::selected;
+use super::contents::{CellBlocks, Compute, Dataset, Encoding, Piece, PieceArray, Stored};
+use super::cursor::Cursor;
+use super::lazy::geometry;
+use super::numbers::NumberType;
+use super::request::{Format, Request};
+use super::source::Source;
+use std::collections::HashMap;
+use std::sync::Arc;
+use voltet_core::grid::{Association, CellValues};
+use voltet_core::{Error, Result, counted};
+
+/// First words of every file.
+const MAGIC: &[u8] = b"$MeshFormat";
+
+/// The declaration.
+pub(super) const FORMAT: Format = Format {
+    files: "a mesh of Gmsh (.msh)",
+    matches: |head, _, _| head.starts_with(MAGIC),
+    open,
+    has_solution: false,
+};
+
+/// Reads the table of contents.
+fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
+    let mut cursor = Cursor::new(&source);
+    cursor.text_line("$MeshFormat")?;
+    let mut file = header(&mut cursor, &source)?;
+    let mut names = Vec::new();
+    let mut views = Vec::new();
+    while let Some((name, section)) = next_section(&mut cursor)? {
+        match name.as_str() {
+            "PhysicalNames" => names = physical_names(&mut file.cursor(&section, false))?,
+            "Entities" | "PartitionedEntities" if file.version >= 4.0 => {
+                let is_partitioned = name == "PartitionedEntities";
+                entities(&mut file.cursor(&section, true), is_partitioned, &mut file.group_of_volume)?;
+            }
+            "Nodes" => file.nodes = section,
+            "Elements" => file.elements = section,
+            _ => views.extend(View::of_section(&name, &file.cursor(&section, false))?),
+        }
+    }
+    for (section, name) in [(&file.nodes, "$Nodes"), (&file.elements, "$Elements")] {
+        if section.end == 0 {
+            return Err(Error::run("the mesh is not complete").expected(format_args!("a section {name}")));
+        }
+    }
+    let node_count = file.node_count()?;
+    let of_groups = file.find_groups(&names)?;
+    let blocks = block_names(&file.groups, &names);
+    file.is_selected = selected(&blocks, request)?;
+    file.is_selected.resize(file.groups.len(), true);
+    let mut counts = Counts::default();
+    for (own, _) in of_groups.iter().zip(&file.is_selected).filter(|group| *group.1) {
+        counts.cells += own.cells;
+        counts.corners += own.corners;
+        counts.reduced += own.reduced;
+    }
+    let mut dataset = Dataset {
+        blocks,
+        format: file.format(),
+        file_bytes: source.len(),
+        time_steps: views::times(&views),
+        ..Dataset::default()
+    };
+    if counts.reduced > 0 {
+        let count = counted(counts.reduced, "pyramid");
+        dataset
+            .warnings
+            .push(format!("The node in the middle of the base of {count} of 14 nodes is left out."));
+    }
+    let step = match dataset.time_steps.as_slice() {
+        [] => None,
+        times => Some(times[request.step_index(times)?]),
+    };
+    let arrays = views::arrays(views, step);
+    let requested = |name: &str| {
+        let names = request.scalar.iter().chain(&request.point_arrays);
+        names
+            .clone()
+            .any(|wanted| wanted == name || wanted.rsplit_once(':').is_some_and(|(stem, _)| stem == name))
+    };
+    if let Some(split) = arrays.iter().find(|array| array.is_by_corner() && requested(&array.name)) {
+        file.is_split = request.options.cell_values == CellValues::Constant;
+        if !file.is_split {
+            dataset.warnings.push(format!(
+                "The array '{}' has values of its own in each cell, which are averaged at the points; cell_values = \
+                 \"constant\" keeps them.",
+                split.name
+            ));
+        }
+    }
+    dataset.pieces.push(piece(Arc::new(file), node_count, &counts, arrays));
+    Ok(dataset)
+}
+
+/// The next section and its name; `None` at the end of the file.
+fn next_section(cursor: &mut Cursor) -> Result<Option<(String, Section)>> {
+    while let Some(line) = cursor.line()? {
+        let line = String::from_utf8_lossy(line.trim_ascii()).into_owned();
+        let Some(name) = line.strip_prefix('$').filter(|name| *name != "EndMeshFormat") else { continue };
+        let (start, line) = (cursor.position(), cursor.line_number());
+        let end = cursor.skip_past(format!("$End{name}").as_bytes())?.ok_or_else(|| {
+            Error::run("the file ends early")
+                .got(format_args!("a section ${name} without its end"))
+                .at_line(line)
+        })?;
+        return Ok(Some((name.to_owned(), Section { start, end, line })));
+    }
+    Ok(None)
+}
+
+/// Physical groups of volumes and their names.
+fn physical_names(cursor: &mut Cursor) -> Result<Vec<(i64, String)>> {
+    let mut names = Vec::new();
+    let count: u64 = cursor.number(NumberType::U64, "the number of names")?;
+    cursor.line()?;
+    for _ in 0..count {
+        let line = cursor.text_line("a dimension, a number and a name")?;
+        let mut words = line.splitn(3, char::is_whitespace);
+        let group = words.next().zip(words.next().and_then(|word| word.parse().ok()));
+        let Some(((dimension, group), name)) = group.zip(words.next()) else {
+            let error = cursor.error("a physical name is damaged").got(format_args!("'{line}'"));
+            return Err(error.expected("a dimension, a number and a name"));
+        };
+        if dimension == "3" {
+            names.push((group, name.trim().trim_matches('"').to_owned()));
+        }
+    }
+    Ok(names)
+}
+
+/// Physical groups of the volumes, the first of each.
+fn entities(cursor: &mut Cursor, is_partitioned: bool, groups: &mut HashMap<i64, i64>) -> Result<()> {
+    let (int, size) = (NumberType::I32, NumberType::U64);
+    let ints = |cursor: &mut Cursor| -> Result<Option<i64>> {
+        let count: u64 = cursor.number(size, "a number of tags")?;
+        let mut first = None;
+        for _ in 0..count {
+            let tag = cursor.number(int, "a tag")?;
+            first = first.or(Some(tag));
+        }
+        Ok(first)
+    };
+    if is_partitioned {
+        cursor.number::<u64>(size, "the number of partitions")?;
+        let ghost_count: u64 = cursor.number(size, "the number of ghost entities")?;
+        for _ in 0..ghost_count.saturating_mul(2) {
+            cursor.number::<i64>(int, "a ghost entity")?;
+        }
+    }
+    let mut counts = [0_u64; 4];
+    for count in &mut counts {
+        *count = cursor.number(size, "a number of entities")?;
+    }
+    for (dimension, count) in counts.into_iter().enumerate() {
+        for _ in 0..count {
+            let tag: i64 = cursor.number(int, "the tag of an entity")?;
+            if is_partitioned {
+                for _ in 0..2 {
+                    cursor.number::<i64>(int, "the parent of an entity")?;
+                }
+                ints(cursor)?;
+            }
+            for _ in 0..if dimension == 0 { 3 } else { 6 } {
+                cursor.number::<f64>(NumberType::F64, "a coordinate")?;
+            }
+            let group = ints(cursor)?;
+            if dimension > 0 {
+                ints(cursor)?;
+            }
+            if dimension == 3 {
+                // A negative one turns the elements round.
+                groups.extend(group.map(|group| (tag, group.saturating_abs())));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Names of the physical groups of volumes; none where there are no groups.
+fn block_names(groups: &[i64], names: &[(i64, String)]) -> Vec<String> {
+    if groups == [0] {
+        return Vec::new();
+    }
+    let name = |group: &i64| match names.iter().find(|name| name.0 == *group) {
+        Some((_, name)) => name.clone(),
+        None if *group == 0 => "no group".to_owned(),
+        None => group.to_string(),
+    };
+    groups.iter().map(name).collect()
+}
+
+fn piece(file: Arc<MeshFile>, node_count: u64, counts: &Counts, arrays: Vec<views::ViewArray>) -> Piece {
+    let point_count = if file.is_split { counts.corners } else { node_count };
+    let arrays = arrays.into_iter().map(|array| {
+        let (association, component_count) = (array.association(), array.component_count());
+        let tuple_count = if association == Association::Cell { counts.cells } else { point_count };
+        let (name, of) = (array.name.clone(), file.clone());
+        let compute: Compute = Arc::new(move |_| array.load(&of));
+        let encoding = Encoding::Computed(compute);
+        PieceArray::new(
+            association,
+            Stored::of_f64(&file.source, &name, component_count, tuple_count, encoding),
+        )
+    });
+    Piece {
+        point_count,
+        cell_count: counts.cells,
+        arrays: arrays.collect(),
+        geometry: geometry([point_count, counts.cells, counts.corners], {
+            let of = file.clone();
+            move |_| of.read_geometry()
+        }),
+        blocks: CellBlocks::Each(Arc::new(move |_| Ok(file.read_volumes()?.blocks))),
+        is_old_order: false,
+    }
+}

@@ -1,0 +1,121 @@
+//! Parts of formats whose points and cells are made by code: geometry that is read when it is asked for, numbers by tags, cells
+//! gathered one by one.
+
+use super::contents::{ExternalFormat, Geometry};
+use std::sync::Arc;
+use voltet_core::grid::{CellSet, Cells, Polyhedron};
+use voltet_core::progress::Progress;
+use voltet_core::reading::{GridHead, GridRead, OpenGrid};
+use voltet_core::{Error, Result};
+
+use glam::DVec3;
+
+/// Reads points and cells.
+type ReadGeometry = Box<dyn Fn(&dyn Progress) -> Result<(Vec<DVec3>, Cells)> + Send + Sync>;
+
+/// Points and cells that a function reads when they are asked for.
+struct LazyGrid {
+    head: GridHead,
+    read: ReadGeometry,
+}
+
+impl OpenGrid for LazyGrid {
+    fn head(&self) -> &GridHead {
+        &self.head
+    }
+
+    fn read(&self, geometry: bool, _: &[usize], progress: &dyn Progress) -> Result<GridRead> {
+        let (points, cells) = if geometry { Some((self.read)(progress)?).unzip() } else { (None, None) };
+        Ok(GridRead { points, cells, arrays: Vec::new(), warnings: Vec::new() })
+    }
+}
+
+/// Geometry that a function reads, of so many points, cells, and points of cells.
+pub(super) fn geometry(
+    [point_count, cell_count, corner_count]: [u64; 3],
+    read: impl Fn(&dyn Progress) -> Result<(Vec<DVec3>, Cells)> + Send + Sync + 'static,
+) -> Geometry {
+    // A type, an offset and the points.
+    let cell_bytes = cell_count.saturating_mul(9).saturating_add(corner_count.saturating_mul(4));
+    let head = GridHead { point_count, cell_count, cell_bytes, ..GridHead::default() };
+    Geometry::Added(Arc::new(ExternalFormat::new(Box::new(LazyGrid { head, read: Box::new(read) }))))
+}
+
+/// Numbers from 0 of things that a file numbers in its own way.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Tags {
+    /// Tags in ascending order.
+    sorted: Vec<u64>,
+    /// Their numbers; empty where these ascend, too.
+    numbers: Vec<u32>,
+}
+
+impl Tags {
+    /// By the tags in their order in the file. Errors: `what` is there twice, or too often.
+    pub fn new(tags: Vec<u64>, what: &str) -> Result<Tags> {
+        let count = u32::try_from(tags.len())
+            .map_err(|_| Error::run(format!("the file holds too many {what}s")).got(tags.len()))?;
+        let tags = if tags.is_sorted() {
+            Tags { sorted: tags, numbers: Vec::new() }
+        } else {
+            let mut numbers: Vec<u32> = (0..count).collect();
+            numbers.sort_by_key(|&number| tags[number as usize]);
+            Tags { sorted: numbers.iter().map(|&number| tags[number as usize]).collect(), numbers }
+        };
+        match tags.sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+            None => Ok(tags),
+            Some(pair) => Err(Error::run(format!("the file holds a {what} twice"))
+                .got(format_args!("{what} {}", pair[0]))
+                .expected(format_args!("each {what} once"))),
+        }
+    }
+
+    /// Their number.
+    pub fn len(&self) -> usize {
+        self.sorted.len()
+    }
+
+    /// Number of the thing with this tag.
+    pub fn find(&self, tag: u64) -> Option<usize> {
+        // Most files number without gaps.
+        let first = self.sorted.first()?;
+        let guess = usize::try_from(tag.checked_sub(*first)?).ok()?;
+        let place = match self.sorted.get(guess) {
+            Some(&found) if found == tag => guess,
+            _ => self.sorted.binary_search(&tag).ok()?,
+        };
+        Some(self.numbers.get(place).map_or(place, |&number| number as usize))
+    }
+}
+
+/// Cells gathered one by one.
+pub(super) struct GatheredCells(CellSet);
+
+impl Default for GatheredCells {
+    fn default() -> Self {
+        GatheredCells(CellSet { offsets: vec![0], ..CellSet::default() })
+    }
+}
+
+impl GatheredCells {
+    /// Adds a cell of a VTK type with its points in VTK's order.
+    pub fn add(&mut self, code: u8, corners: impl IntoIterator<Item = u32>) {
+        self.0.connectivity.extend(corners);
+        self.0.offsets.push(self.0.connectivity.len() as u64);
+        self.0.types.push(code);
+    }
+
+    /// Adds a polyhedron by its faces.
+    pub fn add_polyhedron(&mut self, faces: Vec<Vec<u32>>) {
+        let mut corners = faces.concat();
+        corners.sort_unstable();
+        corners.dedup();
+        self.0.polyhedra.push(Polyhedron { cell: self.0.types.len() as u32, faces });
+        self.add(voltet_core::grid::code::POLYHEDRON, corners);
+    }
+
+    /// All of them.
+    pub fn into_set(self) -> CellSet {
+        self.0
+    }
+}

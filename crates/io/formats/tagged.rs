@@ -1,0 +1,198 @@
+//! Meshes of text whose nodes and elements have numbers of their own: a format hands them out in passes over its file, and they become
+//! points, cells and arrays here.
+
+use super::blocks::selected;
+use super::contents::{CellBlocks, Compute, Dataset, Encoding, Meter, Piece, PieceArray, Stored};
+use super::lazy::{GatheredCells, Tags, geometry};
+use super::request::Request;
+use super::source::Source;
+use glam::DVec3;
+use std::sync::{Arc, Mutex, PoisonError};
+use voltet_core::grid::{Association, Cells};
+use voltet_core::reading::FileArray;
+use voltet_core::{Error, Result};
+
+/// Name of the block of elements that are in none, in a file with blocks.
+const NO_BLOCK: &str = "no block";
+
+/// An element of a file.
+pub(super) struct TaggedElement<'a> {
+    /// Its own number.
+    pub tag: u64,
+    /// Type code of VTK.
+    pub code: u8,
+    /// Name of its block; empty: none.
+    pub block: &'a str,
+    /// Numbers of its nodes, in VTK's order.
+    pub nodes: &'a [u64],
+}
+
+/// Called with the number and the position of a node.
+pub(super) type VisitNode<'a> = &'a mut dyn FnMut(u64, DVec3) -> Result<()>;
+/// Called with an element that is a volume.
+pub(super) type VisitElement<'a> = &'a mut dyn FnMut(&TaggedElement) -> Result<()>;
+/// Called with the number of a node or element and its tuple.
+pub(super) type VisitValues<'a> = &'a mut dyn FnMut(u64, &[f64]) -> Result<()>;
+
+/// A mesh that is read in passes.
+pub(super) trait TaggedMesh: Send + Sync + 'static {
+    /// Hands out the nodes.
+    fn each_node(&self, visit: VisitNode) -> Result<()>;
+
+    /// Hands out the volume elements.
+    fn each_element(&self, visit: VisitElement) -> Result<()>;
+
+    /// Hands out the tuples of an array, by its place in the list that was given.
+    fn each_tuple(&self, _array: usize, _visit: VisitValues) -> Result<()> {
+        Ok(())
+    }
+}
+
+/// A mesh with what was found of it.
+struct OpenMesh<M> {
+    mesh: M,
+    blocks: Vec<String>,
+    is_selected: Vec<bool>,
+    /// Numbers of the nodes and of the selected elements, once they were read.
+    tags: Mutex<[Option<Arc<Tags>>; 2]>,
+}
+
+/// The table of contents of a mesh with these arrays.
+pub(super) fn dataset(
+    source: &Arc<Source>,
+    format: String,
+    mesh: impl TaggedMesh,
+    arrays: Vec<FileArray>,
+    request: &Request,
+) -> Result<Dataset> {
+    let mut blocks: Vec<String> = Vec::new();
+    // Cells and corners of each block.
+    let mut counts: Vec<[u64; 2]> = Vec::new();
+    let mut last = 0;
+    mesh.each_element(&mut |element| {
+        if blocks.get(last).is_none_or(|name| name != element.block) {
+            last = blocks.iter().position(|name| name == element.block).unwrap_or(blocks.len());
+        }
+        if last == blocks.len() {
+            blocks.push(element.block.to_owned());
+            counts.push([0; 2]);
+        }
+        counts[last][0] += 1;
+        counts[last][1] += element.nodes.len() as u64;
+        Ok(())
+    })?;
+    let mut node_count = 0;
+    mesh.each_node(&mut |_, _| {
+        node_count += 1;
+        Ok(())
+    })?;
+    if blocks == [""] {
+        blocks.clear();
+    }
+    blocks.iter_mut().filter(|name| name.is_empty()).for_each(|name| *name = NO_BLOCK.to_owned());
+    let mut is_selected = selected(&blocks, request)?;
+    is_selected.resize(counts.len(), true);
+    let sum =
+        |place: usize| counts.iter().zip(&is_selected).filter(|own| *own.1).map(|own| own.0[place]).sum();
+    let counts: [u64; 3] = [node_count, sum(0), sum(1)];
+    let has_blocks = !blocks.is_empty();
+    let open = Arc::new(OpenMesh { mesh, blocks: blocks.clone(), is_selected, tags: Mutex::default() });
+    let arrays = arrays.into_iter().enumerate().map(|(place, array)| {
+        let (of, n, association) = (open.clone(), array.component_count, array.association);
+        let compute: Compute = Arc::new(move |_| of.values(place, n, association));
+        let tuple_count = if association == Association::Cell { counts[1] } else { counts[0] };
+        let encoding = Encoding::Computed(compute);
+        PieceArray::new(association, Stored::of_f64(source, &array.name, n, tuple_count, encoding))
+    });
+    let mut piece = Piece {
+        point_count: counts[0],
+        cell_count: counts[1],
+        arrays: arrays.collect(),
+        geometry: geometry(counts, {
+            let of = open.clone();
+            move |_| Ok((of.read_nodes()?, Cells::Mixed(of.read_elements()?.0.into_set())))
+        }),
+        is_old_order: false,
+        blocks: CellBlocks::One(0),
+    };
+    if has_blocks {
+        piece.blocks = CellBlocks::Each(Arc::new(move |_: &Meter| Ok(open.read_elements()?.1)));
+    }
+    Ok(Dataset { format, pieces: vec![piece], blocks, file_bytes: source.len(), ..Dataset::default() })
+}
+
+impl<M: TaggedMesh> OpenMesh<M> {
+    fn keep_tags(&self, kind: usize, tags: Tags) {
+        self.tags.lock().unwrap_or_else(PoisonError::into_inner)[kind] = Some(Arc::new(tags));
+    }
+
+    /// Numbers of the nodes (0) or of the selected elements (1), read if they were not yet.
+    fn tags(&self, kind: usize) -> Result<Arc<Tags>> {
+        let kept = || self.tags.lock().unwrap_or_else(PoisonError::into_inner)[kind].clone();
+        if let Some(tags) = kept() {
+            return Ok(tags);
+        }
+        if kind == 0 {
+            self.read_nodes().map(drop)?
+        } else {
+            self.read_elements().map(drop)?
+        }
+        kept().ok_or_else(|| Error::run("the numbers of the mesh were not kept"))
+    }
+
+    fn read_nodes(&self) -> Result<Vec<DVec3>> {
+        let (mut tags, mut points) = (Vec::new(), Vec::new());
+        self.mesh.each_node(&mut |tag, position| {
+            tags.push(tag);
+            points.push(position);
+            Ok(())
+        })?;
+        self.keep_tags(0, Tags::new(tags, "node")?);
+        Ok(points)
+    }
+
+    /// Selected cells, and the block of each.
+    fn read_elements(&self) -> Result<(GatheredCells, Vec<f64>)> {
+        let nodes = self.tags(0)?;
+        let (mut cells, mut tags, mut blocks) = (GatheredCells::default(), Vec::new(), Vec::new());
+        let (mut corners, mut block) = (Vec::new(), 0);
+        self.mesh.each_element(&mut |element| {
+            let name = if element.block.is_empty() { NO_BLOCK } else { element.block };
+            if self.blocks.get(block).is_some_and(|last| last != name) {
+                block = self.blocks.iter().position(|known| known == name).unwrap_or(0);
+            }
+            if !self.is_selected[block] {
+                return Ok(());
+            }
+            corners.clear();
+            for &node in element.nodes {
+                let number = nodes.find(node).ok_or_else(|| {
+                    let error =
+                        Error::run(format!("element {} names a node that does not exist", element.tag));
+                    error.got(node).expected("the number of a node of the file")
+                })?;
+                corners.push(number as u32);
+            }
+            cells.add(element.code, corners.iter().copied());
+            tags.push(element.tag);
+            blocks.push(block as f64);
+            Ok(())
+        })?;
+        self.keep_tags(1, Tags::new(tags, "element")?);
+        Ok((cells, blocks))
+    }
+
+    /// Values of all points or selected cells; not a number where the file has none.
+    fn values(&self, array: usize, component_count: usize, association: Association) -> Result<Vec<f64>> {
+        let tags = self.tags(usize::from(association == Association::Cell))?;
+        let n = component_count;
+        let mut all = vec![f64::NAN; tags.len() * n];
+        self.mesh.each_tuple(array, &mut |tag, tuple| {
+            if let Some(number) = tags.find(tag) {
+                all[number * n..][..n].copy_from_slice(tuple);
+            }
+            Ok(())
+        })?;
+        Ok(all)
+    }
+}

@@ -1,0 +1,483 @@
+//! Tecplot data as text (.dat, .tec): zones of tetrahedra, bricks, or ordered points, with variables at nodes and at cells. Zones are
+//! blocks; zones of different solution times are steps.
+//!
+//! Source: Tecplot 360 data format guide, "ASCII data". Variables named x, y and z, or else the first three, are the coordinates.
+
+use super::blocks::selected;
+use super::contents::{CellBlocks, Compute, Dataset, Encoding, Piece, PieceArray, Stored};
+use super::cursor::{Cursor, Place};
+use super::lazy::{GatheredCells, geometry};
+use super::numbers::{self, NumberType};
+use super::request::{Format, Request};
+use super::source::Source;
+use glam::DVec3;
+use std::path::Path;
+use std::sync::Arc;
+use voltet_core::grid::{Association, Cells, code};
+use voltet_core::{Error, Result};
+
+/// The declaration.
+pub(super) const FORMAT: Format =
+    Format { files: "Tecplot data as text (.dat, .tec)", matches, open, has_solution: false };
+
+fn matches(head: &[u8], _: &Path, _: &Request) -> bool {
+    let text = String::from_utf8_lossy(head).to_lowercase();
+    let is_first = |line: &str| {
+        let key = line.split('=').next().unwrap_or_default().trim();
+        line.contains('=') && ["title", "variables", "filetype"].contains(&key) || line.starts_with("zone ")
+    };
+    text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#')).is_some_and(is_first)
+}
+
+/// Cells of a zone.
+#[derive(Clone, Copy, PartialEq)]
+enum ZoneKind {
+    Tetrahedra,
+    Bricks,
+    /// Numbers of points along three axes.
+    Ordered([u64; 3]),
+    /// Lines and surfaces.
+    Flat(u64),
+}
+
+/// One zone, whose numbers are not yet read.
+struct TecplotZone {
+    name: String,
+    kind: ZoneKind,
+    node_count: u64,
+    cell_count: u64,
+    /// True if each variable is a run of numbers; else each node has all variables side by side.
+    is_block: bool,
+    /// For each variable: true if its values are at cells.
+    at_cells: Vec<bool>,
+    /// For each variable the zone that holds its numbers, if it is another.
+    shared: Vec<Option<usize>>,
+    /// The zone that holds the connectivity, if it is another.
+    shared_cells: Option<usize>,
+    time: Option<f64>,
+    data: Place,
+    connectivity: Place,
+}
+
+/// Zones of a file.
+struct TecplotFile {
+    source: Arc<Source>,
+    variables: Vec<String>,
+    axes: [usize; 3],
+    zones: Vec<TecplotZone>,
+}
+
+/// Keys of a head with their values.
+type Entries = Vec<(String, Vec<String>)>;
+
+fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
+    let file = Arc::new(TecplotFile::read(&source)?);
+    let is_volume = |zone: &TecplotZone| !matches!(zone.kind, ZoneKind::Flat(_)) && zone.cell_count > 0;
+    let volumes: Vec<usize> = (0..file.zones.len()).filter(|&zone| is_volume(&file.zones[zone])).collect();
+    let mut times: Vec<f64> = volumes.iter().filter_map(|&zone| file.zones[zone].time).collect();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    let times = if times.len() > 1 { times } else { Vec::new() };
+    let time = if times.is_empty() { None } else { Some(times[request.step_index(&times)?]) };
+    let is_of_time = |zone: &TecplotZone| time.is_none() || zone.time.is_none() || zone.time == time;
+    let volumes: Vec<usize> = volumes.into_iter().filter(|&zone| is_of_time(&file.zones[zone])).collect();
+    let name = |&zone: &usize| {
+        let own = &file.zones[zone].name;
+        let is_unique = volumes.iter().filter(|&&other| file.zones[other].name == *own).count() == 1;
+        if is_unique && !own.is_empty() { own.clone() } else { format!("{own} ({})", zone + 1) }
+    };
+    let blocks: Vec<String> = if volumes.len() > 1 { volumes.iter().map(name).collect() } else { Vec::new() };
+    let mut is_selected = selected(&blocks, request)?;
+    is_selected.resize(volumes.len(), true);
+    let mut dataset = Dataset {
+        format: "Tecplot, ASCII".to_owned(),
+        has_blocks: volumes.len() > 1,
+        blocks,
+        time_steps: times,
+        file_bytes: source.len(),
+        ..Dataset::default()
+    };
+    for (block, &zone) in volumes.iter().enumerate().filter(|(block, _)| is_selected[*block]) {
+        dataset.pieces.push(piece(&file, zone, block));
+    }
+    Ok(dataset)
+}
+
+fn piece(file: &Arc<TecplotFile>, zone: usize, block: usize) -> Piece {
+    let own = &file.zones[zone];
+    let (point_count, cell_count) = (own.node_count, own.cell_count);
+    let mut arrays = Vec::new();
+    for (variable, name) in file.variables.iter().enumerate().filter(|own| !file.axes.contains(&own.0)) {
+        let of = file.clone();
+        let compute: Compute = Arc::new(move |_| of.values(zone, variable));
+        let (association, tuple_count) = match own.at_cells[variable] {
+            true => (Association::Cell, cell_count),
+            false => (Association::Point, point_count),
+        };
+        let stored = Stored::of_f64(&file.source, name, 1, tuple_count, Encoding::Computed(compute));
+        arrays.push(PieceArray::new(association, stored));
+    }
+    let of = file.clone();
+    let corner_count = cell_count.saturating_mul(if own.kind == ZoneKind::Tetrahedra { 4 } else { 8 });
+    Piece {
+        point_count,
+        cell_count,
+        arrays,
+        geometry: geometry([point_count, cell_count, corner_count], move |_| of.read_zone(zone)),
+        blocks: CellBlocks::One(block),
+        is_old_order: false,
+    }
+}
+
+impl TecplotFile {
+    /// Reads the heads, and passes over the numbers.
+    fn read(source: &Arc<Source>) -> Result<TecplotFile> {
+        let mut cursor = Cursor::new(source);
+        let mut file =
+            TecplotFile { source: source.clone(), variables: Vec::new(), axes: [0, 1, 2], zones: Vec::new() };
+        loop {
+            let entries = head(&mut cursor)?;
+            if let Some((_, names)) = entries.iter().find(|entry| entry.0 == "VARIABLES") {
+                file.variables = names.clone();
+            }
+            if !entries.iter().any(|entry| entry.0 == "ZONE") {
+                break;
+            }
+            if file.variables.len() < 3 {
+                let error = cursor.error("the file names too few variables").got(file.variables.len());
+                return Err(error.expected("VARIABLES with x, y and z first"));
+            }
+            let zone = file.zone(&entries, &mut cursor)?;
+            file.zones.push(zone);
+        }
+        let place = |axis: &str| {
+            let is_axis = |name: &String| {
+                let stem = name.split([' ', '[', '(']).next().unwrap_or_default();
+                stem.eq_ignore_ascii_case(axis) || stem.eq_ignore_ascii_case(&format!("coordinate{axis}"))
+            };
+            file.variables.iter().position(is_axis)
+        };
+        if let (Some(x), Some(y), Some(z)) = (place("x"), place("y"), place("z")) {
+            file.axes = [x, y, z];
+        }
+        if let Some(zone) = file.zones.iter().find(|zone| file.axes.iter().any(|&axis| zone.at_cells[axis])) {
+            let error =
+                Error::run("coordinates cannot be at cells").got(format_args!("zone '{}'", zone.name));
+            return Err(error.expected("coordinates at nodes"));
+        }
+        Ok(file)
+    }
+
+    /// A zone by its head; moves behind its numbers.
+    fn zone(&self, entries: &Entries, cursor: &mut Cursor) -> Result<TecplotZone> {
+        let value = |keys: &[&str]| {
+            let found = entries.iter().rev().find(|entry| keys.contains(&entry.0.as_str()));
+            found.and_then(|entry| entry.1.first()).map_or("", String::as_str)
+        };
+        let count = |keys: &[&str], without: u64| match value(keys) {
+            "" => Ok(without),
+            word => word.parse::<u64>().map_err(|_| {
+                cursor
+                    .error(format!("{} of a zone is damaged", keys[0]))
+                    .got(format_args!("'{word}'"))
+                    .expected("a number")
+            }),
+        };
+        let form = value(&["F", "FORMAT"]).to_ascii_uppercase();
+        let shape = format!("{}{}", value(&["ZONETYPE"]), value(&["ET"])).to_ascii_uppercase();
+        let is_ordered = shape.is_empty() && !form.starts_with("FE") || shape == "ORDERED";
+        let points = [count(&["I"], 1)?, count(&["J"], 1)?, count(&["K"], 1)?];
+        let product = |n: [u64; 3]| n.iter().fold(1_u64, |product, &n| product.saturating_mul(n));
+        let kind = match shape.trim_start_matches("FE") {
+            _ if is_ordered && points.contains(&1) => ZoneKind::Flat(0),
+            _ if is_ordered => ZoneKind::Ordered(points),
+            "TETRAHEDRON" => ZoneKind::Tetrahedra,
+            "BRICK" => ZoneKind::Bricks,
+            "TRIANGLE" => ZoneKind::Flat(3),
+            "QUADRILATERAL" => ZoneKind::Flat(4),
+            "LINESEG" => ZoneKind::Flat(2),
+            _ => {
+                let error = cursor.error("zones of this type are not read").got(format_args!("'{shape}'"));
+                return Err(
+                    error.expected("FETETRAHEDRON, FEBRICK, ORDERED, or surfaces and lines beside these")
+                );
+            }
+        };
+        let (node_count, cell_count) = if is_ordered {
+            (product(points), product(points.map(|n| n.saturating_sub(1).max(1))))
+        } else {
+            (count(&["NODES", "N"], 0)?, count(&["ELEMENTS", "E"], 0)?)
+        };
+        // Coordinates and nodes of cells take two bytes each at least.
+        if node_count.max(cell_count) > self.source.len() {
+            let error = cursor.error("the zone does not fit the file").got(node_count.max(cell_count));
+            return Err(error.expected("numbers of nodes and cells that the file holds"));
+        }
+        let mut zone = TecplotZone {
+            name: value(&["T"]).to_owned(),
+            kind,
+            node_count,
+            cell_count,
+            is_block: value(&["DATAPACKING"]).eq_ignore_ascii_case("BLOCK") || form.ends_with("BLOCK"),
+            at_cells: vec![false; self.variables.len()],
+            shared: vec![None; self.variables.len()],
+            shared_cells: None,
+            time: value(&["SOLUTIONTIME"]).parse().ok(),
+            data: Place::default(),
+            connectivity: Place::default(),
+        };
+        for (variables, word) in lists(value(&["VARLOCATION"]), self.variables.len()) {
+            let is_cell = word.eq_ignore_ascii_case("CELLCENTERED");
+            variables.into_iter().for_each(|variable| zone.at_cells[variable] = is_cell);
+        }
+        let earlier = |word: &str| {
+            let number = word.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
+            let number = number.filter(|&number| number < self.zones.len());
+            number.ok_or_else(|| {
+                let error =
+                    cursor.error("a zone shares what no zone before it has").got(format_args!("'{word}'"));
+                error.expected(format_args!("the number of a zone, at most {}", self.zones.len()))
+            })
+        };
+        for (variables, word) in lists(value(&["VARSHARELIST"]), self.variables.len()) {
+            let other = if word.is_empty() { self.zones.len().wrapping_sub(1) } else { earlier(&word)? };
+            let same = self
+                .zones
+                .get(other)
+                .filter(|own| own.node_count == node_count && own.cell_count == cell_count);
+            if same.is_none() {
+                return Err(cursor.error("a zone shares variables with one of another size"));
+            }
+            variables.into_iter().for_each(|variable| zone.shared[variable] = Some(other));
+        }
+        match value(&["CONNECTIVITYSHAREZONE"]) {
+            "" => {}
+            word => zone.shared_cells = Some(earlier(word)?),
+        }
+        if !zone.is_block && zone.at_cells.contains(&true) {
+            let error = cursor.error("variables at cells stand side by side with those at nodes");
+            return Err(error.expected("DATAPACKING=BLOCK"));
+        }
+        zone.data = cursor.place();
+        let number_count = (0..self.variables.len()).filter(|&variable| zone.shared[variable].is_none());
+        let number_count = number_count.fold(0_u64, |sum, variable| sum.saturating_add(zone.len(variable)));
+        skip_numbers(cursor, number_count)?;
+        zone.connectivity = cursor.place();
+        if zone.shared_cells.is_none() {
+            skip_numbers(cursor, zone.cell_count.saturating_mul(zone.corners()))?;
+        }
+        Ok(zone)
+    }
+
+    /// Values of a variable in a zone.
+    fn values(&self, zone: usize, variable: usize) -> Result<Vec<f64>> {
+        let mut own = &self.zones[zone];
+        while let Some(other) = own.shared[variable] {
+            own = &self.zones[other];
+        }
+        let stored: Vec<usize> =
+            (0..self.variables.len()).filter(|&other| own.shared[other].is_none()).collect();
+        let mut cursor = Cursor::at(&self.source, own.data);
+        let mut values = Vec::new();
+        if own.is_block {
+            let before = stored.iter().filter(|&&other| other < variable).map(|&other| own.len(other)).sum();
+            let mut run = Run::new(&mut cursor);
+            run.skip(before)?;
+            for _ in 0..own.len(variable) {
+                values.push(run.next()?);
+            }
+        } else {
+            let mut run = Run::new(&mut cursor);
+            for _ in 0..own.node_count {
+                for &other in &stored {
+                    let value = run.next()?;
+                    if other == variable {
+                        values.push(value);
+                    }
+                }
+            }
+        }
+        Ok(values)
+    }
+
+    /// Points and cells of a zone.
+    fn read_zone(&self, zone: usize) -> Result<(Vec<DVec3>, Cells)> {
+        let [x, y, z] = self.axes.map(|axis| self.values(zone, axis));
+        let points = x?.into_iter().zip(y?).zip(z?).map(|((x, y), z)| DVec3::new(x, y, z)).collect();
+        let own = &self.zones[zone];
+        if let ZoneKind::Ordered(points_along) = own.kind {
+            return Ok((points, Cells::Structured(points_along.map(|n| n as usize))));
+        }
+        let mut holder = own;
+        while let Some(other) = holder.shared_cells {
+            holder = &self.zones[other];
+        }
+        if (holder.cell_count, holder.corners()) != (own.cell_count, own.corners()) {
+            return Err(Error::run("a zone shares the cells of one with others").at_item(&own.name));
+        }
+        let code = if own.kind == ZoneKind::Tetrahedra { code::TETRA } else { code::HEXAHEDRON };
+        let (mut cursor, mut cells) =
+            (Cursor::at(&self.source, holder.connectivity), GatheredCells::default());
+        let mut corners = Vec::new();
+        for _ in 0..own.cell_count {
+            corners.clear();
+            for _ in 0..own.corners() {
+                let node: u32 = cursor.number(NumberType::I64, "the number of a node")?;
+                if node == 0 || u64::from(node) > own.node_count {
+                    let error = cursor.error("a cell names a node that does not exist").got(node);
+                    return Err(error.expected(format_args!("1 to {}", own.node_count)));
+                }
+                corners.push(node - 1);
+            }
+            cells.add(code, corners.iter().copied());
+        }
+        Ok((points, Cells::Mixed(cells.into_set())))
+    }
+}
+
+impl TecplotZone {
+    /// Number of values of a variable.
+    fn len(&self, variable: usize) -> u64 {
+        if self.at_cells[variable] { self.cell_count } else { self.node_count }
+    }
+
+    /// Nodes of a cell that the file lists.
+    fn corners(&self) -> u64 {
+        match self.kind {
+            ZoneKind::Tetrahedra => 4,
+            ZoneKind::Bricks => 8,
+            ZoneKind::Ordered(_) => 0,
+            ZoneKind::Flat(count) => count,
+        }
+    }
+}
+
+/// Numbers of text, of which 3*0.5 stands for three.
+struct Run<'a> {
+    cursor: &'a mut Cursor,
+    value: f64,
+    repeats: u64,
+}
+
+impl Run<'_> {
+    fn new(cursor: &mut Cursor) -> Run<'_> {
+        Run { cursor, value: 0.0, repeats: 0 }
+    }
+
+    fn next(&mut self) -> Result<f64> {
+        if self.repeats == 0 {
+            let Some(word) = self.cursor.word()? else {
+                return Err(self.cursor.error("the file ends early").expected("a number"));
+            };
+            let star = word.iter().position(|&byte| byte == b'*');
+            let (count, value) = star.map_or((&b"1"[..], word), |star| (&word[..star], &word[star + 1..]));
+            let parsed = numbers::parse(NumberType::I64, count)
+                .and_then(|count: u64| Ok((count, numbers::parse(NumberType::F64, value)?)));
+            let parsed = parsed.map_err(|error| {
+                let found = error.got.unwrap_or_default();
+                self.cursor.error("a number is damaged").got(found).expected("a number")
+            });
+            (self.repeats, self.value) = parsed?;
+            if self.repeats == 0 {
+                return Err(self.cursor.error("a number is repeated no times").expected("at least once"));
+            }
+        }
+        self.repeats -= 1;
+        Ok(self.value)
+    }
+
+    /// Passes over numbers, which are not parsed.
+    fn skip(&mut self, mut count: u64) -> Result<()> {
+        while count > 0 {
+            let Some(word) = self.cursor.word()? else {
+                let error = self.cursor.error("the file ends early");
+                return Err(error.expected(format_args!("{count} numbers more")));
+            };
+            let repeats = match word.iter().position(|&byte| byte == b'*') {
+                None => 1,
+                Some(star) => numbers::parse(NumberType::I64, &word[..star]).unwrap_or(1).max(1),
+            };
+            if repeats > count {
+                return Err(self
+                    .cursor
+                    .error("a repeated number goes beyond its zone")
+                    .got(repeats)
+                    .expected(count));
+            }
+            count -= repeats;
+        }
+        Ok(())
+    }
+}
+
+fn skip_numbers(cursor: &mut Cursor, count: u64) -> Result<()> {
+    Run::new(cursor).skip(count)
+}
+
+/// Keys and values up to the first line of numbers, or to the end of the file.
+fn head(cursor: &mut Cursor) -> Result<Entries> {
+    let mut text = String::new();
+    while let Some(first) = cursor.peek()? {
+        if first.is_ascii_digit() || b"+-.".contains(&first) {
+            break;
+        }
+        let line = cursor.text_line("a head")?;
+        if !line.starts_with('#') {
+            text.push_str(&line);
+            text.push('\n');
+        }
+    }
+    let words = words(&text);
+    let mut entries = Entries::new();
+    for (place, (word, is_plain)) in words.iter().enumerate() {
+        let is_key = *is_plain && words.get(place + 1).is_some_and(|next| next.0 == "=" && next.1);
+        let is_zone = *is_plain && word.eq_ignore_ascii_case("zone");
+        if is_key || is_zone {
+            entries.push((word.to_ascii_uppercase(), Vec::new()));
+        } else if let Some(entry) = entries.last_mut().filter(|_| !(*is_plain && word == "=")) {
+            entry.1.push(word.clone());
+        }
+    }
+    Ok(entries)
+}
+
+/// Words, texts in quotes, parentheses with what they hold, and signs of equality; true: a word or sign.
+fn words(text: &str) -> Vec<(String, bool)> {
+    let mut words = Vec::new();
+    let mut rest = text;
+    while let Some(start) = rest.find(|letter: char| !letter.is_whitespace() && letter != ',') {
+        rest = &rest[start..];
+        let first = rest.chars().next().unwrap_or(' ');
+        let (length, is_plain) = match first {
+            '=' => (1, true),
+            '"' => (rest[1..].find(['"', '\n']).map_or(rest.len(), |end| end + 2), false),
+            '(' => (rest.find(')').map_or(rest.len(), |end| end + 1), false),
+            _ => {
+                let end = rest.find(|letter: char| letter.is_whitespace() || ",=\"(".contains(letter));
+                (end.unwrap_or(rest.len()), true)
+            }
+        };
+        let word = &rest[..length];
+        words.push((if is_plain { word } else { word.trim_matches(['"', '\n']) }.to_owned(), is_plain));
+        rest = &rest[length..];
+    }
+    words
+}
+
+/// Entries of a list such as ([4-6,8]=CELLCENTERED): places of variables from 0, and the word after them.
+fn lists(text: &str, variable_count: usize) -> Vec<(Vec<usize>, String)> {
+    let text = text.trim().trim_start_matches('(').trim_end_matches(')');
+    let mut lists = Vec::new();
+    for part in text.split('[').skip(1) {
+        let (numbers, after) = part.split_once(']').unwrap_or((part, ""));
+        let word = after.trim_matches([' ', '=', ',', '\n']).to_owned();
+        let place = |word: &str| word.trim().parse::<usize>().ok().and_then(|number| number.checked_sub(1));
+        let range = |range: &str| {
+            let (first, last) = range.split_once('-').unwrap_or((range, range));
+            let (first, last) = (place(first).unwrap_or(usize::MAX), place(last).unwrap_or(0));
+            first..(last + 1).min(variable_count)
+        };
+        lists.push((numbers.split(',').flat_map(range).collect(), word));
+    }
+    lists
+}

@@ -1,0 +1,196 @@
+//! AVS UCD (.inp, .ucd) as text: nodes, cells with a material, arrays of nodes and of cells. Materials are blocks.
+//!
+//! Source: AVS developer's guide, "UCD format"; the order of nodes as in vtkAVSucdReader: a pyramid begins with its apex, prisms and
+//! hexahedra with their upper face, which makes no difference to their tetrahedra.
+
+use super::contents::Dataset;
+use super::cursor::Cursor;
+use super::numbers::NumberType;
+use super::request::{Format, Request};
+use super::source::Source;
+use super::tagged::{TaggedElement, TaggedMesh, VisitElement, VisitNode, VisitValues, dataset};
+use glam::DVec3;
+use std::path::Path;
+use std::sync::Arc;
+use voltet_core::grid::{Association, code};
+use voltet_core::reading::FileArray;
+use voltet_core::{Error, Result};
+
+/// The declaration.
+pub(super) const FORMAT: Format =
+    Format { files: "AVS UCD (.inp, .ucd) as text", matches, open, has_solution: false };
+
+/// True for names of the format whose first line that is no comment holds five numbers.
+fn matches(head: &[u8], path: &Path, _: &Request) -> bool {
+    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+    let text = String::from_utf8_lossy(head);
+    let first = text.lines().find(|line| !line.starts_with('#'));
+    let is_head = |line: &str| {
+        let words: Vec<&str> = line.split_ascii_whitespace().collect();
+        words.len() == 5 && words.iter().all(|word| word.parse::<u64>().is_ok())
+    };
+    // Long comments hide what follows them.
+    ["inp", "ucd", "avs"].iter().any(|name| ending == *name) && first.is_none_or(is_head)
+}
+
+/// Names of cells, their types, the nodes in VTK's order; no type: no volume.
+const CELLS: [(&str, u8, &[usize]); 8] = [
+    ("tet", code::TETRA, &[0, 1, 2, 3]),
+    ("hex", code::HEXAHEDRON, &[4, 5, 6, 7, 0, 1, 2, 3]),
+    ("prism", code::WEDGE, &[3, 4, 5, 0, 1, 2]),
+    ("pyr", code::PYRAMID, &[1, 2, 3, 4, 0]),
+    ("tri", 0, &[0, 1, 2]),
+    ("quad", 0, &[0, 1, 2, 3]),
+    ("line", 0, &[0, 1]),
+    ("pt", 0, &[0]),
+];
+
+/// Places of a file's parts.
+struct UcdMesh {
+    nodes: Cursor,
+    node_count: u64,
+    cells: Cursor,
+    cell_count: u64,
+    /// For each array: the rows with its values, their number, numbers of a row, and its own among them.
+    arrays: Vec<UcdArray>,
+}
+
+struct UcdArray {
+    rows: Cursor,
+    row_count: u64,
+    width: usize,
+    first: usize,
+    component_count: usize,
+}
+
+fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
+    let mut cursor = Cursor::new(&source);
+    let mut first;
+    loop {
+        let before = cursor.clone();
+        first = cursor.text_line("five counts")?;
+        if !first.starts_with('#') && !first.is_empty() {
+            cursor = before;
+            break;
+        }
+    }
+    let mut counts = [0_u64; 5];
+    for count in &mut counts {
+        *count = cursor.number(NumberType::U64, "numbers of nodes, cells, and values at them")?;
+    }
+    let [node_count, cell_count, of_nodes, of_cells, _] = counts;
+    cursor.line()?;
+    let nodes = cursor.clone();
+    skip_lines(&mut cursor, node_count, "a node")?;
+    let cells = cursor.clone();
+    skip_lines(&mut cursor, cell_count, "a cell")?;
+    let (mut arrays, mut heads) = (Vec::new(), Vec::new());
+    for (association, width, row_count) in
+        [(Association::Point, of_nodes, node_count), (Association::Cell, of_cells, cell_count)]
+    {
+        if width > 0 {
+            let found = array_heads(&mut cursor, association, width)?;
+            let mut first = 0;
+            for head in found {
+                let component_count = head.component_count;
+                arrays.push(UcdArray {
+                    rows: cursor.clone(),
+                    row_count,
+                    width: width as usize,
+                    first,
+                    component_count,
+                });
+                first += component_count;
+                heads.push(head);
+            }
+            skip_lines(&mut cursor, row_count, "a row of values")?;
+        }
+    }
+    let mesh = UcdMesh { nodes, node_count, cells, cell_count, arrays };
+    dataset(&source, "AVS UCD, ASCII".to_owned(), mesh, heads, request)
+}
+
+fn skip_lines(cursor: &mut Cursor, count: u64, what: &str) -> Result<()> {
+    for _ in 0..count {
+        if cursor.line()?.is_none() {
+            return Err(cursor.error("the file ends early").expected(what));
+        }
+    }
+    Ok(())
+}
+
+/// Arrays whose components make up rows of this width.
+fn array_heads(cursor: &mut Cursor, association: Association, width: u64) -> Result<Vec<FileArray>> {
+    let line = cursor.text_line("numbers of components")?;
+    let words: Vec<u64> = line.split_ascii_whitespace().map_while(|word| word.parse().ok()).collect();
+    let sizes = words.get(1..).unwrap_or(&[]);
+    let sum = sizes.iter().fold(0_u64, |sum, &size| sum.saturating_add(size));
+    if words.first() != Some(&(sizes.len() as u64)) || sum != width || sizes.contains(&0) {
+        let error = cursor.error("the numbers of components are damaged").got(format_args!("'{line}'"));
+        return Err(error.expected(format_args!("their count, and numbers with the sum {width}")));
+    }
+    let mut heads = Vec::new();
+    for &size in sizes {
+        let label = cursor.text_line("the name of an array")?;
+        let name = label.split(',').next().unwrap_or_default().trim().to_owned();
+        heads.push(FileArray { name, association, component_count: size as usize });
+    }
+    Ok(heads)
+}
+
+impl TaggedMesh for UcdMesh {
+    fn each_node(&self, visit: VisitNode) -> Result<()> {
+        let mut cursor = self.nodes.clone();
+        for _ in 0..self.node_count {
+            let tag = cursor.number(NumberType::U64, "the number of a node")?;
+            let mut position = DVec3::ZERO;
+            for axis in 0..3 {
+                position[axis] = cursor.number(NumberType::F64, "a coordinate")?;
+            }
+            visit(tag, position)?;
+        }
+        Ok(())
+    }
+
+    fn each_element(&self, visit: VisitElement) -> Result<()> {
+        let mut cursor = self.cells.clone();
+        let (mut given, mut nodes) = (Vec::<u64>::new(), Vec::new());
+        for _ in 0..self.cell_count {
+            let tag = cursor.number(NumberType::U64, "the number of a cell")?;
+            let material: i64 = cursor.number(NumberType::I64, "the material of a cell")?;
+            let word =
+                cursor.word()?.map(|word| String::from_utf8_lossy(word).into_owned()).unwrap_or_default();
+            let Some((_, code, order)) = CELLS.iter().find(|cell| cell.0 == word) else {
+                let error = cursor.error("the type of a cell is not read").got(format_args!("'{word}'"));
+                return Err(error.expected("tet, hex, prism, pyr, tri, quad, line or pt"));
+            };
+            given.clear();
+            for _ in 0..order.len() {
+                given.push(cursor.number(NumberType::U64, "the number of a node")?);
+            }
+            if *code > 0 {
+                nodes.clear();
+                nodes.extend(order.iter().map(|&place| given[place]));
+                visit(&TaggedElement { tag, code: *code, block: &material.to_string(), nodes: &nodes })?;
+            }
+        }
+        Ok(())
+    }
+
+    fn each_tuple(&self, array: usize, visit: VisitValues) -> Result<()> {
+        let Some(array) = self.arrays.get(array) else {
+            return Err(Error::run("the file has no such array"));
+        };
+        let mut cursor = array.rows.clone();
+        let mut row = Vec::new();
+        for _ in 0..array.row_count {
+            let tag = cursor.number(NumberType::U64, "the number of a node or cell")?;
+            row.clear();
+            for _ in 0..array.width {
+                row.push(cursor.number(NumberType::F64, "a value")?);
+            }
+            visit(tag, &row[array.first..array.first + array.component_count])?;
+        }
+        Ok(())
+    }
+}

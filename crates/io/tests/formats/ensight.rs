@@ -1,0 +1,298 @@
+//! Cases of EnSight Gold: those of VTK's writer, and text and bytes written here after the manual.
+
+use glam::DVec3;
+use std::path::{Path, PathBuf};
+use voltet_core::grid::{CellValues, Grid, Options};
+use voltet_core::progress::NoProgress;
+use voltet_io::formats::{Request, TimeStep, files_beside, files_read_beside, inspect, read};
+
+fn sample(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/files/ensight").join(name)
+}
+
+/// The request for cells that keep their values.
+fn request(scalar: &str) -> Request {
+    let options = Options { cell_values: CellValues::Constant, ..Options::default() };
+    Request { scalar: Some(scalar.to_owned()), options, ..Request::default() }
+}
+
+fn grid(path: &Path, request: &Request) -> Grid {
+    read(path, request, &NoProgress).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Positions and values at the corners of the tetrahedra, in ascending order.
+fn corners(grid: &Grid) -> Vec<Vec<[f64; 4]>> {
+    let scalar = grid.scalar.as_ref().unwrap();
+    let of = |tetrahedron: &[u32; 4]| {
+        let mut corners = tetrahedron.map(|p| {
+            let position = grid.points[p as usize];
+            [position.x, position.y, position.z, scalar[p as usize]]
+        });
+        corners.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        corners.to_vec()
+    };
+    let mut all: Vec<Vec<[f64; 4]>> = grid.tetrahedra.iter().map(of).collect();
+    all.sort_by(|a, b| a.partial_cmp(b).unwrap());
+    all
+}
+
+#[test]
+fn vtks_writer_writes_the_same_as_vtu() {
+    let case = sample("parts.0.case");
+    for (found, expected) in [("f_n", "f"), ("p_n:2", "p:2"), ("g_c", "g")] {
+        let (found, expected) =
+            (grid(&case, &request(found)), grid(&sample("parts.vtu"), &request(expected)));
+        assert_eq!(corners(&found), corners(&expected));
+    }
+    let summary = inspect(&case, &Request::default(), &NoProgress).unwrap();
+    assert_eq!((summary.cell_count, summary.piece_count), (8, 2));
+    assert_eq!(summary.blocks[1].name, "VTK Part (2)");
+    let second = Request { blocks: vec![summary.blocks[1].name.clone()], ..request("g_c") };
+    assert!(grid(&case, &second).scalar.unwrap().iter().all(|&g| g >= 4.0));
+    assert_eq!([files_beside(&case), files_read_beside(&case, &second)].map(|files| files.len()), [4, 4]);
+}
+
+/// Lines and numbers of a file: text, or bytes of an order.
+#[derive(Clone)]
+struct Gold {
+    bytes: Vec<u8>,
+    big_endian: Option<bool>,
+}
+
+impl Gold {
+    fn new(big_endian: Option<bool>) -> Gold {
+        Gold { bytes: Vec::new(), big_endian }
+    }
+
+    fn line(mut self, text: &str) -> Gold {
+        match self.big_endian {
+            None => self.bytes.extend(format!("{text}\n").bytes()),
+            Some(_) => self.bytes.extend(format!("{text:\0<80}").bytes()),
+        }
+        self
+    }
+
+    fn word(&mut self, text: String, mut little: [u8; 4]) {
+        match self.big_endian {
+            None => self.bytes.extend(text.bytes()),
+            Some(big) => {
+                if big {
+                    little.reverse();
+                }
+                self.bytes.extend(little);
+            }
+        }
+    }
+
+    /// Numbers in a line.
+    fn ints(mut self, values: &[i32]) -> Gold {
+        values.iter().for_each(|&value| self.word(format!("{value:10}"), value.to_le_bytes()));
+        if self.big_endian.is_none() {
+            self.bytes.push(b'\n');
+        }
+        self
+    }
+
+    /// A number in each line.
+    fn floats(mut self, values: &[f32]) -> Gold {
+        values.iter().for_each(|&value| self.word(format!("{value:12.5e}\n"), value.to_le_bytes()));
+        self
+    }
+}
+
+/// A part of tetrahedra and triangles with ids, a surface, a polyhedron, and a structured block.
+fn geometry(big_endian: Option<bool>, x: f32) -> Gold {
+    let mut file = Gold::new(big_endian);
+    if big_endian.is_some() {
+        file = file.line("C Binary");
+    }
+    file.line("a geometry")
+        .line("of four parts")
+        .line("node id given")
+        .line("element id ignore")
+        .line("extents")
+        .floats(&[0.0, 9.0, 0.0, 9.0, 0.0, 9.0])
+        .line("part")
+        .ints(&[3])
+        .line("fluid")
+        .line("coordinates")
+        .ints(&[5])
+        .ints(&[100, 200, 300, 400, 500])
+        .floats(&[x, 1.0, 0.0, 0.0, 1.0])
+        .floats(&[0.0, 0.0, 1.0, 0.0, 1.0])
+        .floats(&[0.0, 0.0, 0.0, 1.0, 1.0])
+        .line("tria3")
+        .ints(&[1])
+        .ints(&[7])
+        .ints(&[1, 2, 3])
+        .line("tetra4")
+        .ints(&[2])
+        .ints(&[8])
+        .ints(&[9])
+        .ints(&[1, 2, 3, 4])
+        .ints(&[2, 3, 4, 5])
+        .line("part")
+        .ints(&[4])
+        .line("wall")
+        .line("coordinates")
+        .ints(&[3])
+        .ints(&[1, 2, 3])
+        .floats(&[0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+        .line("nsided")
+        .ints(&[1])
+        .ints(&[1])
+        .ints(&[3])
+        .ints(&[1, 2, 3])
+        .line("part")
+        .ints(&[7])
+        .line("solid")
+        .line("coordinates")
+        .ints(&[4])
+        .ints(&[1, 2, 3, 4])
+        .floats(&[5.0, 6.0, 5.0, 5.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+        .line("nfaced")
+        .ints(&[1])
+        .ints(&[1])
+        .ints(&[4])
+        .ints(&[3, 3, 3, 3])
+        .ints(&[1, 2, 3])
+        .ints(&[1, 2, 4])
+        .ints(&[2, 3, 4])
+        .ints(&[1, 3, 4])
+        .line("part")
+        .ints(&[8])
+        .line("box")
+        .line("block")
+        .ints(&[2, 2, 2])
+        .floats(&[8.0, 9.0, 8.0, 9.0, 8.0, 9.0, 8.0, 9.0])
+        .floats(&[0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0])
+        .floats(&[0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0])
+}
+
+/// A vector by node, the number of the part in its first component and that of the node in the last.
+fn vector(big_endian: Option<bool>) -> Gold {
+    let mut file = Gold::new(big_endian).line("a vector");
+    for (part, count) in [(3, 5), (4, 3), (7, 4), (8, 8)] {
+        file = file.line("part").ints(&[part]).line(if part == 8 { "block" } else { "coordinates" });
+        let nodes: Vec<f32> = (0..count).map(|node| node as f32).collect();
+        file = file.floats(&vec![part as f32; count]).floats(&vec![0.5; count]).floats(&nodes);
+    }
+    file
+}
+
+/// A scalar by element of two parts; that of the second tetrahedron is not defined.
+fn scalar(big_endian: Option<bool>, factor: f32) -> Gold {
+    Gold::new(big_endian)
+        .line("a scalar")
+        .line("part")
+        .ints(&[3])
+        .line("tria3")
+        .floats(&[-1.0])
+        .line("tetra4 undef")
+        .floats(&[-99.0])
+        .floats(&[factor, -99.0])
+        .line("part")
+        .ints(&[7])
+        .line("nfaced")
+        .floats(&[3.0 * factor])
+}
+
+const CASE: &str = "# a comment\nFORMAT\ntype:\tensight gold\n\nGEOMETRY\nmodel: 1 a.****.geo\nVARIABLE\nvector per node: U a.vec\n\
+    scalar per element: 1 T \"a b.****\"\nconstant per case: c 4.0\nTIME\ntime set: 1\nnumber of steps: 2\n\
+    filename start number: 5\nfilename increment: 10\ntime values: 0.5\n 2.5\n";
+
+fn write_case(folder: &Path, big_endian: Option<bool>) -> PathBuf {
+    let write = |name: &str, bytes: &[u8]| std::fs::write(folder.join(name), bytes).unwrap();
+    for (step, x, factor) in [("0005", 0.0, 1.0), ("0015", -1.0, 2.0)] {
+        write(&format!("a.{step}.geo"), &geometry(big_endian, x).bytes);
+        write(&format!("a b.{step}"), &scalar(big_endian, factor).bytes);
+    }
+    write("a.vec", &vector(big_endian).bytes);
+    write("a.case", CASE.as_bytes());
+    folder.join("a.case")
+}
+
+#[test]
+fn text_and_bytes_of_either_order_read_the_same() {
+    for big_endian in [None, Some(false), Some(true)] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = write_case(folder.path(), big_endian);
+        let what = format!("{big_endian:?}");
+        let summary = inspect(&path, &Request::default(), &NoProgress).unwrap();
+        let names: Vec<&str> = summary.blocks.iter().map(|block| &*block.name).collect();
+        assert_eq!((names, summary.time_steps), (vec!["fluid", "solid", "box"], vec![0.5, 2.5]), "{what}");
+        let part = grid(&path, &request("U:0"));
+        assert_eq!(part.tetrahedra.len(), 2 + 1 + 6, "{what}");
+        for (p, &part) in part.points.iter().zip(part.scalar.as_ref().unwrap().iter()) {
+            assert_eq!(
+                part,
+                if p.x < 4.0 {
+                    3.0
+                } else if p.x < 7.0 {
+                    7.0
+                } else {
+                    8.0
+                },
+                "{what} {p}"
+            );
+        }
+        let node = grid(&path, &Request { blocks: vec!["box".into()], ..request("U:2") });
+        let number = |p: &DVec3| p.x - 8.0 + 2.0 * p.y + 4.0 * p.z;
+        assert!(
+            node.points.iter().zip(node.scalar.as_ref().unwrap().iter()).all(|(p, &node)| node == number(p))
+        );
+        // The box has no T, nor has the second tetrahedron.
+        for (time_step, x, factor) in [(None, 0.0, 1.0), (Some(TimeStep::Time(2.5)), -1.0, 2.0)] {
+            let load = grid(&path, &Request { time_step, ..request("T") });
+            assert_eq!(load.tetrahedra.len(), 2, "{what}");
+            assert_eq!(load.points.iter().map(|p| p.x).fold(9.0, f64::min), x, "{what}");
+            let values = load.scalar.as_ref().unwrap();
+            assert_eq!([values[0], values[4]], [factor, 3.0 * factor], "{what}");
+            assert_eq!(load.origin.cells_not_finite, 2, "{what}");
+        }
+        assert_eq!(
+            [files_beside(&path), files_read_beside(&path, &request("T"))].map(|files| files.len()),
+            [5, 3]
+        );
+    }
+}
+
+#[test]
+fn mistakes_say_what_and_where() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = write_case(folder.path(), None);
+    let message = |name: &str, from: &str, to: &str, scalar: &str| {
+        let file = folder.path().join(name);
+        let sound = std::fs::read_to_string(&file).unwrap();
+        assert!(sound.contains(from), "{from}");
+        std::fs::write(&file, sound.replacen(from, to, 1)).unwrap();
+        let found = read(&path, &request(scalar), &NoProgress).unwrap_err().to_string();
+        std::fs::write(&file, sound).unwrap();
+        found
+    };
+    for (name, from, to, words) in [
+        ("a.case", "ensight gold", "ensight", ["type", "'ensight'", "a.case:3"]),
+        ("a.case", "model: 1 a.****.geo", "model: 1 1 a.geo", ["several steps", "asterisks", "a.case:6"]),
+        ("a.case", "model: 1 ", "model: 2 ", ["time set that does not exist", "a.****.geo", "a.case"]),
+        ("a.case", "2.5", "2,5", ["time values", "'2,5'", "a.case:17"]),
+        ("a.case", "a.****.geo", "b.****.geo", ["no such file", "b.0005.geo", "a.0005.geo"]),
+        ("a.0005.geo", "tetra4", "tetra5", ["not read", "'tetra5'", "a.0005.geo:"]),
+        (
+            "a.0005.geo",
+            "         2         3         4         5",
+            "         2         3         4         6",
+            ["does not exist", "found 6", "1 to 5"],
+        ),
+        ("a.0005.geo", "coordinates", "coords", ["kind of part", "'coords'", "a.0005.geo:"]),
+        ("a.vec", "         7", "         9", ["part that does not exist", "found 9", "a.vec:"]),
+        ("a.vec", "coordinates", "coordinates partial", ["some elements alone", "partial", "a.vec:"]),
+    ] {
+        let found = message(name, from, to, "U:0").replace("'ensight gold'", "");
+        let found = found.replace("found ensight;", "found 'ensight';");
+        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+    }
+    let cut = std::fs::read(folder.path().join("a.vec")).unwrap();
+    std::fs::write(folder.path().join("a.vec"), &cut[..cut.len() - 20]).unwrap();
+    let found = read(&path, &request("U:0"), &NoProgress).unwrap_err().to_string();
+    assert!(found.contains("ends early") && found.contains("a.vec"), "{found}");
+}

@@ -1,0 +1,321 @@
+//! Meshes of Gmsh of both versions, in text and bytes, by its own library, by meshio, and written here.
+
+use glam::DVec3;
+use std::path::{Path, PathBuf};
+use voltet_core::grid::{CellValues, Grid, Options};
+use voltet_core::progress::NoProgress;
+use voltet_io::formats::{Request, TimeStep, inspect, read};
+use voltet_testing::files::samples::file;
+
+fn sample(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/files").join(name)
+}
+
+fn request(scalar: &str) -> Request {
+    Request { scalar: Some(scalar.to_owned()), ..Request::default() }
+}
+
+fn grid(path: &Path, request: &Request) -> Grid {
+    read(path, request, &NoProgress).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The field of make_gmsh.py.
+fn field(p: DVec3) -> f64 {
+    p.x * p.x - p.x * p.y + 2.0 * p.y * p.z + p.z - 0.5
+}
+
+fn volume(grid: &Grid) -> f64 {
+    let of = |i: usize| voltet_core::grid::tetrahedron_volume(grid.corners(i));
+    (0..grid.tetrahedra.len()).map(of).sum()
+}
+
+/// Sum over Gmsh's reference tetrahedron, hexahedron, prism and pyramid, times the determinant of the affine map.
+const VOLUME: f64 = (1.0 / 6.0 + 8.0 + 1.0 + 4.0 / 3.0) * 0.987;
+
+#[test]
+fn a_quadratic_field_is_exact_in_every_element_of_gmshs_own_library() {
+    for (name, sets) in [
+        ("every_element_4.msh", 3.0),
+        ("every_element_2.msh", 3.0),
+        ("linear_4.msh", 1.0),
+        ("linear_2.msh", 1.0),
+    ] {
+        for subdivision in [1, 2] {
+            let options = Options { subdivision, ..Options::default() };
+            let grid = grid(&sample(name), &Request { options, ..request("f") });
+            // Sixteen digits of coordinates of at most 20, and sums of hundreds of volumes.
+            assert!((volume(&grid) - sets * VOLUME).abs() < 1e-10, "{name}: {}", volume(&grid));
+            for (&p, &value) in grid.points.iter().zip(&**grid.scalar.as_ref().unwrap()) {
+                // Products of such coordinates.
+                assert!(
+                    (value - field(p)).abs() < 1e-10,
+                    "{name}, subdivision {subdivision}: {value} at {p}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn arrays_are_those_of_the_views() {
+    for name in ["linear_4.msh", "linear_2.msh"] {
+        let path = sample(name);
+        let summary = inspect(&path, &Request::default(), &NoProgress).unwrap();
+        assert_eq!((summary.point_count, summary.cell_count), (23, 4));
+        assert_eq!(summary.time_steps, [0.0, 1.5, 4.0]);
+        let names: Vec<&str> = summary.quantities().map(|array| array.head.name.as_str()).collect();
+        assert_eq!(names, ["f", "position", "jumps", "transient", "mean f"], "{name}");
+        let y = grid(&path, &request("position:1"));
+        assert!(y.points.iter().zip(&**y.scalar.as_ref().unwrap()).all(|(p, &y)| p.y == y));
+        for (time_step, factor) in
+            [(None, 1.0), (Some(TimeStep::Time(1.5)), 2.5), (Some(TimeStep::Index(2)), 5.0)]
+        {
+            let grid = grid(&path, &Request { time_step, ..request("transient") });
+            for (&p, &value) in grid.points.iter().zip(&**grid.scalar.as_ref().unwrap()) {
+                assert!((value - factor * field(p)).abs() < 1e-10, "{name} {factor}: {value} at {p}");
+            }
+        }
+        let constant = Options { cell_values: CellValues::Constant, ..Options::default() };
+        let jumps = grid(&path, &Request { options: constant, ..request("jumps") });
+        assert!(jumps.origin.warnings.is_empty(), "{:?}", jumps.origin.warnings);
+        let mean = grid(&path, &Request { options: constant, ..request("mean f") });
+        for (i, tetrahedron) in jumps.tetrahedra.iter().enumerate() {
+            for &p in tetrahedron {
+                let value = jumps.scalar.as_ref().unwrap()[p as usize];
+                let cell = jumps.source_cell(i) as f64;
+                assert!((value - field(jumps.points[p as usize]) - cell).abs() < 1e-10, "{name}: {value}");
+            }
+        }
+        let means: std::collections::BTreeSet<u64> =
+            mean.scalar.as_ref().unwrap().iter().map(|value| value.to_bits()).collect();
+        assert_eq!(means.len(), 4, "{name}");
+        let averaged = grid(&path, &request("jumps"));
+        assert!(averaged.origin.warnings.iter().any(|warning| warning.contains("averaged at the points")));
+    }
+}
+
+#[test]
+fn meshio_writes_the_same_as_vtu() {
+    for scalar in ["f", "g"] {
+        let expected = grid(&sample("meshio.vtu"), &request(scalar));
+        let found = grid(&sample("meshio_2.msh"), &request(scalar));
+        assert_eq!(found.points, expected.points);
+        // A wedge may begin with either of its triangles.
+        let sorted = |grid: &Grid| {
+            let mut tetrahedra = grid.tetrahedra.to_vec();
+            tetrahedra.sort_unstable();
+            tetrahedra
+        };
+        assert_eq!(sorted(&found), sorted(&expected));
+        assert_eq!(found.scalar, expected.scalar);
+    }
+}
+
+#[test]
+fn physical_groups_of_volumes_are_blocks() {
+    for (name, fluid, solid) in [
+        ("linear_4.msh", "fluid", "solid part"),
+        ("linear_2.msh", "fluid", "solid part"),
+        ("every_element_4.msh", "fluid", "solid"),
+        ("every_element_2.msh", "fluid", "solid"),
+    ] {
+        let summary = inspect(&sample(name), &Request::default(), &NoProgress).unwrap();
+        let names: Vec<&str> = summary.blocks.iter().map(|block| &*block.name).collect();
+        assert_eq!(names, [solid, fluid], "{name}");
+        let constant = Options { cell_values: CellValues::Constant, ..Options::default() };
+        let of = |scalar: &str, blocks: &[&str]| {
+            let blocks = blocks.iter().map(|block| block.to_string()).collect();
+            grid(&sample(name), &Request { options: constant, blocks, ..request(scalar) })
+        };
+        let (all, part) = (of("block", &[]), of("block", &[fluid]));
+        let cell_count = summary.blocks[1].cell_count();
+        assert!(part.scalar.as_ref().unwrap().iter().all(|&block| block == 1.0), "{name}");
+        let is_fluid = |i: &usize| all.scalar.as_ref().unwrap()[all.tetrahedra[*i][0] as usize] == 1.0;
+        assert_eq!((0..all.tetrahedra.len()).filter(is_fluid).count(), part.tetrahedra.len(), "{name}");
+        // Elements keep their numbers among all in the values of a part.
+        for (scalar, first) in [("jumps", if cell_count == 2 { 1.0 } else { 0.0 }), ("f", 0.0)] {
+            let part = of(scalar, &[fluid]);
+            let p = part.tetrahedra[0][0] as usize;
+            let value = part.scalar.as_ref().unwrap()[p] - field(part.points[p]);
+            assert!((value - first).abs() < 1e-10, "{name} {scalar}: {value}");
+        }
+    }
+}
+
+/// Numbers of a file: text, or bytes of an order.
+struct Writer {
+    bytes: Vec<u8>,
+    big_endian: Option<bool>,
+}
+
+impl Writer {
+    fn text(&mut self, text: &str) {
+        self.bytes.extend(text.as_bytes());
+    }
+
+    fn number<const N: usize>(&mut self, text: String, mut little: [u8; N]) {
+        match self.big_endian {
+            None => self.text(&(text + " ")),
+            Some(big) => {
+                if big {
+                    little.reverse();
+                }
+                self.bytes.extend(little);
+            }
+        }
+    }
+
+    fn ints(&mut self, values: &[i32]) {
+        values.iter().for_each(|&value| self.number(value.to_string(), value.to_le_bytes()));
+    }
+
+    fn sizes(&mut self, values: &[u64]) {
+        values.iter().for_each(|&value| self.number(value.to_string(), value.to_le_bytes()));
+    }
+
+    fn doubles(&mut self, values: &[f64]) {
+        values.iter().for_each(|&value| self.number(value.to_string(), value.to_le_bytes()));
+    }
+}
+
+const POINTS: [[f64; 3]; 5] =
+    [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 1.0]];
+const TAGS: [u64; 5] = [90, 12, 2_000_000_000, 7, 13];
+
+/// Two tetrahedra in two partitions with a triangle between them, nodes with parameters, a view in two partitions.
+fn partitioned(version: f64, big_endian: Option<bool>) -> Vec<u8> {
+    let mut w = Writer { bytes: Vec::new(), big_endian };
+    w.text(&format!("$MeshFormat\n{version} {} 8\n", u8::from(big_endian.is_some())));
+    if big_endian.is_some() {
+        w.ints(&[1]);
+        w.text("\n");
+    }
+    w.text("$EndMeshFormat\n$Comments\n$ made by hand\n$EndComments\n");
+    w.text("$PhysicalNames\n2\n2 1 \"cut\"\n3 9 \"the body\"\n$EndPhysicalNames\n");
+    let int = |tag: u64| tag as i32;
+    if version > 4.0 {
+        w.text("$PartitionedEntities\n");
+        w.sizes(&[2, 1]);
+        w.ints(&[5, 2]);
+        w.sizes(&[1, 0, 0, 2]);
+        // A point, then two volumes of the parent 1; one has two groups.
+        w.ints(&[1, 0, 1]);
+        w.sizes(&[1]);
+        w.ints(&[1]);
+        w.doubles(&[0.0; 3]);
+        w.sizes(&[0]);
+        for (volume, groups) in [(2, &[9][..]), (3, &[-9, 4][..])] {
+            w.ints(&[volume, 3, 1]);
+            w.sizes(&[1]);
+            w.ints(&[volume - 1]);
+            w.doubles(&[0.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
+            w.sizes(&[groups.len() as u64]);
+            w.ints(groups);
+            w.sizes(&[1]);
+            w.ints(&[-6]);
+        }
+        w.text("\n$EndPartitionedEntities\n$Nodes\n");
+        w.sizes(&[2, 5, 7, TAGS[2]]);
+        for (dimension, own) in [(2, 0..3), (3, 3..5)] {
+            w.ints(&[dimension, 1, i32::from(dimension == 2)]);
+            w.sizes(&[own.len() as u64]);
+            w.sizes(&TAGS[own.clone()]);
+            for point in &POINTS[own] {
+                w.doubles(point);
+                w.doubles(if dimension == 2 { &[0.5, 0.25] } else { &[] });
+            }
+        }
+        w.text("\n$EndNodes\n$Elements\n");
+        w.sizes(&[3, 3, 3, 800]);
+        w.ints(&[3, 3, 4]);
+        w.sizes(&[1, 800, TAGS[4], TAGS[1], TAGS[2], TAGS[3]]);
+        w.ints(&[2, 6, 2]);
+        w.sizes(&[1, 20, TAGS[1], TAGS[2], TAGS[3]]);
+        w.ints(&[3, 2, 4]);
+        w.sizes(&[1, 3, TAGS[0], TAGS[1], TAGS[2], TAGS[3]]);
+    } else {
+        w.text("$Nodes\n5\n");
+        for (&tag, point) in TAGS.iter().zip(&POINTS) {
+            w.ints(&[int(tag)]);
+            w.doubles(point);
+        }
+        w.text("\n$EndNodes\n$Elements\n3\n");
+        let [a, b, c, d, e] = TAGS.map(int);
+        if big_endian.is_some() {
+            w.ints(&[4, 1, 4, 800, 9, 3, 1, 2, e, b, c, d]);
+            w.ints(&[2, 1, 2, 20, 1, 6, b, c, d]);
+            w.ints(&[4, 1, 4, 3, -9, 2, 1, 1, a, b, c, d]);
+        } else {
+            w.ints(&[800, 4, 4, 9, 3, 1, 2, e, b, c, d]);
+            w.ints(&[20, 2, 2, 1, 6, b, c, d]);
+            w.ints(&[3, 4, 4, -9, 2, 1, 1, a, b, c, d]);
+        }
+    }
+    w.text("\n$EndElements\n$Periodic\n0\n$EndPeriodic\n");
+    for (partition, own) in [(1, [0, 1, 2]), (2, [3, 4, 3])] {
+        w.text(&format!(
+            "$NodeData\n1\n\"T\"\n1\n0.5\n4\n0\n1\n{}\n{partition}\n",
+            3 - usize::from(partition == 2)
+        ));
+        for &node in if partition == 2 { &own[..2] } else { &own[..] } {
+            w.ints(&[int(TAGS[node])]);
+            w.doubles(&[10.0 + node as f64]);
+        }
+        w.text("\n$EndNodeData\n");
+    }
+    w.text("$ElementData\n1\n\"rank\"\n1\n0.5\n3\n0\n1\n3\n");
+    for (element, value) in [(3, 1.0), (20, 99.0), (800, 2.0)] {
+        w.ints(&[element]);
+        w.doubles(&[value]);
+    }
+    w.text("\n$EndElementData\n");
+    w.bytes
+}
+
+#[test]
+fn both_versions_in_text_and_in_bytes_of_either_order_read_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    for version in [2.2, 4.1] {
+        for big_endian in [None, Some(false), Some(true)] {
+            let what = format!("{version} {big_endian:?}");
+            let path = file(&folder, "a.msh", &partitioned(version, big_endian));
+            let blocks = inspect(&path, &Request::default(), &NoProgress).unwrap().blocks;
+            assert_eq!((blocks.len(), &*blocks[0].name), (1, "the body"), "{what}");
+            let temperature = grid(&path, &request("T"));
+            let points: Vec<[f64; 3]> = temperature.points.iter().map(|p| p.to_array()).collect();
+            assert_eq!(points, POINTS, "{what}");
+            assert_eq!(**temperature.scalar.as_ref().unwrap(), [10.0, 11.0, 12.0, 13.0, 14.0], "{what}");
+            assert_eq!(*temperature.tetrahedra, [[1, 2, 3, 4], [0, 1, 2, 3]], "{what}");
+            let constant = Options { cell_values: CellValues::Constant, ..Options::default() };
+            let rank = grid(&path, &Request { options: constant, ..request("rank") });
+            assert_eq!(**rank.scalar.as_ref().unwrap(), [2.0, 2.0, 2.0, 2.0, 1.0, 1.0, 1.0, 1.0], "{what}");
+        }
+    }
+}
+
+#[test]
+fn mistakes_say_what_and_where() {
+    let folder = tempfile::tempdir().unwrap();
+    let sound = String::from_utf8(partitioned(4.1, None)).unwrap();
+    let message = |from: &str, to: &str| {
+        assert!(sound.contains(from), "{from}");
+        let path = file(&folder, "a.msh", sound.replacen(from, to, 1).as_bytes());
+        read(&path, &request("T"), &NoProgress).unwrap_err().to_string()
+    };
+    let expect = |message: String, parts: &[&str]| {
+        for part in parts {
+            assert!(message.contains(part), "'{part}' is not in: {message}");
+        }
+    };
+    expect(message("4.1 0 8", "4 0 8"), &["version", "'4 0 8'", "2 or 4.1", "a.msh:2"]);
+    expect(message("4.1 0 8", "4.1 0 4"), &["size", "8 bytes"]);
+    expect(message("$EndElements", "$EndElement"), &["ends early", "$Elements without its end"]);
+    expect(message("800 13 12", "800 14 12"), &["element 800", "node that does not exist", "found 14"]);
+    expect(message("3 3 4 1 800", "3 3 30 1 800"), &["not read", "found 30", "orders 1 to 3"]);
+    expect(message("90 12 ", "12 12 "), &["holds a node twice", "node 12"]);
+    expect(message("90 10 ", "91 10 "), &["value at a node that does not exist", "found 91"]);
+    expect(message("90 10 ", "90 1o0 "), &["'1o0'", "a value", "a.msh:"]);
+    expect(message("\n0\n1\n3\n1\n", "\n0\n1\n-3\n1\n"), &["head of a view", "[0, 1, -3, 1]"]);
+    expect(message("$Nodes\n2 5 ", "$Nodes\n2 5000000000 "), &["do not fit the file"]);
+    expect(message("$Nodes", "$Noodles"), &["ends early", "$Noodles"]);
+}

@@ -1,0 +1,186 @@
+//! Meshes as text of UCD, SU2, Abaqus and Nastran: by meshio, and as manuals write them.
+
+use glam::DVec3;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use voltet_core::grid::Grid;
+use voltet_core::progress::NoProgress;
+use voltet_io::formats::{Request, inspect, read};
+use voltet_testing::files::samples::file;
+
+fn sample(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/files").join(name)
+}
+
+fn grid(path: &Path, request: &Request) -> Grid {
+    read(path, request, &NoProgress).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn mesh() -> Request {
+    Request { without_scalar: true, ..Request::default() }
+}
+
+fn scalar(name: &str) -> Request {
+    Request { scalar: Some(name.to_owned()), ..Request::default() }
+}
+
+/// Corners of the tetrahedra in units of 1e-6, in ascending order.
+fn tetrahedra(grid: &Grid) -> BTreeSet<Vec<[i64; 3]>> {
+    let corners = |tetrahedron: &[u32; 4]| {
+        let mut corners: Vec<[i64; 3]> = tetrahedron
+            .iter()
+            .map(|&p| grid.points[p as usize].to_array().map(|x| (x * 1e6).round() as i64))
+            .collect();
+        corners.sort_unstable();
+        corners
+    };
+    grid.tetrahedra.iter().map(corners).collect()
+}
+
+#[test]
+fn meshes_of_meshio_are_the_same_as_vtu() {
+    let [linear, quadratic] =
+        ["linear.vtu", "quadratic.vtu"].map(|name| tetrahedra(&grid(&sample(name), &mesh())));
+    for name in ["mesh.ucd", "mesh.su2"] {
+        assert_eq!(tetrahedra(&grid(&sample(name), &mesh())), linear, "{name}");
+    }
+    assert_eq!(tetrahedra(&grid(&sample("mesh.bdf"), &mesh())), quadratic);
+    // The file for Abaqus lacks the pyramid, which lies from x = 9 to 12.
+    let is_pyramid =
+        |corners: &Vec<[i64; 3]>| corners.iter().all(|p| (9_000_000..12_000_000).contains(&p[0]));
+    let without = quadratic.iter().filter(|corners| !is_pyramid(corners)).cloned().collect::<BTreeSet<_>>();
+    assert_eq!(without.len() + 2, quadratic.len());
+    assert_eq!(tetrahedra(&grid(&sample("mesh.inp"), &mesh())), without);
+    for name in ["f", "g"] {
+        let (found, expected) =
+            (grid(&sample("mesh.ucd"), &scalar(name)), grid(&sample("linear.vtu"), &scalar(name)));
+        assert_eq!(found.points, expected.points, "{name}");
+        let values = found.scalar.as_ref().unwrap().iter().zip(expected.scalar.as_ref().unwrap().iter());
+        // meshio writes values of at most 100 with 14 digits.
+        assert!(values.into_iter().all(|(found, expected)| (found - expected).abs() < 1e-11), "{name}");
+    }
+}
+
+#[test]
+fn ucd_has_vectors_materials_and_gaps() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "# a comment\n# another\n5 3 4 1 0\n10 0 0 0\n20 1 0 0\n5 0 1 0\n7 0 0 1\n9 1 1 1\n\
+        1 4 tet 10 20 5 7\n3 2 tri 10 20 5\n2 6 tet 20 5 7 9\n2 3 1\nU, m/s\np, Pa\n\
+        10 1 2 3 100\n20 4 5 6 200\n5 7 8 9 300\n7 10 11 12 400\n9 13 14 15 500\n1 1\nload, N\n1 0.5\n3 9\n2 0.25\n";
+    let path = file(&folder, "a.inp", text.as_bytes());
+    assert_eq!(**grid(&path, &scalar("U:1")).scalar.as_ref().unwrap(), [2.0, 5.0, 8.0, 11.0, 14.0]);
+    assert_eq!(**grid(&path, &scalar("p")).scalar.as_ref().unwrap(), [100.0, 200.0, 300.0, 400.0, 500.0]);
+    let summary = inspect(&path, &Request::default(), &NoProgress).unwrap();
+    let blocks: Vec<&str> = summary.blocks.iter().map(|block| &*block.name).collect();
+    assert_eq!((blocks, summary.cell_count, summary.point_count), (vec!["4", "6"], 2, 5));
+    let part = grid(&path, &Request { blocks: vec!["6".into()], ..scalar("load") });
+    assert_eq!(**part.scalar.as_ref().unwrap(), [0.25; 4]);
+    let message = |from: &str, to: &str| {
+        assert!(text.contains(from));
+        let path = file(&folder, "a.inp", text.replacen(from, to, 1).as_bytes());
+        read(&path, &scalar("p"), &NoProgress).unwrap_err().to_string()
+    };
+    for (from, to, words) in [
+        ("6 tet", "6 tat", ["'tat'", "tet, hex", "a.inp:11"]),
+        ("20 5 7 9", "20 5 7 99", ["element 2", "does not exist", "found 99"]),
+        ("2 3 1\n", "2 3 2\n", ["numbers of components", "'2 3 2'", "sum 4"]),
+        ("7 10 11 12 400", "7 10 11 12 4OO", ["damaged", "'4OO'", "a.inp:18"]),
+        ("3 9\n2 0.25\n", "", ["ends early", "a row of values", "a.inp"]),
+    ] {
+        let found = message(from, to);
+        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+    }
+}
+
+#[test]
+fn su2_has_zones_and_markers() {
+    let folder = tempfile::tempdir().unwrap();
+    let zone = |number: usize, x: f64| {
+        format!(
+            "IZONE= {number}\nNDIME= 3\nNELEM= 1 % one\n10 0 1 2 3 0\nNPOIN= 4 4\n{x} 0 0 0\n{} 0 0 1\n% a point\n{x} 1 0 2\n{x} 0 1 3\n\
+             NMARK= 1\nMARKER_TAG= wall\nMARKER_ELEMS= 1\n5 0 1 2\n",
+            x + 1.0
+        )
+    };
+    let text = format!("NZONE= 2\n{}{}", zone(1, 0.0), zone(2, 5.0));
+    let path = file(&folder, "a.su2", text.as_bytes());
+    let all = grid(&path, &mesh());
+    assert_eq!((all.tetrahedra.len(), all.points.len()), (2, 8));
+    let second = grid(&path, &Request { blocks: vec!["zone 2".into()], ..mesh() });
+    assert_eq!(second.points[1], DVec3::new(6.0, 0.0, 0.0));
+    for (from, to, words) in [
+        ("NDIME= 3", "NDIME= 2", ["flat", "NDIME= 3"]),
+        ("10 0 1 2 3", "10 0 1 2 4", ["does not exist", "element"]),
+        ("10 0 1 2 3 0", "10 0 1", ["damaged", "a.su2:5"]),
+        ("NELEM= 1", "NELEM= x", ["NELEM is damaged", "'x'"]),
+    ] {
+        let path = file(&folder, "a.su2", text.replacen(from, to, 1).as_bytes());
+        let found = read(&path, &mesh(), &NoProgress).unwrap_err().to_string();
+        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+    }
+    let none = read(&sample("mesh.su2"), &Request::default(), &NoProgress).unwrap_err().to_string();
+    assert!(none.contains("no quantity to draw") && none.contains("calculator"), "{none}");
+}
+
+#[test]
+fn nastran_has_three_forms_of_fields() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "SOL 101\nCEND\nBEGIN BULK\n$ a comment\nPSOLID,1,1\nGRID    1               0.      0.      0.\n\
+        GRID,2,,1.0,0.0,0.0\ngrid*,3,,0.,10.0-1,\n*,0.D+0\nGRID*                  4                              0.              0.\n\
+        *                   1.+0\nGRID    5               1.      1.      1.      123\n\
+        CTETRA  1       1       1       2       3       4\nCTETRA,2,7,2,3\n+,\nCTRIA3  3       1       1       2       3\nENDDATA\nGRID,9,,x\n";
+    let text = text.replace("CTETRA,2,7,2,3\n+,\n", "CTETRA,2,7,2,3,4,5\n");
+    let path = file(&folder, "a.bdf", text.as_bytes());
+    let all = grid(&path, &mesh());
+    let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 1.0]];
+    assert_eq!(all.points.iter().map(|p| p.to_array()).collect::<Vec<_>>(), points);
+    assert_eq!(*all.tetrahedra, [[0, 1, 2, 3], [1, 2, 3, 4]]);
+    let summary = inspect(&path, &Request::default(), &NoProgress).unwrap();
+    assert_eq!(summary.blocks.iter().map(|block| &*block.name).collect::<Vec<_>>(), ["1", "7"]);
+    for (from, to, words) in [
+        ("GRID,2,,1.0", "GRID,2,4,1.0", ["system 4", "basic system", "a.bdf:7"]),
+        ("GRID,2,,1.0", "GRID,2,,l.0", ["coordinate of a GRID", "'l.0'", "a.bdf:7"]),
+        ("2,7,2,3,4,5", "2,7,2,3,4,6", ["element 2", "does not exist", "found 6"]),
+        ("2,7,2,3,4,5", "2,7,2,3,4,5,1", ["some of its edges", "found 1", "6"]),
+    ] {
+        let path = file(&folder, "a.bdf", text.replacen(from, to, 1).as_bytes());
+        let found = read(&path, &mesh(), &NoProgress).unwrap_err().to_string();
+        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+    }
+}
+
+#[test]
+fn abaqus_has_parts_instances_and_sets() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "*Heading\n** a comment\n*Part, name=Block\n*Node\n 1, 0., 0., 0.\n 2, 1., 0.\n 3, 0., 1., 0.\n 4, 0., 0., 1.\n\
+        5, 1., 1., 1.\n*Element, type=C3D4\n 1, 1, 2,\n 3, 4\n 2, 2, 3, 4, 5\n*Element, type=S3\n 3, 1, 2, 3\n\
+        *Elset, elset=low, generate\n 1, 1, 1\n*Elset, elset=all\n 1, 2\n*End Part\n*Assembly, name=A\n\
+        *Instance, name=first, part=Block\n*End Instance\n*Instance, name=second, part=block\n 5., 0., 0.\n\
+        5., 0., 0., 5., 0., 1., 90.\n*End Instance\n*Node\n 1, 9., 9., 9.\n*End Assembly\n*Element Output\n";
+    let path = file(&folder, "a.inp", text.as_bytes());
+    let all = grid(&path, &mesh());
+    assert_eq!((all.tetrahedra.len(), all.points.len()), (4, 10));
+    let summary = inspect(&path, &Request::default(), &NoProgress).unwrap();
+    let names: Vec<&str> = summary.blocks.iter().map(|block| &*block.name).collect();
+    assert_eq!(names, ["first/low", "first/all", "second/low", "second/all"]);
+    let turned = grid(&path, &Request { blocks: vec!["second/low".into()], ..mesh() });
+    let expected = [[5.0, 0.0, 0.0], [5.0, 1.0, 0.0], [4.0, 0.0, 0.0], [5.0, 0.0, 1.0]];
+    // Rounding of a rotation.
+    let is_near = |(p, q): (&DVec3, &[f64; 3])| p.distance(DVec3::from_array(*q)) < 1e-15;
+    assert!(turned.points.iter().zip(&expected).all(is_near), "{:?}", turned.points);
+    let flat = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT, TYPE=DC3D4, ELSET=steel\n1,1,2,3,4\n";
+    assert_eq!(grid(&file(&folder, "b.inp", flat.as_bytes()), &mesh()).tetrahedra.len(), 1);
+    for (from, to, words) in [
+        ("C3D4", "C3D15V", ["not read", "C3D15V", "a.inp:10"]),
+        ("part=block", "part=blok", ["does not exist", "'blok'", "a.inp:24"]),
+        (" 3, 4\n 2, 2, 3", " 3\n 2, 2, 3", ["too many nodes", "element 1", "a.inp:13"]),
+        ("2, 3, 4, 5\n", "2, 3, 4\n", ["element 2 ends early", "found 3", "4 nodes"]),
+        ("*Heading", "*Include, input=x", ["*INCLUDE", "is not read", "a.inp:1"]),
+        (" 1, 0., 0.", " 1, O., 0.", ["damaged", "' O.'", "a.inp:5"]),
+        ("1, 1, 1\n", "1, 1000000000000, 1\n", ["more elements than the file", "step", "a.inp:17"]),
+    ] {
+        let path = file(&folder, "a.inp", text.replacen(from, to, 1).as_bytes());
+        let found = read(&path, &mesh(), &NoProgress).unwrap_err().to_string();
+        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+    }
+}

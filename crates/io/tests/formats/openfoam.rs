@@ -1,0 +1,329 @@
+//! Cases of OpenFOAM as its programs write them: text, bytes, packed, decomposed, polyhedra; its foamToVTK says what they hold.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use voltet_core::grid::{CellValues, Grid, Options};
+use voltet_core::progress::NoProgress;
+use voltet_io::formats::{Association, Request, TimeStep, files_beside, files_read_beside, inspect, read};
+
+fn sample(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/files/openfoam").join(name)
+}
+
+/// The request for cells that keep their values, at the time 10.
+fn request(scalar: &str) -> Request {
+    let options = Options { cell_values: CellValues::Constant, ..Options::default() };
+    let time_step = Some(TimeStep::Time(10.0));
+    Request { scalar: Some(scalar.to_owned()), options, time_step, ..Request::default() }
+}
+
+fn grid(path: &Path, request: &Request) -> Grid {
+    read(path, request, &NoProgress).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Values at the corners of each tetrahedron, by the positions of its corners in units of 0.0001, in ascending order.
+fn tetrahedra(grid: &Grid) -> BTreeMap<Vec<[i64; 3]>, Vec<f64>> {
+    let scalar = grid.scalar.as_ref().unwrap();
+    let of_corner = |&p: &u32| {
+        let position = grid.points[p as usize].to_array().map(|x| (x * 1e4).round() as i64);
+        (position, scalar[p as usize])
+    };
+    let mut all = BTreeMap::new();
+    for tetrahedron in grid.tetrahedra.iter() {
+        let mut corners: Vec<([i64; 3], f64)> = tetrahedron.iter().map(of_corner).collect();
+        corners.sort_by_key(|corner| corner.0);
+        assert!(
+            all.insert(corners.iter().map(|c| c.0).collect(), corners.iter().map(|c| c.1).collect())
+                .is_none()
+        );
+    }
+    all
+}
+
+/// Compares tetrahedra and their values.
+#[track_caller]
+fn same(found: &Grid, expected: &Grid, tolerance: f64, what: &str) {
+    let (found, expected) = (tetrahedra(found), tetrahedra(expected));
+    assert!(found.keys().eq(expected.keys()), "{what}: {} and {} tetrahedra", found.len(), expected.len());
+    for (values, others) in found.values().zip(expected.values()) {
+        for (value, other) in values.iter().zip(others) {
+            assert!((value - other).abs() <= tolerance, "{what}: {value}, not {other}");
+        }
+    }
+}
+
+#[test]
+fn cases_are_what_foam_to_vtk_makes_of_them() {
+    for name in ["text", "dual"] {
+        let vtu = sample(&format!("{name}.vtu"));
+        let expected = grid(&vtu, &Request { time_step: None, ..request("T") });
+        // foamToVTK writes 32 bits, of values up to 14.
+        same(&grid(&sample(name), &request("T")), &expected, 1e-6, name);
+    }
+    let kinds = |path: &Path| inspect(path, &Request::default(), &NoProgress).unwrap().cells_by_type;
+    assert_eq!(kinds(&sample("text")), BTreeMap::from([(12, 12), (13, 4)]));
+    assert_eq!(kinds(&sample("dual")), kinds(&sample("dual.vtu")));
+}
+
+#[test]
+fn text_bytes_packed_and_decomposed_cases_read_the_same() {
+    for scalar in ["T", "D:1", "S:4"] {
+        let expected = grid(&sample("text"), &request(scalar));
+        for name in ["bytes", "packed", "decomposed"] {
+            // Text has 16 digits.
+            same(&grid(&sample(name), &request(scalar)), &expected, 1e-13, name);
+        }
+    }
+    let summary = inspect(&sample("decomposed"), &request("T"), &NoProgress).unwrap();
+    assert_eq!((summary.piece_count, summary.cell_count), (2, 16));
+    assert_eq!(summary.point_count - summary.points_joined, 39);
+    let bytes = inspect(&sample("bytes"), &request("T"), &NoProgress).unwrap();
+    assert_eq!(bytes.format, "OpenFOAM, binary");
+    let arrays: Vec<(&str, Association, usize)> =
+        bytes.quantities().map(|a| (&*a.head.name, a.head.association, a.head.component_count)).collect();
+    let expected = [("D", Association::Point, 3), ("S", Association::Cell, 6), ("T", Association::Cell, 1)];
+    assert_eq!(arrays, expected);
+}
+
+#[test]
+fn fields_are_those_of_the_time_and_of_the_place() {
+    let case = sample("text");
+    let summary = inspect(&case, &Request::default(), &NoProgress).unwrap();
+    assert_eq!(summary.time_steps, [0.0, 2.0, 10.0]);
+    let at = |time_step| grid(&case, &Request { time_step, ..request("T") });
+    let [first, second, last] = [None, Some(TimeStep::Index(1)), Some(TimeStep::Time(9.0))].map(at);
+    assert_eq!([first.origin.time, second.origin.time, last.origin.time], [Some(0.0), Some(2.0), Some(10.0)]);
+    for (&a, &b) in first.scalar.as_ref().unwrap().iter().zip(last.scalar.as_ref().unwrap().iter()) {
+        // Rounding of sums of at most 14.
+        assert!((a + 10.0 - b).abs() < 1e-13);
+    }
+    // Four files of the mesh; T, D and S of each time, C of the last.
+    assert_eq!(
+        [files_beside(&case), files_read_beside(&case, &request("T"))].map(|files| files.len()),
+        [14, 8]
+    );
+    let height = grid(&case, &request("D:2"));
+    assert!(height.points.iter().zip(height.scalar.as_ref().unwrap().iter()).all(|(p, &d)| d == 2.0 * p.z));
+    let shear = grid(&case, &request("S:YZ"));
+    assert!(shear.scalar.unwrap().iter().all(|&value| value == 5.0));
+    let (x, t) = (grid(&case, &request("C:0")), grid(&case, &request("T")));
+    let (y, z) = (grid(&case, &request("C:1")), grid(&case, &request("C:2")));
+    let [x, y, z, t] = [x, y, z, t].map(|grid| grid.scalar.unwrap());
+    assert!((0..t.len()).all(|i| (x[i] * x[i] - y[i] * z[i] + 10.0 - t[i]).abs() < 1e-13));
+}
+
+#[test]
+fn cell_zones_are_blocks() {
+    let of = |name: &str, scalar: &str, blocks: &[&str]| {
+        let blocks = blocks.iter().map(|block| block.to_string()).collect();
+        grid(&sample(name), &Request { blocks, ..request(scalar) })
+    };
+    for name in ["text", "bytes", "packed", "decomposed"] {
+        let summary = inspect(&sample(name), &Request::default(), &NoProgress).unwrap();
+        let names: Vec<&str> = summary.blocks.iter().map(|block| &*block.name).collect();
+        assert_eq!(names, ["left", "right"], "{name}");
+        let (all, right) = (of(name, "block", &[]), of(name, "block", &["right"]));
+        for grid in [&all, &right] {
+            let scalar = grid.scalar.as_ref().unwrap();
+            let is_right = |p: &u32| scalar[*p as usize] == 1.0;
+            for (i, tetrahedron) in grid.tetrahedra.iter().enumerate() {
+                let x: f64 = grid.corners(i).iter().map(|p| p.x / 4.0).sum();
+                assert!(tetrahedron.iter().all(|p| is_right(p) == (x > 1.0)), "{name}: {x}");
+            }
+        }
+        assert!(right.tetrahedra.len() < all.tetrahedra.len());
+        // The part has the values of the whole.
+        for scalar in ["T", "D:0", "S:1"] {
+            let (all, right) =
+                (tetrahedra(&of(name, scalar, &[])), tetrahedra(&of(name, scalar, &["right"])));
+            assert!(right.iter().all(|(place, values)| all[place] == *values), "{name} {scalar}");
+        }
+    }
+    let wrong = Request { blocks: vec!["rihgt".to_owned()], ..request("T") };
+    let wrong = read(&sample("text"), &wrong, &NoProgress).unwrap_err().to_string();
+    assert!(wrong.contains("no such block") && wrong.contains("'right'"), "{wrong}");
+}
+
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap() {
+        let (entry, to) = (entry.as_ref().unwrap().path(), to.join(entry.as_ref().unwrap().file_name()));
+        if entry.is_dir() { copy(&entry, &to) } else { std::fs::copy(&entry, &to).map(drop).unwrap() }
+    }
+}
+
+#[test]
+fn a_case_is_named_by_its_folder_a_stub_or_its_control_file_and_may_move() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("case");
+    copy(&sample("text"), &case);
+    std::fs::write(case.join("a.foam"), "").unwrap();
+    let expected = grid(&case, &request("T"));
+    for path in ["a.foam", "system/controlDict"] {
+        same(&grid(&case.join(path), &request("T")), &expected, 0.0, path);
+    }
+    // The points of time 2 hold until others are written.
+    std::fs::create_dir_all(case.join("2/polyMesh")).unwrap();
+    let points = std::fs::read_to_string(case.join("constant/polyMesh/points")).unwrap();
+    assert!(points.contains("(0 0 0)"));
+    std::fs::write(case.join("2/polyMesh/points"), points.replacen("(0 0 0)", "(-0.5 0 0)", 1)).unwrap();
+    for (time, x) in [(0.0, 0.0), (2.0, -0.5), (10.0, -0.5)] {
+        let moved = grid(&case, &Request { time_step: Some(TimeStep::Time(time)), ..request("T") });
+        assert_eq!(moved.points.iter().map(|p| p.x).fold(f64::INFINITY, f64::min), x, "{time}");
+    }
+}
+
+#[test]
+fn later_times_of_processors_are_read_with_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    copy(&sample("decomposed"), folder.path());
+    copy(&sample("text/constant"), &folder.path().join("constant"));
+    copy(&sample("text/2"), &folder.path().join("2"));
+    let read = grid(folder.path(), &request("T"));
+    assert!(
+        read.origin.warnings.iter().any(|warning| warning.contains("later times")),
+        "{:?}",
+        read.origin.warnings
+    );
+    same(&read, &grid(&sample("text"), &request("T")), 1e-13, "decomposed");
+    copy(&sample("text/10"), &folder.path().join("10"));
+    assert!(grid(folder.path(), &request("T")).origin.warnings.is_empty());
+}
+
+#[test]
+fn mistakes_name_the_file_and_the_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let message = |name: &str, from: &str, to: &str, scalar: &str| {
+        let case = folder.path().join("case");
+        let _ = std::fs::remove_dir_all(&case);
+        copy(&sample("text"), &case);
+        let text = std::fs::read_to_string(case.join(name)).unwrap();
+        assert!(text.contains(from), "{from}");
+        std::fs::write(case.join(name), text.replacen(from, to, 1)).unwrap();
+        read(&case, &request(scalar), &NoProgress).unwrap_err().to_string()
+    };
+    let expect = |message: String, parts: &[&str]| {
+        for part in parts {
+            assert!(message.contains(part), "'{part}' is not in: {message}");
+        }
+    };
+    expect(message("10/S", "uniform (", "$inner (", "S:0"), &["'$inner'", "macros", "10/S"]);
+    expect(message("10/S", "internalField", "innerField", "S:0"), &["no values within the mesh", "10/S"]);
+    expect(
+        message("10/T", "<scalar>\n16", "<scalar>\n15", "T"),
+        &["values of the field", "found 15", "16", "10/T"],
+    );
+    expect(message("10/T", "<scalar>\n16\n(", "<scalar>\n16\n(x", "T"), &["'x", "10/T:"]);
+    expect(
+        message("constant/polyMesh/owner", "nCells:16", "nCells:17", "T"),
+        &["number of cells", "found 16", "17"],
+    );
+    expect(
+        message("constant/polyMesh/points", "\n39\n", "\n3900\n", "T"),
+        &["ends early", "polyMesh/points"],
+    );
+    expect(message("constant/polyMesh/owner", "\n64\n", "\n63\n", "T"), &["longer than its length", "owner"]);
+    expect(
+        message("constant/polyMesh/faces", "format      ascii", "format      asci", "T"),
+        &["'asci'", "faces"],
+    );
+    std::fs::remove_file(folder.path().join("case/constant/polyMesh/neighbour")).unwrap();
+    let missing = read(&folder.path().join("case"), &request("T"), &NoProgress).unwrap_err().to_string();
+    assert!(missing.contains("not complete") && missing.contains("polyMesh/neighbour"), "{missing}");
+    std::fs::remove_dir_all(folder.path().join("case/constant")).unwrap();
+    let missing = read(&folder.path().join("case"), &request("T"), &NoProgress).unwrap_err().to_string();
+    assert!(missing.contains("no mesh") && missing.contains("processor0"), "{missing}");
+}
+
+/// Lists of bytes, of this width of labels, width of numbers, and order.
+#[derive(Clone, Copy, Debug)]
+struct Arch {
+    label: usize,
+    scalar: usize,
+    big_endian: bool,
+}
+
+impl Arch {
+    fn head(self, class: &str) -> Vec<u8> {
+        let order = if self.big_endian { "MSB" } else { "LSB" };
+        let (label, scalar) = (8 * self.label, 8 * self.scalar);
+        let arch = format!("{order};label={label};scalar={scalar}");
+        format!("/*---*\\\n\\*---*/\nFoamFile\n{{ version 2; format binary; arch \"{arch}\"; class {class}; }}\n// * * * //\n").into_bytes()
+    }
+
+    fn list(self, count: usize, numbers: impl IntoIterator<Item = (usize, [u8; 8], [u8; 4])>) -> Vec<u8> {
+        let mut bytes = format!("\n{count}\n(").into_bytes();
+        for (width, long, short) in numbers {
+            let mut own = if width == 8 { long.to_vec() } else { short.to_vec() };
+            if self.big_endian {
+                own.reverse();
+            }
+            bytes.extend(own);
+        }
+        bytes.extend(b")\n");
+        bytes
+    }
+
+    fn labels(self, labels: &[i32]) -> Vec<u8> {
+        let of = |&label: &i32| (self.label, i64::from(label).to_le_bytes(), label.to_le_bytes());
+        self.list(labels.len(), labels.iter().map(of))
+    }
+
+    fn scalars(self, count: usize, values: &[f64]) -> Vec<u8> {
+        let of = |&value: &f64| (self.scalar, value.to_le_bytes(), (value as f32).to_le_bytes());
+        self.list(count, values.iter().map(of))
+    }
+}
+
+#[test]
+fn labels_and_numbers_of_every_width_and_order_are_read() {
+    // Two unit cubes along x.
+    let mut faces = vec![[1, 4, 10, 7]];
+    let mut owner = vec![0];
+    for c in 0..2 {
+        let end = if c == 0 { [0, 6, 9, 3] } else { [2, 5, 11, 8] };
+        let sides = [[c, c + 3, c + 4, c + 1], [c + 6, c + 7, c + 10, c + 9]];
+        faces.extend(sides.into_iter().chain([[c, c + 1, c + 7, c + 6], [c + 3, c + 9, c + 10, c + 4], end]));
+        owner.extend([c; 5]);
+    }
+    let points: Vec<f64> = (0..12).flat_map(|p| [p % 3, p / 3 % 2, p / 6].map(f64::from)).collect();
+    for bits in 0..8 {
+        let arch = Arch {
+            label: if bits & 1 == 0 { 4 } else { 8 },
+            scalar: if bits & 2 == 0 { 4 } else { 8 },
+            big_endian: bits & 4 != 0,
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, class: &str, parts: &[&[u8]]| {
+            let path = folder.path().join(name);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, [&arch.head(class), &parts.concat()[..]].concat()).unwrap();
+        };
+        let ends: Vec<i32> = (0..=faces.len() as i32).map(|face| 4 * face).collect();
+        let corners = faces.as_flattened();
+        write("constant/polyMesh/points", "vectorField", &[&arch.scalars(12, &points)]);
+        write("constant/polyMesh/faces", "faceCompactList", &[&arch.labels(&ends), &arch.labels(corners)]);
+        write("constant/polyMesh/owner", "labelList", &[&arch.labels(&owner)]);
+        write("constant/polyMesh/neighbour", "labelList", &[&arch.labels(&[1])]);
+        let values = arch.scalars(2, &[0.25, 8.5]);
+        let rest: &[u8] =
+            b";\nboundaryField { #include \"walls\" a { value nonuniform List<scalar> 0(); } }\n";
+        write(
+            "10/T",
+            "volScalarField",
+            &[b"#include \"units\"\ninternalField nonuniform List<scalar> ", &values, rest],
+        );
+        write("10/p", "volScalarField", &[b"dimensions [0 2 -2 0 0 0 0];\ninternalField uniform 3;\n"]);
+        let read = grid(folder.path(), &request("T"));
+        assert_eq!(read.tetrahedra.len(), 12, "{arch:?}");
+        for (i, tetrahedron) in read.tetrahedra.iter().enumerate() {
+            let x: f64 = read.corners(i).iter().map(|p| p.x / 4.0).sum();
+            let expected = if x < 1.0 { 0.25 } else { 8.5 };
+            assert!(
+                tetrahedron.iter().all(|&p| read.scalar.as_ref().unwrap()[p as usize] == expected),
+                "{arch:?}"
+            );
+        }
+        assert!(grid(folder.path(), &request("p")).scalar.unwrap().iter().all(|&p| p == 3.0), "{arch:?}");
+    }
+}
