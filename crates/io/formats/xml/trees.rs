@@ -130,9 +130,11 @@ impl Tree {
                 is_read(leaf.block) && open_leaf(leaf, place, self.leaves.len() > 1, &inner, &mut part)?;
             Ok(opened.then_some((leaf.block, part)))
         };
-        let parts: Result<Vec<_>> = self.leaves.par_iter().enumerate().map(read).collect();
+        // The error is that of the first leaf that has one.
+        let parts: Vec<Result<_>> = self.leaves.par_iter().enumerate().map(read).collect();
         let mut dataset = Dataset { has_blocks, ..Dataset::default() };
         let mut is_given = vec![false; self.blocks.len().max(1)];
+        let parts: Result<Vec<_>> = parts.into_iter().collect();
         for (block, mut part) in parts?.into_iter().flatten() {
             is_given[block] = true;
             part.pieces.iter_mut().for_each(|piece| piece.blocks = CellBlocks::One(block));
