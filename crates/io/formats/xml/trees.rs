@@ -151,7 +151,7 @@ impl Tree {
         if dataset.pieces.is_empty() {
             return Err(Error::run("no block holds a volume grid")
                 .got(counted(self.blocks.len(), "block"))
-                .expected("a block of an UnstructuredGrid, StructuredGrid, RectilinearGrid or ImageData"));
+                .expected("a block of cells with a volume; a node of type surface-reader draws a surface (.vtp) as it is"));
         }
         dataset.blocks = self.blocks;
         Ok(dataset)
