@@ -45,6 +45,20 @@ pub const NODE: Node = Node {
             help: "the blocks that are read, by their names or groups; * stands for any letters: \"fluid/*\"",
         },
         Parameter {
+            name: "displacement",
+            parameter_type: ParameterType::Text,
+            unit: "",
+            default: DefaultValue::Unset("none"),
+            help: "a vector at points by which they are moved, such as \"disp\": the deformed shape",
+        },
+        Parameter {
+            name: "displacement_factor",
+            parameter_type: ParameterType::Number(Range::ANY),
+            unit: "",
+            default: DefaultValue::Number(1.0),
+            help: "how much farther points are moved than the displacement says",
+        },
+        Parameter {
             name: "time_step",
             parameter_type: ParameterType::Integer(Range::at_least(0.0)),
             unit: "",
@@ -240,10 +254,26 @@ pub(crate) fn request(p: &Parameters, chosen: Option<SelectedArrays>) -> Result<
         (false, time) => time.map(TimeStep::Time),
     };
     let blocks = blocks(p)?;
+    let factor = p.number("displacement_factor")?;
+    let displacement = p.optional("displacement").and_then(|name| name.text());
+    if p.is_set("displacement_factor") && displacement.is_none() {
+        let error = p.error("displacement_factor", "there is no displacement that is multiplied");
+        return Err(error.expected("displacement = \"NAME\""));
+    }
+    let displacement = displacement.map(|name| (name.to_string(), factor));
     let scalar = p.optional("scalar").and_then(|s| s.text()).map(str::to_string);
     let subdivision = p.integer("subdivision")? as u32;
     let options = Options { cell_values, subdivision, ..Options::default() };
-    Ok(Request { scalar, association, blocks, options, time_step, chosen, ..Request::default() })
+    Ok(Request {
+        scalar,
+        association,
+        blocks,
+        displacement,
+        options,
+        time_step,
+        chosen,
+        ..Request::default()
+    })
 }
 
 /// The names of blocks that the parameter `blocks` holds; none where it is not set.

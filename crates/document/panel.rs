@@ -254,8 +254,19 @@ impl Scale {
 
 /// True if a text of this name is that of an array: declarations say that it is a text.
 fn names_array(name: &str) -> bool {
-    ["scalar", "array", "color_by", "arrays", "field", "fields", "magnitude", "cell_arrays", "point_arrays"]
-        .contains(&name)
+    [
+        "scalar",
+        "displacement",
+        "array",
+        "color_by",
+        "arrays",
+        "field",
+        "fields",
+        "magnitude",
+        "cell_arrays",
+        "point_arrays",
+    ]
+    .contains(&name)
 }
 
 /// A new entry of a list of tables, such as a widget: what is required has a value to begin with, in the middle of the data

@@ -20,6 +20,8 @@ def reader(
     association: Literal["auto", "point", "cell"] | None = None,
     cell_values: Literal["average", "constant"] | None = None,
     blocks: Sequence[str] | None = None,
+    displacement: str | None = None,
+    displacement_factor: float | None = None,
     time_step: int | None = None,
     time: float | None = None,
     subdivision: int | None = None,

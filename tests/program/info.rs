@@ -105,3 +105,33 @@ fn programs_are_told_the_same() {
     folder.write("scene.toml", "");
     folder.voltet(&["info", "scene.toml", "--json"]).fails(2, &["--json is for data files"]);
 }
+
+#[test]
+fn blocks_are_a_tree_and_none_of_them_is_suggested_as_a_quantity() {
+    let folder = Folder::new();
+    folder.write("a.vtu", cube(2));
+    folder.write("b.vtu", cube(3));
+    let leaf = |name: &str, file: &str| format!("<DataSet index=\"0\" name=\"{name}\" file=\"{file}.vtu\"/>");
+    let tree = format!(
+        "<VTKFile type=\"vtkMultiBlockDataSet\"><vtkMultiBlockDataSet><Block index=\"0\" name=\"fluid\">{}{}</Block>{}\
+         </vtkMultiBlockDataSet></VTKFile>",
+        leaf("rotor", "a"),
+        leaf("stator", "b"),
+        leaf("solid", "a")
+    );
+    folder.write("machine.vtm", tree);
+    let text = folder.voltet(&["info", "machine.vtm"]).ok().stdout;
+    for line in
+        ["3 blocks", "35  fluid/  2 blocks", "8    rotor  hexahedra", "8  solid  hexahedra", "cell   block"]
+    {
+        assert!(text.contains(line), "'{line}' is not in\n{text}");
+    }
+    let json = folder.voltet(&["info", "machine.vtm", "--json"]).ok().stdout;
+    let found: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let rotor = serde_json::json!({
+        "name": "fluid/rotor", "cells": 8, "cells_by_type": [{ "vtk_type": 12, "name": "hexahedron", "count": 8 }]
+    });
+    assert_eq!(found["blocks"][0], rotor);
+    suggested_runs(&folder, &["machine.vtm"], &["machine.vtm"]);
+    assert!(!folder.voltet(&["info", "machine.vtm"]).ok().stdout.contains("scalar = \"block\""));
+}

@@ -116,6 +116,7 @@ fn every_text_and_every_three_numbers_are_told_apart() {
         [
             "adapter",
             "bar_title",
+            "blocks",
             "centre",
             "direction",
             "expression",

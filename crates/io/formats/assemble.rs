@@ -127,7 +127,7 @@ fn refuse_beyond_memory(
     progress::refuse_beyond_memory(progress, what, size.bytes().saturating_add(further))
 }
 
-/// The arrays that a request means: the scalar, those beside it on the points, and those that stay on the cells.
+/// The arrays that a request means: the scalar, those beside it on the points, those that stay on the cells, the displacement.
 pub(super) fn choices(dataset: &Dataset, request: &Request) -> Result<Vec<ArraySelection>> {
     let model = &request::model(dataset)?;
     let scalar = || request::scalar(dataset, request.scalar.as_deref(), request.association);
@@ -144,6 +144,9 @@ pub(super) fn choices(dataset: &Dataset, request: &Request) -> Result<Vec<ArrayS
                 |error| origins.get(name).map_or(&SourceSpan::Nowhere, |origin| origin).locate(error);
             choices.push(request::array(model, name, association).map_err(locate)?);
         }
+    }
+    if let Some((name, _)) = &request.displacement {
+        choices.push(request::vector(model, name)?);
     }
     Ok(choices)
 }
@@ -236,10 +239,26 @@ pub(super) fn load(piece: &Piece, mut cells: Cells, wanted: &PieceRequest, meter
                 raw.cell_arrays.insert(name.to_string(), array)
             }
             Some(name) => raw.point_arrays.insert(name.to_string(), array),
-            None => raw.kept_cell_arrays.insert(kept[i - names.len()].clone(), array),
+            None => match kept.get(i - names.len()) {
+                Some(name) => raw.kept_cell_arrays.insert(name.to_string(), array),
+                None => {
+                    move_points(raw.points.make_mut(), &array.values, wanted.request);
+                    None
+                }
+            },
         };
     }
     Ok(raw)
+}
+
+/// Adds the displacement of a request to points.
+fn move_points(points: &mut [DVec3], displacement: &[f64], request: &Request) {
+    let factor = request.displacement.as_ref().map_or(0.0, |(_, factor)| *factor);
+    let vectors = displacement.as_chunks::<3>().0.par_iter();
+    points
+        .par_iter_mut()
+        .zip(vectors)
+        .for_each(|(point, &vector)| *point += factor * DVec3::from_array(vector));
 }
 
 /// The values of each choice. An array of which several components are chosen is decoded once.

@@ -2,7 +2,7 @@
 //!
 //! | format | module |
 //! | --- | --- |
-//! | .vtu .vts .vtr .vti, .pvtu .pvts .pvtr .pvti, .pvd | [`xml`] |
+//! | .vtu .vts .vtr .vti, .pvtu .pvts .pvtr .pvti, .vtm .vtpc .vtpd, .pvd | [`xml`] |
 //! | .vtk (legacy 2.0 to 5.1, ASCII and binary) | [`legacy`] |
 //! | .vtu.series, .vtk.series | [`series`] |
 //! | .vtkhdf, .hdf | [`vtkhdf`], by [`hdf5`] |

@@ -38,6 +38,8 @@ pub struct Request {
     pub origins: [BTreeMap<String, SourceSpan>; 2],
     /// The blocks that are read, by their names or groups; `*` stands for any letters. None: all.
     pub blocks: Vec<String>,
+    /// A vector at points by which they are moved, and a factor: the deformed shape. `None`: they stay.
+    pub displacement: Option<(String, f64)>,
     /// The step of a time series (.pvd); `None`: the first.
     pub time_step: Option<TimeStep>,
     /// Options of the import.
@@ -275,6 +277,18 @@ pub(super) fn scalar_of(
             )));
     }
     Ok(choice)
+}
+
+/// The vector at points that a name means.
+pub(super) fn vector(model: &[&PieceArray], name: &str) -> Result<ArraySelection> {
+    let choice = array(model, name, Some(Association::Point))?;
+    if (choice.component, choice.component_count) == (Component::All, 3) {
+        return Ok(choice);
+    }
+    let vectors = arrays_of(model, Association::Point).filter(|array| array.stored.component_count == 3);
+    let vectors: Vec<&str> = vectors.map(|array| array.stored.name.as_str()).collect();
+    let error = Error::run(format!("'{name}' is no vector, by which points could be moved"));
+    Err(error.expected(if vectors.is_empty() { "an array of 3 components".into() } else { list(vectors) }))
 }
 
 /// The array that `wanted` (`NAME`, `NAME:magnitude` or `NAME:0`) means.

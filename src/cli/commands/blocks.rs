@@ -1,14 +1,15 @@
 //! The blocks of a data file as a tree, shortened where they are many.
 
-use crate::cli::present::name;
+use crate::cli::present::{grouped, name};
 use crate::core::grid::CellType;
-use crate::core::{counted, with_commas};
+use crate::core::with_commas;
 use crate::io::formats::BlockSummary;
 use std::collections::{BTreeMap, HashMap};
 
-/// Most lines of one level, and lines after which no further level is opened: together a screen.
-const MAX_OF_LEVEL: usize = 16;
+/// Lines of the whole tree: a screen.
 const MAX_LINES: usize = 48;
+/// Fewest lines for which a group is opened.
+const MIN_LINES: usize = 3;
 
 /// A block, or a group of blocks: a node of the tree.
 #[derive(Default)]
@@ -29,8 +30,8 @@ pub(super) fn tree(blocks: &[BlockSummary]) -> String {
     }
     let entries = entries(blocks);
     let mut lines = Vec::new();
-    add_lines(&entries, 0, 0, &mut lines);
-    format!("\n{}\n{}\n", counted(blocks.len(), "block"), lines.join("\n"))
+    add_lines(&entries, 0, 0, MAX_LINES, &mut lines);
+    format!("\n{}\n{}\n", grouped(blocks.len() as u64, "block"), lines.join("\n"))
 }
 
 fn entries(blocks: &[BlockSummary]) -> Vec<TreeEntry<'_>> {
@@ -63,10 +64,12 @@ fn new_entry<'a>(entries: &mut Vec<TreeEntry<'a>>, parent: usize, name: &'a str)
     number
 }
 
-fn add_lines(entries: &[TreeEntry], parent: usize, depth: usize, lines: &mut Vec<String>) {
+/// Adds the lines below an entry, at most `budget`: of its children first, what is left in equal parts to the groups among these.
+fn add_lines(entries: &[TreeEntry], parent: usize, depth: usize, budget: usize, lines: &mut Vec<String>) {
     let children = &entries[parent].children;
-    // No line is spent on leaving out one.
-    let shown = if children.len() <= MAX_OF_LEVEL + 1 { children.len() } else { MAX_OF_LEVEL };
+    let shown = if children.len() <= budget { children.len() } else { budget.saturating_sub(1) };
+    let groups = children[..shown].iter().filter(|&&child| !entries[child].children.is_empty()).count();
+    let share = (budget - shown) / groups.max(1);
     let indent = "  ".repeat(depth);
     let line = |cells: u64, text: String| format!("  {:>12}  {indent}{text}", with_commas(cells));
     for &child in &children[..shown] {
@@ -76,15 +79,15 @@ fn add_lines(entries: &[TreeEntry], parent: usize, depth: usize, lines: &mut Vec
             lines.push(line(entry.cells, format!("{own}  {}", types(entry))));
             continue;
         }
-        lines.push(line(entry.cells, format!("{own}/  {}", counted(entry.blocks, "block"))));
-        if lines.len() < MAX_LINES {
-            add_lines(entries, child, depth + 1, lines);
+        lines.push(line(entry.cells, format!("{own}/  {}", grouped(entry.blocks, "block"))));
+        if share >= MIN_LINES.min(entry.children.len()) {
+            add_lines(entries, child, depth + 1, share, lines);
         }
     }
     let rest = children[shown..].iter().map(|&child| &entries[child]);
     let (blocks, cells) = rest.fold((0, 0), |sum, entry| (sum.0 + entry.blocks, sum.1 + entry.cells));
     if blocks > 0 {
-        lines.push(line(cells, format!("… {} more; all with --json", counted(blocks, "block"))));
+        lines.push(line(cells, format!("… {} more; all with --json", grouped(blocks, "block"))));
     }
 }
 
@@ -93,7 +96,7 @@ fn types(entry: &TreeEntry) -> String {
     let names: BTreeMap<u8, String> =
         entry.types.iter().map(|&code| (code, CellType::name_of(code, 2))).collect();
     match names.is_empty() {
-        true => "not read, or empty".into(),
+        true => "no cells that are read".into(),
         false => names.into_values().collect::<Vec<_>>().join(", "),
     }
 }
@@ -118,10 +121,23 @@ mod tests {
 
     #[test]
     fn many_blocks_are_a_screen() {
-        let blocks: Vec<BlockSummary> =
-            (0..100_000).map(|i| block(&format!("group {}/part {i}", i % 300), 5)).collect();
-        let text = tree(&blocks);
-        assert!(text.lines().count() < 2 * MAX_LINES, "{text}");
-        assert!(text.contains("more; all with --json") && text.contains("100000 blocks"), "{text}");
+        let tree_of = |name: &dyn Fn(u64) -> String| {
+            let blocks: Vec<BlockSummary> = (0..100_000).map(|i| block(&name(i), 5)).collect();
+            let text = tree(&blocks);
+            assert!(text.lines().count() <= MAX_LINES + 2, "{text}");
+            assert!(
+                text.contains("blocks more; all with --json") && text.contains("100,000 blocks"),
+                "{text}"
+            );
+            text
+        };
+        let groups = tree_of(&|i| format!("group {}/part {i}", i % 300));
+        assert!(groups.contains("1,670  group 46/  334 blocks"), "{groups}");
+        let few = tree_of(&|i| format!("group {}/part {i}", i % 2));
+        assert!(
+            few.contains("part 1 ") && few.contains("99,956 blocks") || few.contains("49,978 blocks"),
+            "{few}"
+        );
+        tree_of(&|i| format!("part {i}"));
     }
 }

@@ -130,9 +130,11 @@ impl Tree {
                 is_read(leaf.block) && open_leaf(leaf, place, self.leaves.len() > 1, &inner, &mut part)?;
             Ok(opened.then_some((leaf.block, part)))
         };
-        let parts: Result<Vec<_>> = self.leaves.par_iter().enumerate().map(read).collect();
+        // The error is that of the first leaf that has one.
+        let parts: Vec<Result<_>> = self.leaves.par_iter().enumerate().map(read).collect();
         let mut dataset = Dataset { has_blocks, ..Dataset::default() };
         let mut is_given = vec![false; self.blocks.len().max(1)];
+        let parts: Result<Vec<_>> = parts.into_iter().collect();
         for (block, mut part) in parts?.into_iter().flatten() {
             is_given[block] = true;
             part.pieces.iter_mut().for_each(|piece| piece.blocks = CellBlocks::One(block));
@@ -149,7 +151,7 @@ impl Tree {
         if dataset.pieces.is_empty() {
             return Err(Error::run("no block holds a volume grid")
                 .got(counted(self.blocks.len(), "block"))
-                .expected("a block of an UnstructuredGrid, StructuredGrid, RectilinearGrid or ImageData"));
+                .expected("a block of cells with a volume; a node of type surface-reader draws a surface (.vtp) as it is"));
         }
         dataset.blocks = self.blocks;
         Ok(dataset)

@@ -112,6 +112,30 @@ fn a_result_may_be_missing_in_a_block() {
 }
 
 #[test]
+fn points_are_moved_by_a_displacement() {
+    let moved = |name: &str| {
+        read(
+            &path("exodus_old.g"),
+            &Request { displacement: Some((name.to_owned(), 4.0)), ..request("T") },
+            &NoProgress,
+        )
+    };
+    let (plain, grid) = (grid("exodus_old.g", &request("T")), moved("disp").unwrap());
+    for (from, to) in plain.points.iter().zip(grid.points.iter()) {
+        // Values in single precision.
+        assert!(
+            (*to - *from - 4.0 * 0.5 * glam::DVec3::new(from.y, 0.0, 0.25 * from.x)).length() < 1e-6,
+            "{from} {to}"
+        );
+    }
+    assert_eq!((plain.scalar, grid.origin.arrays_decoded), (grid.scalar, 2));
+    let error = moved("T").unwrap_err().to_string();
+    assert!(error.contains("'T' is no vector") && error.contains("'disp'"), "{error}");
+    let error = moved("dips").unwrap_err().to_string();
+    assert!(error.contains("no array 'dips'") && error.contains("'disp'"), "{error}");
+}
+
+#[test]
 fn files_of_processes_are_one_grid() {
     let first = path("exodus_row.e.2.0");
     for own in [&first, &path("exodus_row.e.2.1")] {
