@@ -25,7 +25,7 @@ pub(super) struct FilePattern {
 }
 
 /// A variable of a case.
-pub(super) struct Variable {
+pub(super) struct CaseVariable {
     pub name: String,
     pub association: Association,
     pub component_count: usize,
@@ -36,7 +36,7 @@ pub(super) struct Variable {
 pub(super) struct CaseFile {
     folder: PathBuf,
     pub geometry: FilePattern,
-    pub variables: Vec<Variable>,
+    pub variables: Vec<CaseVariable>,
     time_sets: Vec<TimeSet>,
 }
 
@@ -96,7 +96,7 @@ impl CaseFile {
                 return Err(error.expected("the number of a time set, or none, a name and a file"));
             };
             let pattern = FilePattern { time_set, name: file.clone() };
-            self.variables.push(Variable { name: name.clone(), association, component_count, pattern });
+            self.variables.push(CaseVariable { name: name.clone(), association, component_count, pattern });
             return Ok(());
         }
         let set = self.time_sets.last_mut();

@@ -91,7 +91,7 @@ fn open(source: &Arc<Source>, variables: Variables, request: &Request) -> Result
     files.extend(first);
     let read = |variables: Variables| {
         let path = variables.source().path().to_owned();
-        Part::read(variables).map_err(|error| error.in_file(&path))
+        ProcessFile::read(variables).map_err(|error| error.in_file(&path))
     };
     dataset(files.into_iter().map(read).collect::<Result<_>>()?, request)
 }
@@ -107,7 +107,7 @@ struct ElementBlock {
 }
 
 /// Table of contents of one file.
-struct Part {
+struct ProcessFile {
     variables: Arc<Variables>,
     node_count: u64,
     blocks: Vec<ElementBlock>,
@@ -117,8 +117,8 @@ struct Part {
     of_elements: Vec<String>,
 }
 
-impl Part {
-    fn read(variables: Variables) -> Result<Part> {
+impl ProcessFile {
+    fn read(variables: Variables) -> Result<ProcessFile> {
         let node_count = match (variables.shape("coordx")?, variables.shape("coord")?) {
             (Some(shape), _) => shape.first().copied(),
             (None, Some(shape)) => shape.get(1).copied(),
@@ -128,7 +128,7 @@ impl Part {
             let error = Error::run("the netCDF file is no Exodus file: it holds no nodes");
             error.expected("the variables coordx, coordy, coordz; ParaView reads other netCDF files and saves them as .vtu")
         })?;
-        Ok(Part {
+        Ok(ProcessFile {
             node_count,
             blocks: element_blocks(&variables)?,
             times: variables.numbers("time_whole")?,
@@ -167,7 +167,7 @@ fn element_blocks(variables: &Variables) -> Result<Vec<ElementBlock>> {
 const MAX_BLOCKS: usize = 1 << 24;
 
 /// Puts the contents of the files of all processes together.
-fn dataset(parts: Vec<Part>, request: &Request) -> Result<Dataset> {
+fn dataset(parts: Vec<ProcessFile>, request: &Request) -> Result<Dataset> {
     let mut numbers: HashMap<i64, usize> = HashMap::new();
     let mut dataset = Dataset::default();
     for block in parts.iter().flat_map(|part| &part.blocks) {
@@ -230,7 +230,7 @@ fn sets(variables: &Variables) -> Result<Vec<String>> {
 
 /// The blocks of a file that are read, at a step.
 struct Selection<'a> {
-    part: &'a Part,
+    part: &'a ProcessFile,
     step: Option<u64>,
     /// True if the file is that of one of several processes.
     is_part: bool,

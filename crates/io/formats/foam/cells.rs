@@ -17,7 +17,7 @@ pub(super) struct MeshPaths {
 }
 
 /// Faces with their cells.
-pub(super) struct Faces {
+pub(super) struct FaceCells {
     points: Vec<u32>,
     ends: Vec<u32>,
     owner: Vec<u32>,
@@ -25,9 +25,9 @@ pub(super) struct Faces {
     pub cell_count: usize,
 }
 
-impl Faces {
+impl FaceCells {
     /// Reads them.
-    pub fn read(mesh: &MeshPaths) -> Result<Faces> {
+    pub fn read(mesh: &MeshPaths) -> Result<FaceCells> {
         let labels = |path: &PathBuf| FoamFile::open(path, false)?.labels();
         let (points, ends) = FoamFile::open(&mesh.faces, false)?.faces()?;
         let (owner, neighbour) = (labels(&mesh.owner)?, labels(&mesh.neighbour)?);
@@ -43,7 +43,7 @@ impl Faces {
         if cell_count > owner.len() + neighbour.len() {
             return Err(misfit("cells", cell_count, "no more than its faces have", &mesh.owner));
         }
-        Ok(Faces { points, ends, owner, neighbour, cell_count })
+        Ok(FaceCells { points, ends, owner, neighbour, cell_count })
     }
 
     /// Points of a face.

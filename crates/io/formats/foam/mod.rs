@@ -7,7 +7,7 @@
 mod cells;
 mod file;
 
-use self::cells::{CellZones, Faces, MeshPaths};
+use self::cells::{CellZones, FaceCells, MeshPaths};
 use self::file::{FieldValues, FoamFile, existing, misfit};
 use super::blocks::selected;
 use super::contents::{CellBlocks, Compute, Dataset, Encoding, Piece, PieceArray, Stored};
@@ -49,21 +49,21 @@ fn has_mesh(folder: &Path) -> bool {
 }
 
 /// A folder with a mesh and times: of the case, or of one of its processors.
-struct Part {
+struct CaseFolder {
     folder: PathBuf,
     /// Times in ascending order and the names of their folders.
     times: Vec<(f64, String)>,
 }
 
-impl Part {
-    fn of_folder(folder: PathBuf) -> Part {
+impl CaseFolder {
+    fn of_folder(folder: PathBuf) -> CaseFolder {
         let mut times: Vec<(f64, String)> = names(&folder)
             .into_iter()
             .filter(|name| folder.join(name).is_dir())
             .filter_map(|name| Some((name.parse().ok().filter(|time: &f64| time.is_finite())?, name)))
             .collect();
         times.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Part { folder, times }
+        CaseFolder { folder, times }
     }
 
     /// The file of the mesh that was written last until a time.
@@ -101,14 +101,15 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 /// The folders that are read: of the case, or those of its processors where it has no mesh or later times there.
-fn parts(folder: &Path) -> Result<(Vec<Part>, bool)> {
-    let whole = Part::of_folder(folder.to_owned());
+fn parts(folder: &Path) -> Result<(Vec<CaseFolder>, bool)> {
+    let whole = CaseFolder::of_folder(folder.to_owned());
     let number = |name: &String| name.strip_prefix("processor").and_then(|number| number.parse::<u32>().ok());
     let mut processors: Vec<String> =
         names(folder).into_iter().filter(|name| number(name).is_some()).collect();
     processors.sort_by_key(number);
-    let processors: Vec<Part> = processors.iter().map(|name| Part::of_folder(folder.join(name))).collect();
-    let last = |part: &Part| part.times.last().map(|step| step.0);
+    let processors: Vec<CaseFolder> =
+        processors.iter().map(|name| CaseFolder::of_folder(folder.join(name))).collect();
+    let last = |part: &CaseFolder| part.times.last().map(|step| step.0);
     let has_later = processors.first().is_some_and(|first| last(first) > last(&whole));
     match (has_mesh(folder), processors.is_empty()) {
         (true, true) => Ok((vec![whole], false)),
@@ -138,7 +139,8 @@ pub(super) fn open(folder: &Path, request: &Request) -> Result<(Dataset, Arc<Sou
         None => (None, f64::INFINITY),
         Some((time, name)) => (Some(name.as_str()), *time),
     };
-    let meshes = parts.iter().map(|part| PartMesh::open(part, time)).collect::<Result<Vec<PartMesh>>>()?;
+    let meshes =
+        parts.iter().map(|part| FolderMesh::open(part, time)).collect::<Result<Vec<FolderMesh>>>()?;
     dataset.blocks = block_names(&meshes);
     let is_selected = selected(&dataset.blocks, request)?;
     for (part, mesh) in parts.iter().zip(meshes) {
@@ -168,25 +170,25 @@ fn cell_count(mesh: &MeshPaths) -> Result<u64> {
     let noted = head.note.split("nCells:").nth(1).and_then(|rest| rest.split_whitespace().next());
     match noted.and_then(|word| word.parse().ok()) {
         Some(count) => Ok(count),
-        None => Faces::read(mesh).map(|faces| faces.cell_count as u64),
+        None => FaceCells::read(mesh).map(|faces| faces.cell_count as u64),
     }
 }
 
 /// The mesh of a part, of which the cells are not yet read.
-struct PartMesh {
+struct FolderMesh {
     paths: MeshPaths,
     point_count: u64,
     cell_count: u64,
     zones: CellZones,
 }
 
-impl PartMesh {
-    fn open(part: &Part, time: f64) -> Result<PartMesh> {
+impl FolderMesh {
+    fn open(part: &CaseFolder, time: f64) -> Result<FolderMesh> {
         let paths = part.mesh(time)?;
         let point_count = FoamFile::open(&paths.points, true)?.point_count()?;
         let cell_count = cell_count(&paths)?;
         let zones = CellZones::read(&paths, cell_count)?;
-        Ok(PartMesh { paths, point_count, cell_count, zones })
+        Ok(FolderMesh { paths, point_count, cell_count, zones })
     }
 }
 
@@ -194,7 +196,7 @@ impl PartMesh {
 const NO_ZONE: &str = "no zone";
 
 /// Names of the zones of all parts; of none where there are no zones.
-fn block_names(meshes: &[PartMesh]) -> Vec<String> {
+fn block_names(meshes: &[FolderMesh]) -> Vec<String> {
     let mut blocks: Vec<String> = Vec::new();
     for name in meshes.iter().flat_map(|mesh| &mesh.zones.names) {
         if !blocks.contains(name) {
@@ -293,7 +295,7 @@ fn piece(
 fn read_mesh(mesh: &MeshPaths, cell_count: u64, selection: &CellSelection) -> Result<(Vec<DVec3>, Cells)> {
     let coordinates = FoamFile::open(&mesh.points, false)?.points()?;
     let points = coordinates.as_chunks().0.iter().map(|&point| DVec3::from_array(point)).collect();
-    let faces = Faces::read(mesh)?;
+    let faces = FaceCells::read(mesh)?;
     if faces.cell_count as u64 != cell_count {
         return Err(misfit("cells", faces.cell_count, format!("{cell_count}, as it notes"), &mesh.owner));
     }

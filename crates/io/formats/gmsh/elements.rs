@@ -10,7 +10,7 @@ use voltet_core::grid::code;
 use voltet_core::{Error, Result};
 
 /// A type of volume elements.
-pub(super) struct ElementType {
+pub(super) struct GmshElement {
     /// Number of the type.
     number: u64,
     /// Type code of VTK.
@@ -19,12 +19,12 @@ pub(super) struct ElementType {
     pub order: &'static [u8],
 }
 
-const fn element(number: u64, code: u8, order: &'static [u8]) -> ElementType {
-    ElementType { number, code, order }
+const fn element(number: u64, code: u8, order: &'static [u8]) -> GmshElement {
+    GmshElement { number, code, order }
 }
 
 /// The volume elements that are read. Gmsh's pyramid of 14 nodes has one in the middle of its base, which VTK's has not.
-const VOLUMES: [ElementType; 12] = [
+const VOLUMES: [GmshElement; 12] = [
     element(4, code::TETRA, &[0, 1, 2, 3]),
     element(5, code::HEXAHEDRON, &[0, 1, 2, 3, 4, 5, 6, 7]),
     element(6, code::WEDGE, &[0, 1, 2, 3, 4, 5]),
@@ -103,7 +103,7 @@ const PASSED_OVER: [(u64, u16); 47] = [
 /// An element of a file.
 pub(super) struct MeshElement<'a> {
     /// Its type; `None` where it is no volume.
-    pub volume: Option<&'static ElementType>,
+    pub volume: Option<&'static GmshElement>,
     pub tag: u64,
     /// Number of its physical group; 0: none.
     pub group: i64,
@@ -124,7 +124,7 @@ pub(super) fn each(
 }
 
 /// The type with this number, and how many nodes it has.
-fn element_type(cursor: &Cursor, number: u64) -> Result<(Option<&'static ElementType>, usize)> {
+fn element_type(cursor: &Cursor, number: u64) -> Result<(Option<&'static GmshElement>, usize)> {
     if let Some(volume) = VOLUMES.iter().find(|volume| volume.number == number) {
         let count = if number == 14 { 14 } else { volume.order.len() };
         return Ok((Some(volume), count));
@@ -158,7 +158,7 @@ fn each_of_4(
 
 /// Volume elements of an entity of version 4.1.
 struct EntityElements {
-    volume: &'static ElementType,
+    volume: &'static GmshElement,
     group: i64,
     count: u64,
     node_count: usize,
@@ -208,7 +208,7 @@ fn skip_elements(cursor: &mut Cursor, count: u64, node_count: usize) -> Result<(
 pub(super) fn count(
     cursor: &mut Cursor,
     groups: Option<&HashMap<i64, i64>>,
-    mut visit: impl FnMut(&'static ElementType, i64, u64, usize),
+    mut visit: impl FnMut(&'static GmshElement, i64, u64, usize),
 ) -> Result<()> {
     match groups {
         Some(groups) => each_entity(cursor, groups, &mut |cursor, entity| {

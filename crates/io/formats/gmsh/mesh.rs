@@ -13,7 +13,7 @@ use voltet_core::{Error, Result};
 
 /// A part of the file.
 #[derive(Clone, Default)]
-pub(super) struct Section {
+pub(super) struct MeshSection {
     pub start: u64,
     pub end: u64,
     pub line: usize,
@@ -24,8 +24,8 @@ pub(super) struct MeshFile {
     pub source: Arc<Source>,
     pub version: f64,
     pub binary: Option<ByteOrder>,
-    pub nodes: Section,
-    pub elements: Section,
+    pub nodes: MeshSection,
+    pub elements: MeshSection,
     /// Physical groups of the volumes of version 4.
     pub group_of_volume: HashMap<i64, i64>,
     /// Physical groups of the volume elements, in the order of blocks; 0: none.
@@ -40,7 +40,7 @@ pub(super) struct MeshFile {
 
 /// Numbers of the volume elements of a group, or of all that are read.
 #[derive(Default)]
-pub(super) struct Counts {
+pub(super) struct GroupCounts {
     pub cells: u64,
     pub corners: u64,
     /// Pyramids of 14 nodes.
@@ -59,7 +59,7 @@ pub(super) struct Volumes {
 
 impl MeshFile {
     /// At the beginning of a section; `is_binary`: if its numbers are bytes in a file of bytes.
-    pub fn cursor(&self, section: &Section, is_binary: bool) -> Cursor {
+    pub fn cursor(&self, section: &MeshSection, is_binary: bool) -> Cursor {
         let mut cursor = Cursor::within(&self.source, section.start, section.end, section.line);
         cursor.binary = self.binary.filter(|_| is_binary);
         cursor
@@ -94,9 +94,9 @@ impl MeshFile {
     }
 
     /// Finds the physical groups of the volume elements, and counts these and their nodes by group. Groups with a name stand first.
-    pub fn find_groups(&mut self, names: &[(i64, String)]) -> Result<Vec<Counts>> {
+    pub fn find_groups(&mut self, names: &[(i64, String)]) -> Result<Vec<GroupCounts>> {
         let mut groups: Vec<i64> = names.iter().map(|name| name.0).collect();
-        let mut counts: Vec<Counts> = groups.iter().map(|_| Counts::default()).collect();
+        let mut counts: Vec<GroupCounts> = groups.iter().map(|_| GroupCounts::default()).collect();
         let mut place = 0;
         count(
             &mut self.cursor(&self.elements, true),
@@ -107,7 +107,7 @@ impl MeshFile {
                 }
                 if place == groups.len() {
                     groups.push(group);
-                    counts.push(Counts::default());
+                    counts.push(GroupCounts::default());
                 }
                 let corner_count = volume.order.len();
                 let own = &mut counts[place];
@@ -273,8 +273,8 @@ pub(super) fn header(cursor: &mut Cursor, source: &Arc<Source>) -> Result<MeshFi
         source: source.clone(),
         version,
         binary,
-        nodes: Section::default(),
-        elements: Section::default(),
+        nodes: MeshSection::default(),
+        elements: MeshSection::default(),
         group_of_volume: HashMap::new(),
         groups: Vec::new(),
         is_selected: Vec::new(),

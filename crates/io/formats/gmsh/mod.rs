@@ -9,7 +9,7 @@ mod elements;
 mod mesh;
 mod views;
 
-use self::mesh::{Counts, MeshFile, Section, header};
+use self::mesh::{GroupCounts, MeshFile, MeshSection, header};
 use self::views::View;
 use super::blocks::selected;
 use super::contents::{CellBlocks, Compute, Dataset, Encoding, Piece, PieceArray, Stored};
@@ -63,7 +63,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     let blocks = block_names(&file.groups, &names);
     file.is_selected = selected(&blocks, request)?;
     file.is_selected.resize(file.groups.len(), true);
-    let mut counts = Counts::default();
+    let mut counts = GroupCounts::default();
     for (own, _) in of_groups.iter().zip(&file.is_selected).filter(|group| *group.1) {
         counts.cells += own.cells;
         counts.corners += own.corners;
@@ -108,7 +108,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
 }
 
 /// The next section and its name; `None` at the end of the file.
-fn next_section(cursor: &mut Cursor) -> Result<Option<(String, Section)>> {
+fn next_section(cursor: &mut Cursor) -> Result<Option<(String, MeshSection)>> {
     while let Some(line) = cursor.line()? {
         let line = String::from_utf8_lossy(line.trim_ascii()).into_owned();
         let Some(name) = line.strip_prefix('$').filter(|name| *name != "EndMeshFormat") else { continue };
@@ -118,7 +118,7 @@ fn next_section(cursor: &mut Cursor) -> Result<Option<(String, Section)>> {
                 .got(format_args!("a section ${name} without its end"))
                 .at_line(line)
         })?;
-        return Ok(Some((name.to_owned(), Section { start, end, line })));
+        return Ok(Some((name.to_owned(), MeshSection { start, end, line })));
     }
     Ok(None)
 }
@@ -204,7 +204,7 @@ fn block_names(groups: &[i64], names: &[(i64, String)]) -> Vec<String> {
     groups.iter().map(name).collect()
 }
 
-fn piece(file: Arc<MeshFile>, node_count: u64, counts: &Counts, arrays: Vec<views::ViewArray>) -> Piece {
+fn piece(file: Arc<MeshFile>, node_count: u64, counts: &GroupCounts, arrays: Vec<views::ViewArray>) -> Piece {
     let point_count = if file.is_split { counts.corners } else { node_count };
     let arrays = arrays.into_iter().map(|array| {
         let (association, component_count) = (array.association(), array.component_count());
