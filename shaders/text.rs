@@ -124,6 +124,8 @@ mod tests {
         "numbers",
         "members",
         "segment",
+        "straight_segment",
+        "axes",
         "finish",
         "wave_mean_on_flank",
         "positions",

@@ -168,7 +168,10 @@ impl CurvedAxes {
         line: impl Fn(f64, usize) -> f64,
         put: &mut impl FnMut(StraightPiece),
     ) {
-        let is_short = |axis: usize| (last[axis] - first[axis]).abs() <= STRAIGHT * self.axes[axis].step;
+        let is_short = |axis: usize| {
+            let CurvedAxis { scale, step, .. } = &self.axes[axis];
+            *scale == AxisScale::Linear || (last[axis] - first[axis]).abs() <= STRAIGHT * step
+        };
         if is_short(0) && is_short(1) {
             return put(StraightPiece { shares: [from, to], ends: [first, last] });
         }

@@ -1,6 +1,6 @@
 //! The table of twins: each WGSL formula with its 64-bit truth, its range and its tolerance.
 
-use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Wave, Widget};
+use voltet_core::transfer::{AxisScale, OpticalModel, Profile, TransferFunction, Wave, Widget};
 use voltet_optics::clip::ClippedSpan;
 use voltet_optics::kinds::gaussian::GaussianPath;
 use voltet_optics::kinds::triangular_gaussian::TriangularPath;
@@ -117,6 +117,24 @@ fn waves(sine: bool, width: f64, peak: Option<f64>) -> Twin {
     Twin { generated, ..made }
 }
 
+/// Numbers of an axis whose positions are decades as they are, with 1/c = 100 where it is symmetric.
+const DECADES: &str = "
+fn number(index: u32) -> f32 { return select(select(0.0, 100.0, index == 6u), 0.30102999566398, index == 0u); }
+";
+
+/// Position of a value on a logarithmic axis.
+fn position(
+    name: &'static str,
+    piece: &'static str,
+    call: &str,
+    scale: AxisScale,
+    values: &'static [Range],
+) -> Twin {
+    let truth = move |x: &[f64; INPUTS]| scale.position(x[0]);
+    let made = twin(name, piece, call, values, (4.0, "the logarithm's own error, in decades"), truth);
+    Twin { generated: DECADES, ..made }
+}
+
 /// Triangular Gaussian of three fields, with a width of 1 at the back.
 const TRIANGULAR_OF_FIELDS: &str = "fn triangular_of_fields(x: vec4f) -> f32 {
     let front = Fields(x.x, x.y, 0.3, 0.0, 0.0, 0.0, 0.0, 0.0);
@@ -141,6 +159,14 @@ pub fn twins() -> Vec<Twin> {
             &[Range::Log(-30.0, 30.0)],
             (4.0, "the device's own errs by 2^-21 between 1 and 2"),
             |x| x[0].log2(),
+        ),
+        position("log axis", "axes/log", "log_position(0u, x.x)", AxisScale::Log, &[Range::Log(-30.0, 30.0)]),
+        position(
+            "symlog axis",
+            "axes/symlog",
+            "symlog_position(0u, x.x)",
+            AxisScale::SymLog { linear_below: 1e-2 },
+            &[Range::Log(-1.0, 12.0)],
         ),
         twin(
             "exp",

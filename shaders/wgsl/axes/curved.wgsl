@@ -1,4 +1,4 @@
-// Uses: elementary/exponential, elementary/one_minus_exp. Fills: segment. Asks for: straight_segment, axis_position, axis_value, with_positions, number.
+// Uses: elementary/exponential, elementary/one_minus_exp. Fills: segment. Asks for: straight_segment, axes, values, numbers.
 // Segments along logarithmic axes, cut into pairs of straight pieces; twin of `optics::curved_axes`, which derives them.
 //
 // Values are linear along a segment and counted from 0; widgets stand at positions. A segment is walked from front to back, by shares

@@ -1,4 +1,4 @@
-// Uses: axes/binary_logarithm. Fills: nothing. Asks for: number.
+// Uses: axes/binary_logarithm. Fills: nothing. Asks for: numbers.
 // A logarithmic axis: log₁₀ of the value. Numbers of an axis stand as `axes/curved` says.
 
 // Position of a stored value > 0, as widgets' numbers are stored.

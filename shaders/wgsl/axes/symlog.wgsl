@@ -1,4 +1,4 @@
-// Uses: axes/binary_logarithm. Fills: nothing. Asks for: number.
+// Uses: axes/binary_logarithm. Fills: nothing. Asks for: numbers.
 // A symmetric logarithmic axis: sign(x) log₁₀(1 + |x|/c). Numbers of an axis stand as `axes/curved` says.
 
 // Position of a stored value, as widgets' numbers are stored.

@@ -5,6 +5,7 @@ mod diff;
 #[cfg(feature = "editor")]
 mod edit;
 mod explain;
+mod first_view;
 mod gradient_test;
 mod info;
 mod nodes;
