@@ -252,7 +252,7 @@ fn read_hdf5(source: &Source, root: &hdf5::Group, request: &Request) -> Result<D
 }
 
 /// File types of the reader, for its help.
-pub const FILES: &str = "VTK, VTKHDF, Exodus II, OpenFOAM (folder or .foam), CGNS, XDMF, Gmsh, EnSight, Tecplot, UCD, Abaqus, SU2, Nastran, PLOT3D";
+pub const FILES: &str = "VTK, VTKHDF, Exodus II, OpenFOAM (folder, .foam), CGNS, XDMF, Gmsh, EnSight, Tecplot, UCD, Abaqus, SU2, Nastran, PLOT3D";
 
 /// File types of several formats, in one phrase.
 fn files(mut formats: impl Iterator<Item = &'static Format>) -> String {
