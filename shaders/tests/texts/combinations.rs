@@ -38,7 +38,7 @@ const WORDS: [(&str, &[&str]); KINDS] = [
 ];
 
 fn wave(angle: f64) -> Wave {
-    Wave { origin: [0.1, 0.2], angle, scale: [1.0; 2], period: 0.1, band_width: 0.5 }
+    Wave { origin: [0.1, 0.2], angle, scale: [1.0; 2], period: 0.4, band_width: 0.5 }
 }
 
 /// One profile for each entry of [`WORDS`].
