@@ -50,7 +50,7 @@ impl GridSize {
                     + size_of_val(&set.types[..]);
                 (set.types.iter().map(|&cell| tetrahedra_of(cell)).sum(), Some(bytes as u64))
             }
-            Cells::Structured(_) => (6 * cells.count() as u64, Some(0)),
+            Cells::Structured(_) => ((cells.count() as u64).saturating_mul(6), Some(0)),
         };
         self.tetrahedra = self.tetrahedra.saturating_add(tetrahedra);
         self.split = match (self.split, bytes) {

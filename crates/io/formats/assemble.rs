@@ -1,7 +1,8 @@
 //! From the table of contents to the grid: decodes what is asked for, has pieces put together and tetrahedra built.
 
 use super::contents::{
-    BLOCK, CellBlocks, DEGREES, Dataset, GHOST_LEVELS, GHOST_TYPE, GLOBAL_IDS, Geometry, Meter, Piece,
+    BLOCK, CellBlocks, DEGREES, Dataset, ExternalFormat, GHOST_LEVELS, GHOST_TYPE, GLOBAL_IDS, Geometry,
+    Meter, Piece, grid_of, structured_counts,
 };
 use super::request::{ArraySelection, Component, Request};
 use super::{blocks, cells, hexahedra, request};
@@ -27,14 +28,7 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     let meter = Meter::new(progress, dataset.file_bytes);
     let pieces: Vec<&Piece> =
         dataset.pieces.iter().filter(|p| p.cell_count > 0 && p.point_count > 0).collect();
-    let external = pieces.iter().find_map(|piece| match &piece.geometry {
-        Geometry::Added(external) => Some(external),
-        _ => None,
-    });
-    if let Some(external) = external {
-        let choices = choices(dataset, request)?;
-        external.fetch(|name, association| is_read(&choices, name, association), progress)?;
-    }
+    let external = fetch(dataset, &pieces, request, progress)?;
     let cells: Vec<Cells> = of_each(pieces.clone(), |piece| cells::load(piece, &meter))?;
     check_dimension(&cells)?;
 
@@ -63,7 +57,7 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     parts.origin.warnings.extend(dataset.warnings.iter().cloned());
     parts.origin.warnings.extend(sentences);
     parts.origin.blocks.clone_from(&dataset.blocks);
-    parts.origin.warnings.extend(external.into_iter().flat_map(|external| external.ready().warnings.clone()));
+    parts.origin.warnings.extend(external.iter().flat_map(|external| external.ready().warnings.clone()));
     parts.origin.time = match dataset.time_steps.as_slice() {
         [] => dataset.time,
         times => Some(times[request.step_index(times)?]),
@@ -75,6 +69,37 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
         (parts.origin.arrays_unread, parts.origin.values_unread) = (left.arrays, left.value_count);
     }
     grid::build(parts, &request.options, progress)
+}
+
+/// Checks that memory holds the grids that are made by code, and reads the first with its arrays. Gives the files of all.
+///
+/// Errors: memory ends before all are there.
+fn fetch<'a>(
+    dataset: &Dataset,
+    pieces: &[&'a Piece],
+    request: &Request,
+    progress: &dyn Progress,
+) -> Result<Vec<&'a ExternalFormat>> {
+    let external: Vec<&ExternalFormat> = pieces
+        .iter()
+        .filter_map(|piece| match &piece.geometry {
+            Geometry::Added(external) => Some(&**external),
+            _ => None,
+        })
+        .collect();
+    if external.is_empty() {
+        return Ok(external);
+    }
+    let choices = choices(dataset, request)?;
+    let places = |own: &ExternalFormat| own.places(|name, association| is_read(&choices, name, association));
+    let bytes = external.iter().map(|own| own.byte_count(true, &places(own))).fold(0, u64::saturating_add);
+    let cell_count = pieces.iter().map(|piece| piece.cell_count).fold(0, u64::saturating_add);
+    progress::refuse_beyond_memory(progress, || grid_of(point_count(pieces), cell_count), bytes)?;
+    // A reader from outside has one piece, and is called from here; pieces of others are read side by side as they are taken.
+    if let Some(first) = external.first() {
+        first.read(true, &places(first), progress)?;
+    }
+    Ok(external)
 }
 
 /// Work on pieces, side by side. Errors: that of the first piece that has one.
@@ -110,6 +135,11 @@ fn is_read(choices: &[ArraySelection], name: &str, association: Association) -> 
         || [GHOST_TYPE, GHOST_LEVELS, DEGREES].contains(&name)
 }
 
+/// Points of pieces.
+fn point_count(pieces: &[&Piece]) -> u64 {
+    pieces.iter().map(|piece| piece.point_count).fold(0, u64::saturating_add)
+}
+
 /// An early error where the grid would not fit into memory. The cells of the file are there already.
 fn refuse_beyond_memory(
     pieces: &[&Piece],
@@ -117,8 +147,7 @@ fn refuse_beyond_memory(
     array_count: usize,
     progress: &dyn Progress,
 ) -> Result<()> {
-    let mut size =
-        GridSize { points: pieces.iter().map(|piece| piece.point_count).sum(), ..GridSize::default() };
+    let mut size = GridSize { points: point_count(pieces), ..GridSize::default() };
     cells.iter().for_each(|cells| size.add(cells));
     let further = (array_count as u64)
         .saturating_sub(1)
@@ -381,24 +410,38 @@ pub(super) fn load_points(piece: &Piece, meter: &Meter) -> Result<Vec<DVec3>> {
         Geometry::Rectilinear { axes, .. } => {
             let [x, y, z] = &**axes;
             let (x, y, z): (Vec<f64>, Vec<f64>, Vec<f64>) = (x.load(meter)?, y.load(meter)?, z.load(meter)?);
-            Ok(lattice([x.len(), y.len(), z.len()], |[i, j, k]| DVec3::new(x[i], y[j], z[k])))
+            lattice([&x, &y, &z].map(|axis| axis.len() as u64), meter, |[i, j, k]| {
+                DVec3::new(x[i], y[j], z[k])
+            })
         }
         &Geometry::Uniform { dimensions, first, origin, spacing, direction } => {
-            Ok(lattice(dimensions.map(|n| n as usize), |index| {
+            lattice(dimensions, meter, |index| {
                 let index = DVec3::from_array(index.map(|i| i as f64));
                 origin + direction * (spacing * (first + index))
-            }))
+            })
         }
     }
 }
 
-/// Points of a structured grid, the first index running fastest.
-fn lattice([nx, ny, nz]: [usize; 3], position: impl Fn([usize; 3]) -> DVec3 + Sync) -> Vec<DVec3> {
-    let mut points = vec![DVec3::ZERO; nx * ny * nz];
+/// Points of a structured grid, the first index running fastest. Errors: a grid numbers no more than 32 bits can, or memory ends.
+fn lattice(
+    dimensions: [u64; 3],
+    meter: &Meter,
+    position: impl Fn([usize; 3]) -> DVec3 + Sync,
+) -> Result<Vec<DVec3>> {
+    let count = structured_counts(dimensions)?.0;
+    let what = || counted(count, "point");
+    if count > u64::from(u32::MAX) {
+        let error = Error::run("the grid has too many points").got(count);
+        return Err(error.expected(format_args!("at most {}", u32::MAX)));
+    }
+    progress::refuse_beyond_memory(meter.progress(), what, count.saturating_mul(size_of::<DVec3>() as u64))?;
+    let [nx, ny, _] = dimensions.map(|n| n as usize);
+    let mut points = vec![DVec3::ZERO; count as usize];
     points.par_chunks_mut(nx.max(1)).enumerate().for_each(|(row, points)| {
         for (i, point) in points.iter_mut().enumerate() {
             *point = position([i, row % ny, row / ny]);
         }
     });
-    points
+    Ok(points)
 }

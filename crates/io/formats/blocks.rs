@@ -26,7 +26,9 @@ pub fn blocks_named(blocks: &[String], words: &[String]) -> Result<Vec<bool>> {
     let mut is_named = vec![false; blocks.len()];
     for word in words {
         let mut is_found = false;
-        for (named, _) in is_named.iter_mut().zip(blocks).filter(|(_, name)| names(word, name)) {
+        for (named, _) in
+            is_named.iter_mut().zip(blocks).filter(|(_, name)| fits(word.as_bytes(), name.as_bytes()))
+        {
             (*named, is_found) = (true, true);
         }
         if !is_found {
@@ -44,11 +46,6 @@ fn unknown(blocks: &[String], word: &str) -> Error {
     }
     let error = Error::run("there is no such block").got(format_args!("'{word}'"));
     error.expected(suggest(word, blocks.iter().map(String::as_str)))
-}
-
-/// True if a word names a block or a group that it is in.
-fn names(word: &str, name: &str) -> bool {
-    word == name || fits(word.as_bytes(), name.as_bytes())
 }
 
 /// True if a text, or a part of it that ends before a `/`, is a pattern's, in which `*` stands for any letters.
@@ -101,6 +98,10 @@ pub(super) fn number_cells(dataset: &mut Dataset, request: &Request, source: &Ar
         piece.arrays.push(block_array(piece, source));
     }
     if has_own {
+        let has_points = |piece: &Piece| piece.array(Association::Point, BLOCK).is_some();
+        if dataset.active_scalars.as_deref() == Some(BLOCK) && !dataset.pieces.iter().any(has_points) {
+            dataset.active_scalars = Some(OWN_BLOCK.to_owned());
+        }
         dataset.warnings.push(format!(
             "The file's own cell array '{BLOCK}' is read as '{OWN_BLOCK}'; '{BLOCK}' holds the number of each cell's block."
         ));

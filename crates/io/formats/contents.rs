@@ -56,6 +56,23 @@ pub(super) struct Dataset {
     pub file_bytes: u64,
 }
 
+impl Dataset {
+    /// Notes the times of the first of its parts that has some as its own; `parts`: what they are. Errors: they are no times, or
+    /// others than those.
+    pub fn note_times(&mut self, times: &[f64], parts: &str) -> Result<()> {
+        if times.is_empty() || times.iter().any(|time| !time.is_finite()) {
+            let error = Error::run("the times of the steps are damaged");
+            return Err(error.expected("at least one finite time"));
+        }
+        if self.time_steps.is_empty() {
+            self.time_steps = times.to_vec();
+        } else if self.time_steps != times {
+            return Err(Error::run(format!("the {parts} differ in their time steps")));
+        }
+        Ok(())
+    }
+}
+
 /// One part: its own points and cells.
 pub(super) struct Piece {
     pub point_count: u64,
@@ -70,7 +87,6 @@ pub(super) struct Piece {
 
 /// Blocks of the cells of a piece, by their numbers in [`Dataset::blocks`].
 #[derive(Clone)]
-#[allow(dead_code, reason = "formats whose pieces hold several blocks are added one by one")]
 pub(super) enum CellBlocks {
     /// One for all cells.
     One(usize),
@@ -326,30 +342,28 @@ impl ExternalFormat {
         self.ready.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Reads the grid and the arrays that are `wanted`, at once, as they are taken afterwards.
-    ///
-    /// Errors: memory ends before they are there.
-    pub fn fetch(&self, wanted: impl Fn(&str, Association) -> bool, progress: &dyn Progress) -> Result<()> {
-        let head = self.open.head();
-        let mut bytes = head.point_count.saturating_mul(24).saturating_add(head.cell_bytes);
-        let mut places = Vec::new();
-        for (place, array) in head.arrays.iter().enumerate() {
-            if wanted(&array.name, array.association) {
-                places.push(place);
-                let numbers = head.tuple_count(array).saturating_mul(array.component_count as u64);
-                bytes = bytes.saturating_add(numbers.saturating_mul(8));
-            }
-        }
-        let what = || {
-            let (points, cells) = (counted(head.point_count, "point"), counted(head.cell_count, "cell"));
-            format!("a grid of {points} and {cells}")
-        };
-        refuse_beyond_memory(progress, what, bytes)?;
-        self.read(true, &places, progress)
+    /// Places of its arrays that are `wanted`.
+    pub fn places(&self, wanted: impl Fn(&str, Association) -> bool) -> Vec<usize> {
+        let arrays = self.open.head().arrays.iter().enumerate();
+        arrays.filter(|(_, array)| wanted(&array.name, array.association)).map(|(place, _)| place).collect()
     }
 
+    /// Bytes that the grid and the arrays at these places take.
+    pub fn byte_count(&self, geometry: bool, places: &[usize]) -> u64 {
+        let head = self.open.head();
+        let grid =
+            if geometry { head.point_count.saturating_mul(24).saturating_add(head.cell_bytes) } else { 0 };
+        let numbers =
+            |array: &FileArray| head.tuple_count(array).saturating_mul(array.component_count as u64);
+        let arrays = places.iter().filter_map(|&place| head.arrays.get(place));
+        arrays.fold(grid, |sum, array| sum.saturating_add(numbers(array).saturating_mul(8)))
+    }
+
+    /// Reads the grid, if `geometry`, and the arrays at these places, as they are taken afterwards. The caller has refused what is
+    /// beyond memory.
+    ///
     /// Errors: the reader fails, or gives more or less than its head says.
-    fn read(&self, geometry: bool, places: &[usize], progress: &dyn Progress) -> Result<()> {
+    pub fn read(&self, geometry: bool, places: &[usize], progress: &dyn Progress) -> Result<()> {
         let (head, read) = (self.open.head(), self.open.read(geometry, places, progress)?);
         let points = (read.points.as_ref().map_or(0, Vec::len), head.point_count, "all points");
         let cells = (read.cells.as_ref().map_or(0, Cells::count), head.cell_count, "all cells");
@@ -369,6 +383,8 @@ impl ExternalFormat {
     }
 
     /// A part by the function that takes it from what was read: the geometry, or the array at a place. Read now if it is not there.
+    ///
+    /// Errors: as [`read`](Self::read); memory ends before it is there.
     pub fn take<T>(
         &self,
         array: Option<usize>,
@@ -378,9 +394,17 @@ impl ExternalFormat {
         if let Some(taken) = take(&mut self.ready()) {
             return Ok(taken);
         }
+        let head = self.open.head();
+        let what = || grid_of(head.point_count, head.cell_count);
+        refuse_beyond_memory(progress, what, self.byte_count(array.is_none(), array.as_slice()))?;
         self.read(array.is_none(), array.as_slice(), progress)?;
         take(&mut self.ready()).ok_or_else(|| Error::run("the reader did not give what was asked for"))
     }
+}
+
+/// "a grid of 8 points and 1 cell".
+pub(super) fn grid_of(point_count: u64, cell_count: u64) -> String {
+    format!("a grid of {} and {}", counted(point_count, "point"), counted(cell_count, "cell"))
 }
 
 /// "64 tuples of 3 components".

@@ -11,7 +11,8 @@ use super::source::Source;
 use super::xml::{beside, open_named};
 use hdf5_reader::messages::{HdfMessage, layout::DataLayout};
 use hdf5_reader::{
-    Datatype, Hdf5File, OpenOptions, RangeRequestStorage, SliceInfo, SliceInfoElem, Storage, VarLenKind,
+    Datatype, Hdf5File, OpenOptions, RangeRequestStorage, SliceInfo, SliceInfoElem, Storage, StringSize,
+    VarLenKind,
 };
 use std::ops::Range;
 use std::path::PathBuf;
@@ -391,10 +392,12 @@ impl Array {
         number_type(self.dataset.dtype()).is_some()
     }
 
-    /// An attribute of text, if there is one.
-    pub fn text_attribute(&self, name: &str) -> Option<String> {
-        let text = self.dataset.attribute(name).ok()?.read_strings().ok()?;
-        text.into_iter().next().map(|text| trimmed(&text))
+    /// An attribute of text, if there is one. Errors: it is damaged, or no text.
+    pub fn text_attribute(&self, name: &str) -> Result<Option<String>> {
+        let found = optional(&self.path, self.dataset.attribute(name))?;
+        let text = found.map(|attribute| attribute.read_strings()).transpose();
+        let text = text.map_err(|error| damaged(&format!("{}/{name}", self.path), &error))?;
+        Ok(text.and_then(|texts| texts.into_iter().next()).map(|text| trimmed(&text)))
     }
 
     fn wrong(&self, what: &str) -> Error {
@@ -496,28 +499,39 @@ impl Array {
         self.stored(&self.path, 1)?.load(&meter)
     }
 
-    /// Rows of text of an array of single characters, each up to its first empty one.
+    /// True if it holds single bytes of text, as netCDF writes characters.
+    fn has_letters(&self) -> bool {
+        matches!(self.dataset.dtype(), Datatype::String { size: StringSize::Fixed(1), .. })
+    }
+
+    /// Texts: those of an array of texts, or the rows of one of characters, each up to its first empty one.
     pub fn rows_of_text(&self) -> Result<Vec<String>> {
-        let letters: Vec<String> = match self.is_text() {
-            true => self.dataset.read_strings().map_err(|error| damaged(&self.path, &error))?,
-            false => self.numbers::<u8>()?.into_iter().map(|byte| char::from(byte).to_string()).collect(),
-        };
+        if self.is_text() && !self.has_letters() {
+            let texts = self.dataset.read_strings().map_err(|error| damaged(&self.path, &error))?;
+            return Ok(texts.iter().map(|text| trimmed(text)).collect());
+        }
         let len = self.shape().last().map_or(1, |&len| len.max(1) as usize);
-        let is_letter = |letter: &&String| !letter.is_empty() && *letter != "\0";
-        Ok(letters
-            .chunks(len)
-            .map(|row| trimmed(&row.iter().take_while(is_letter).cloned().collect::<String>()))
-            .collect())
+        Ok(self.letters()?.chunks(len).map(super::netcdf::text).collect())
     }
 
     /// The text of an array of texts, or of single characters.
     pub fn text(&self) -> Result<String> {
-        if self.is_text() {
+        if self.is_text() && !self.has_letters() {
             let texts = self.dataset.read_strings().map_err(|error| damaged(&self.path, &error))?;
             return Ok(trimmed(&texts.concat()));
         }
-        let bytes: Vec<u8> = self.numbers()?;
-        Ok(trimmed(&String::from_utf8_lossy(&bytes)))
+        Ok(trimmed(&String::from_utf8_lossy(&self.letters()?)))
+    }
+
+    /// Bytes of text, one for each number or character, whatever its sign.
+    pub fn letters(&self) -> Result<Vec<u8>> {
+        if !self.has_letters() {
+            return Ok(self.numbers::<i64>()?.into_iter().map(|letter| letter as u8).collect());
+        }
+        let all: Vec<Extent> = self.shape().iter().map(|&n| (0, n, 1)).collect();
+        let count = all.iter().try_fold(1_u64, |product, axis| product.checked_mul(axis.1));
+        let count = count.ok_or_else(|| self.wrong("the dataset cannot be that large"))?;
+        (self.gather(&all, NumberType::U8, count)?)()
     }
 }
 

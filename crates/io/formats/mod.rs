@@ -81,7 +81,8 @@ pub use voltet_core::reading::FileArray;
 
 use contents::{CellBlocks, Compute, Dataset, Encoding, ExternalFormat, Geometry, Piece, PieceArray, Stored};
 use request::Format;
-use source::{Source, printable};
+use source::{Source, printable, text_of};
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::grid::Grid;
@@ -141,10 +142,9 @@ pub fn steps(path: &Path, request: &Request) -> Result<(usize, usize)> {
 pub fn files_beside(path: &Path) -> Vec<PathBuf> {
     let solution = Some(path.with_extension("q")).filter(|solution| solution != path && solution.is_file());
     let named = xml::files_named(path, None).into_iter().chain(series::files_named(path, None));
-    let request = Request::default();
     named
-        .chain(files_linked(path, &request))
-        .chain(xdmf::files_named(path, &request))
+        .chain(files_linked(path, &Request::default()))
+        .chain(xdmf::files_named(path, None))
         .chain(solution)
         .chain(exodus::parts_beside(path))
         .chain(foam::files_named(path, None))
@@ -163,7 +163,7 @@ pub fn files_read_beside(path: &Path, request: &Request) -> Vec<PathBuf> {
         .into_iter()
         .chain(of_series)
         .chain(of_links)
-        .chain(xdmf::files_named(path, request))
+        .chain(xdmf::files_named(path, Some(request)))
         .chain(solution)
         .chain(exodus::parts_beside(path))
         .chain(of_case)
@@ -215,7 +215,7 @@ const SERIES: Format = Format {
 
 /// The declaration of the formats in HDF5.
 const HDF5: Format = Format {
-    files: "a VTKHDF (.vtkhdf, .hdf) or CGNS file",
+    files: "a VTKHDF (.vtkhdf, .hdf), CGNS or Exodus II file in HDF5",
     matches: |head, _, _| head.starts_with(unsupported::HDF5_MAGIC),
     open: open_hdf5,
     has_solution: false,
@@ -265,6 +265,9 @@ fn files(mut formats: impl Iterator<Item = &'static Format>) -> String {
 fn open(path: &Path, request: &Request) -> Result<Dataset> {
     let (mut dataset, source) = open_contents(path, request)?;
     blocks::number_cells(&mut dataset, request, &source).map_err(|error| error.in_file(path))?;
+    // What holds for many blocks is said once.
+    let mut said = HashSet::new();
+    dataset.warnings.retain(|sentence| said.insert(sentence.clone()));
     Ok(dataset)
 }
 
@@ -323,8 +326,7 @@ pub fn ships(path: &Path) -> bool {
 
 /// The format that a file shows, by how it begins and its name.
 fn format_of(head: &[u8], path: &Path, request: &Request) -> Option<&'static Format> {
-    let text = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(head).trim_ascii_start();
-    FORMATS.iter().find(|format| (format.matches)(text, path, request))
+    FORMATS.iter().find(|format| (format.matches)(text_of(head), path, request))
 }
 
 /// Errors: a step that is none is asked for.

@@ -116,6 +116,11 @@ impl NetcdfFile {
         self.variables.get(name)
     }
 
+    /// True if the records of a variable do not lie side by side.
+    pub fn lies_apart(&self, variable: &Variable) -> bool {
+        variable.has_records && variable.shape[0] > 1 && Some(self.record_len) != variable.len()
+    }
+
     /// Part of a variable as an array of tuples: the numbers at these places along its first axes.
     pub fn part(
         &self,
@@ -149,11 +154,7 @@ impl NetcdfFile {
         let (Some(begin), Some(count)) = (begin, product(rest)) else {
             return Err(wrong("the variable cannot be that large"));
         };
-        if places.is_empty()
-            && variable.has_records
-            && variable.shape[0] > 1
-            && self.record_len != variable.len().unwrap_or(0)
-        {
+        if places.is_empty() && self.lies_apart(variable) {
             return Err(wrong("the records of the variable do not lie side by side"));
         }
         if !count.is_multiple_of(component_count as u64) {
@@ -268,6 +269,10 @@ impl Header {
         self.count()?;
         let begin = self.number(if self.version == 1 { 4 } else { 8 })?;
         let has_records = shape.first() == Some(&0);
+        // A variable of no size would have any number of values.
+        if shape.iter().skip(1).any(|&n| n == 0) {
+            return Err(damaged("an axis of records is not the first").at_item(name));
+        }
         Ok((name, Variable { shape, number_type, has_records, begin, attributes }))
     }
 }

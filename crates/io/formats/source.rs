@@ -155,6 +155,11 @@ fn read_exact_at(file: &File, mut offset: u64, mut bytes: &mut [u8]) -> std::io:
     Ok(())
 }
 
+/// The head of a file as text: without the mark of UTF-8 and white space before it.
+pub(super) fn text_of(head: &[u8]) -> &[u8] {
+    head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(head).trim_ascii_start()
+}
+
 /// Bytes as a message can show them: the first few, what cannot be printed as dots.
 pub(super) fn printable(bytes: &[u8]) -> String {
     let text: String =

@@ -1,6 +1,6 @@
 //! VTKHDF (.vtkhdf, .hdf): VTK's grids in HDF5, in partitions, blocks and time steps.
 //!
-//! StepGrid: VTKHDF format specification, version 2.7 (docs.vtk.org, VTK File Formats), and what vtkHDFWriter of VTK 9.7 writes.
+//! Source: VTKHDF format specification, version 2.7 (docs.vtk.org, VTK File Formats), and what vtkHDFWriter of VTK 9.7 writes.
 //! All partitions of all steps lie one after the other in the same arrays; counts of each partition (`NumberOf…`) and, for
 //! steps, offsets (`Steps`) say where each begins. A list of offsets of n cells holds n + 1 numbers.
 
@@ -10,10 +10,11 @@ use super::contents::{
     extent_dimensions, structured_counts,
 };
 use super::hdf5::{Array, Extent, Group};
-use super::request::Request;
+use super::request::{Request, list};
 use glam::{DMat3, DVec3};
+use std::collections::HashMap;
 use voltet_core::grid::Association;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, agreeing};
 
 /// Name of the group that holds everything.
 pub(super) const ROOT: &str = "VTKHDF";
@@ -40,8 +41,17 @@ pub(super) fn open(root: &Group, request: &Request) -> Result<Dataset> {
         let (names, groups): (Vec<String>, Vec<Group>) = named_blocks(&group)?.into_iter().unzip();
         let selected = blocks::selected(&names, request)?;
         dataset.blocks = names;
+        let mut flat = Vec::new();
         for (block, group) in groups.iter().enumerate().filter(|(block, _)| selected[*block]) {
-            add(group, Some(block), request, &mut dataset)?;
+            if !add(group, Some(block), request, &mut dataset)? {
+                flat.push(block);
+            }
+        }
+        if !flat.is_empty() {
+            let (blocks, are) =
+                (agreeing(&flat.len(), "A block", "Blocks"), agreeing(&flat.len(), "is", "are"));
+            let names = list(flat.into_iter().map(|block| dataset.blocks[block].as_str()));
+            dataset.warnings.push(format!("{blocks} without a volume that is read {are} left out: {names}."));
         }
     } else {
         add(&group, None, request, &mut dataset)?;
@@ -57,24 +67,16 @@ fn kind(group: &Group) -> Result<String> {
     group.text("Type")?.ok_or_else(missing)
 }
 
-/// Adds the pieces of a grid, which may be a block.
-fn add(group: &Group, block: Option<usize>, request: &Request, dataset: &mut Dataset) -> Result<()> {
+/// Adds the pieces of a grid, which may be a block; false where that has no volume that is read.
+fn add(group: &Group, block: Option<usize>, request: &Request, dataset: &mut Dataset) -> Result<bool> {
     let kind = kind(group)?;
     let pieces = match kind.as_str() {
         "UnstructuredGrid" => unstructured,
         "ImageData" => uniform,
         "StructuredGrid" => curvilinear,
         "RectilinearGrid" => rectilinear,
-        _ => match block {
-            Some(block) => {
-                let name = &dataset.blocks[block];
-                dataset
-                    .warnings
-                    .push(format!("The block '{name}' is left out: {kind} has no volume that is read."));
-                return Ok(());
-            }
-            None => return Err(refusal(&kind)),
-        },
+        _ if block.is_some() => return Ok(false),
+        _ => return Err(refusal(&kind)),
     };
     let step = GridStep::of_grid(group, request, dataset)?;
     if step.group.is_none() && dataset.time.is_none() {
@@ -85,7 +87,7 @@ fn add(group: &Group, block: Option<usize>, request: &Request, dataset: &mut Dat
     dataset
         .pieces
         .extend(pieces(&source)?.into_iter().map(|piece| Piece { blocks: blocks.clone(), ..piece }));
-    Ok(())
+    Ok(true)
 }
 
 fn refusal(kind: &str) -> Error {
@@ -120,24 +122,31 @@ fn named_blocks(group: &Group) -> Result<Vec<(String, Group)>> {
         }
     }
     blocks.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut numbers = HashMap::new();
+    for (number, block) in blocks.iter().enumerate() {
+        numbers.entry(block.2.identity()).or_insert(number);
+    }
     if let Some(tree) = group.group(ASSEMBLY)? {
+        let too_large = || Error::run("the tree of blocks contains itself, or is too large");
         let mut nodes = vec![(String::new(), vec![tree.identity()], tree)];
         let mut count = 0;
         while let Some((path, above, node)) = nodes.pop() {
             for child in node.groups()? {
                 count += 1;
+                if count > MAX_NODES {
+                    return Err(too_large().at_item(child.path()));
+                }
                 let own = if path.is_empty() {
                     child.name().to_owned()
                 } else {
                     format!("{path}/{}", child.name())
                 };
-                if let Some(block) = blocks.iter_mut().find(|block| block.2.identity() == child.identity()) {
-                    if block.1.is_empty() {
-                        block.1 = own;
+                if let Some(&number) = numbers.get(&child.identity()) {
+                    if blocks[number].1.is_empty() {
+                        blocks[number].1 = own;
                     }
-                } else if above.contains(&child.identity()) || above.len() > MAX_LEVELS || count > MAX_NODES {
-                    return Err(Error::run("the tree of blocks contains itself, or is too large")
-                        .at_item(child.path()));
+                } else if above.contains(&child.identity()) || above.len() > MAX_LEVELS {
+                    return Err(too_large().at_item(child.path()));
                 } else {
                     nodes.push((own, [&above[..], &[child.identity()]].concat(), child));
                 }
@@ -162,16 +171,7 @@ impl GridStep {
     fn of_grid(group: &Group, request: &Request, dataset: &mut Dataset) -> Result<GridStep> {
         let Some(steps) = group.group("Steps")? else { return Ok(GridStep { group: None, index: 0 }) };
         let times: Vec<f64> = steps.required_array("Values")?.numbers()?;
-        if times.is_empty() || times.iter().any(|time| !time.is_finite()) {
-            return Err(Error::run("the times of the steps are damaged")
-                .expected("at least one finite time")
-                .at_item(steps.path()));
-        }
-        if dataset.time_steps.is_empty() {
-            dataset.time_steps = times.clone();
-        } else if dataset.time_steps != times {
-            return Err(Error::run("the blocks differ in their time steps").at_item(steps.path()));
-        }
+        dataset.note_times(&times, "blocks").map_err(|error| error.at_item(steps.path()))?;
         Ok(GridStep { index: request.step_index(&times)?, group: Some(steps) })
     }
 
@@ -218,12 +218,12 @@ fn attributes(group: &Group, dataset: &mut Dataset) -> Result<Vec<GridArray>> {
                 if !array.is_text() {
                     dataset
                         .warnings
-                        .push(format!("The array '{}' is left out: its type is not read.", array.path()));
+                        .push(format!("The array '{}' is left out: its type is not read.", array.name()));
                 }
                 continue;
             }
             // Since version 2.6 arrays bear the mark themselves.
-            let mark = array.text_attribute("Attribute");
+            let mark = array.text_attribute("Attribute")?;
             let is_marked = |name: &str, of_section: &Option<String>| {
                 mark.as_deref() == Some(name) || of_section.as_deref() == Some(array.name())
             };

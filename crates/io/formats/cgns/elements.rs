@@ -5,7 +5,8 @@
 //! sections, from 1; values of cells are those of the three-dimensional ones, in that order. Nodes are numbered from 1.
 
 use crate::formats::contents::{Meter, Stored};
-use voltet_core::grid::{CellSet, Cells, Polyhedron, code};
+use crate::formats::lazy::GatheredCells;
+use voltet_core::grid::{Cells, code};
 use voltet_core::{Error, Result, counted};
 
 /// An element type: number, name, dimension, number of nodes, VTK's cell type and for each of its points the place of the node.
@@ -120,7 +121,7 @@ pub(super) fn cells(sections: &[Section], cell_count: u64, meter: &Meter) -> Res
     {
         return tetrahedra(only, cell_count, meter);
     }
-    let mut cells = CellSet { offsets: vec![0], ..CellSet::default() };
+    let mut cells = GatheredCells::default();
     let faces = sections.iter().filter(|section| section.kind == NGON);
     let faces: Vec<Polygons> =
         faces.map(|section| Polygons::of_section(section, meter)).collect::<Result<_>>()?;
@@ -132,6 +133,7 @@ pub(super) fn cells(sections: &[Section], cell_count: u64, meter: &Meter) -> Res
             kind => uniform(section, known(section, kind)?, &mut cells, meter)?,
         }
     }
+    let cells = cells.into_set();
     match cells.types.len() as u64 == cell_count {
         true => Ok(Cells::Mixed(cells)),
         false => Err(wrong_count(cells.types.len() as u64, cell_count)),
@@ -187,7 +189,7 @@ fn tetrahedra(section: &Section, cell_count: u64, meter: &Meter) -> Result<Cells
     }
 }
 
-fn uniform(section: &Section, element: &ElementType, cells: &mut CellSet, meter: &Meter) -> Result<()> {
+fn uniform(section: &Section, element: &ElementType, cells: &mut GatheredCells, meter: &Meter) -> Result<()> {
     if element.dimension < 3 {
         return Ok(());
     }
@@ -198,17 +200,17 @@ fn uniform(section: &Section, element: &ElementType, cells: &mut CellSet, meter:
 }
 
 /// Adds an element with a volume.
-fn push(section: &Section, element: &ElementType, nodes: &[u32], cells: &mut CellSet) -> Result<()> {
-    for &place in element.order {
-        cells.connectivity.push(point(section, nodes[place as usize])?);
+fn push(section: &Section, element: &ElementType, nodes: &[u32], cells: &mut GatheredCells) -> Result<()> {
+    let nodes = element.order.iter().map(|&place| nodes[place as usize]);
+    for node in nodes.clone() {
+        point(section, node)?;
     }
-    cells.types.push(element.vtk);
-    cells.offsets.push(cells.connectivity.len() as u64);
+    cells.add(element.vtk, nodes.map(|node| node - 1));
     Ok(())
 }
 
 /// A section in which each element's type stands before its nodes.
-fn mixed(section: &Section, cells: &mut CellSet, meter: &Meter) -> Result<()> {
+fn mixed(section: &Section, cells: &mut GatheredCells, meter: &Meter) -> Result<()> {
     let numbers: Vec<u32> = section.connectivity.load(meter)?;
     let mut rest = &numbers[..];
     for number in 0..section.count()? {
@@ -229,7 +231,7 @@ fn mixed(section: &Section, cells: &mut CellSet, meter: &Meter) -> Result<()> {
     }
 }
 
-/// NumberLists of a list: by offsets, or with its length before each in files before version 4.
+/// Lists of numbers within one: by offsets, or with its length before each in files before version 4.
 struct NumberLists<T> {
     numbers: Vec<T>,
     ranges: Vec<std::ops::Range<usize>>,
@@ -283,12 +285,13 @@ impl Polygons {
 }
 
 /// Polyhedra by the numbers of their faces, negative where the face's nodes turn the other way.
-fn polyhedra(section: &Section, faces: &[Polygons], cells: &mut CellSet, meter: &Meter) -> Result<()> {
+fn polyhedra(section: &Section, faces: &[Polygons], cells: &mut GatheredCells, meter: &Meter) -> Result<()> {
     let parts: NumberLists<i64> = NumberLists::of_section(section, meter)?;
     for range in &parts.ranges {
         let mut own = Vec::new();
         for number in &parts.numbers[range.clone()] {
-            let nodes = faces.iter().find_map(|faces| faces.nodes(number.unsigned_abs()));
+            let before = faces.partition_point(|faces| faces.first <= number.unsigned_abs());
+            let nodes = faces[..before].last().and_then(|faces| faces.nodes(number.unsigned_abs()));
             let nodes = nodes.ok_or_else(|| {
                 section
                     .wrong("a polyhedron has a face that the zone lacks")
@@ -296,13 +299,7 @@ fn polyhedra(section: &Section, faces: &[Polygons], cells: &mut CellSet, meter: 
             })?;
             own.push(nodes.iter().map(|&node| point(section, node)).collect::<Result<Vec<u32>>>()?);
         }
-        let mut points = own.concat();
-        points.sort_unstable();
-        points.dedup();
-        cells.connectivity.extend(points);
-        cells.polyhedra.push(Polyhedron { cell: cells.types.len() as u32, faces: own });
-        cells.types.push(code::POLYHEDRON);
-        cells.offsets.push(cells.connectivity.len() as u64);
+        cells.add_polyhedron(own);
     }
     Ok(())
 }

@@ -11,7 +11,7 @@ use super::contents::{
     CellBlocks, Dataset, Geometry, Piece, PieceArray, Stored, StoredCells, structured_counts,
 };
 use super::hdf5::{Array, Extent, Group};
-use super::request::Request;
+use super::request::{Request, list};
 use elements::Section;
 use std::sync::Arc;
 use voltet_core::grid::Association;
@@ -95,7 +95,7 @@ pub(super) fn open(root: &Group, request: &Request) -> Result<Dataset> {
         }
     }
     if !flat.is_empty() {
-        let names = flat.join(", ");
+        let names = list(flat);
         dataset.warnings.push(format!("Zones without cells of three dimensions are left out: {names}."));
     }
     dataset.file_bytes = root.file_bytes();
@@ -109,21 +109,14 @@ fn step(base: &[Node], request: &Request, dataset: &mut Dataset) -> Result<Optio
     let values = named(&children, "TimeValues").or_else(|| named(&children, "IterationValues"));
     let Some(values) = values else { return Ok(None) };
     let times: Vec<f64> = values.data()?.numbers()?;
-    if times.is_empty() || times.iter().any(|time| !time.is_finite()) {
-        return Err(values.wrong("the times of the steps are damaged").expected("at least one finite time"));
-    }
-    if dataset.time_steps.is_empty() {
-        dataset.time_steps.clone_from(&times);
-    } else if dataset.time_steps != times {
-        return Err(values.wrong("the bases differ in their time steps"));
-    }
+    dataset.note_times(&times, "bases").map_err(|error| error.at_item(values.group.path()))?;
     request.step_index(&times).map(Some)
 }
 
 /// Names of nodes, one for each step; none where the zone does not change them.
 fn pointers(iterative: &[Node], names: &[&str]) -> Result<Vec<String>> {
     let Some(node) = names.iter().find_map(|name| named(iterative, name)) else { return Ok(Vec::new()) };
-    let bytes: Vec<u8> = node.data()?.numbers()?;
+    let bytes = node.data()?.letters()?;
     let name = |bytes: &[u8]| String::from_utf8_lossy(bytes).trim_matches(['\0', ' ']).to_owned();
     Ok(bytes.chunks(NAME_LEN).map(name).collect())
 }
@@ -295,7 +288,7 @@ fn add_solution(
         None | Some("Vertex") => (Association::Point, &sizes.points),
         Some("CellCenter") => (Association::Cell, &sizes.cells),
         Some(other) => {
-            let name = solution.group.path();
+            let name = &solution.name;
             warnings.push(format!(
                 "The solution '{name}' is left out: its values lie at '{other}', not at Vertex or CellCenter."
             ));

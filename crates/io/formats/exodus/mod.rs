@@ -14,11 +14,12 @@ use super::contents::{
 };
 use super::hdf5;
 use super::netcdf;
+use super::numbers::NumberType;
 use super::request::{Format, Request, list};
 use super::source::Source;
 use cells::{BlockElements, ElementShape, Mesh, element_shape};
 use rayon::prelude::*;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use variables::Variables;
@@ -45,18 +46,40 @@ pub(super) fn open_hdf5(root: &hdf5::Group, request: &Request) -> Result<Dataset
     open(root.source(), Variables::of_root(root.clone())?, request)
 }
 
-/// Files of the other processes, where a file is that of one: none for others.
+/// Files of the other processes, where a file is that of one, up to the first that is not there: none for others.
 pub(super) fn parts_beside(path: &Path) -> Vec<PathBuf> {
-    parts(path).into_iter().filter(|part| part != path).collect()
+    let mut is_there = true;
+    let others = parts(path).filter(|part| part != path);
+    others.take_while(|part| std::mem::replace(&mut is_there, part.exists())).collect()
 }
 
 /// The files of all processes by the name of one, `stem.COUNT.NUMBER`; none for other names.
-fn parts(path: &Path) -> Vec<PathBuf> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
+fn parts(path: &Path) -> impl Iterator<Item = PathBuf> {
+    let named = process_file(path);
+    let count = named.as_ref().map_or(0, |named| named.count);
+    let name = move |part| named.as_ref().map(|named| path.with_file_name(named.of_part(part)));
+    (0..count).filter_map(name)
+}
+
+/// Parts of the name that a file of one of several processes has.
+struct ProcessName {
+    /// Name before the number of the process.
+    stem: String,
+    count: usize,
+    /// Digits of the number.
+    width: usize,
+}
+
+impl ProcessName {
+    fn of_part(&self, part: usize) -> String {
+        format!("{}.{part:0width$}", self.stem, width = self.width)
+    }
+}
+
+fn process_file(path: &Path) -> Option<ProcessName> {
+    let name = path.file_name()?.to_string_lossy();
     let mut words = name.rsplitn(3, '.');
-    let (Some(number), Some(count), Some(stem)) = (words.next(), words.next(), words.next()) else {
-        return Vec::new();
-    };
+    let (number, count, stem) = (words.next()?, words.next()?, words.next()?);
     let is_exodus = ["e", "exo", "ex2", "exii", "g", "gen", "nem", "e-s", "par"]
         .into_iter()
         .any(|ending| stem.rsplit('.').next().is_some_and(|own| own.eq_ignore_ascii_case(ending)));
@@ -64,28 +87,26 @@ fn parts(path: &Path) -> Vec<PathBuf> {
         |word: &str| word.bytes().all(|byte| byte.is_ascii_digit()).then(|| word.parse::<usize>().ok());
     match (parsed(number).flatten(), parsed(count).flatten()) {
         (Some(own), Some(all)) if is_exodus && own < all && (2..=MAX_PARTS).contains(&all) => {
-            let width = number.len();
-            (0..all).map(|part| path.with_file_name(format!("{stem}.{count}.{part:0width$}"))).collect()
+            Some(ProcessName { stem: format!("{stem}.{count}"), count: all, width: number.len() })
         }
-        _ => Vec::new(),
+        _ => None,
     }
 }
 
-/// More processes than any machine has.
-const MAX_PARTS: usize = 1 << 22;
+/// More files of processes than any folder has.
+const MAX_PARTS: usize = 1 << 20;
 
 /// Reads the table of contents of a file, or of those of all processes.
 fn open(source: &Arc<Source>, variables: Variables, request: &Request) -> Result<Dataset> {
-    let parts = parts(source.path());
     let mut first = Some(variables);
     let mut files = Vec::new();
-    for (number, path) in parts.iter().enumerate() {
+    for (number, path) in parts(source.path()).enumerate() {
         let own = if path == source.path() { first.take() } else { None };
         files.push(match own {
             Some(own) => own,
-            None => super::xml::open_named(source.path(), path, number)
+            None => super::xml::open_named(source.path(), &path, number)
                 .and_then(Variables::open)
-                .map_err(|error| error.in_file(path))?,
+                .map_err(|error| error.in_file(&path))?,
         });
     }
     files.extend(first);
@@ -142,7 +163,14 @@ impl ProcessFile {
 fn element_blocks(variables: &Variables) -> Result<Vec<ElementBlock>> {
     let ids: Vec<i64> = variables.numbers("eb_prop1")?;
     let names = variables.texts("eb_names")?;
-    let count = ids.len().max(variables.greatest_of("connect").min(MAX_BLOCKS));
+    let greatest = variables.greatest_of("connect");
+    if greatest > ids.len().max(MAX_BLOCKS) {
+        let error = Error::run("the file numbers a block beyond those that it lists in eb_prop1");
+        return Err(error
+            .got(format_args!("connect{greatest}"))
+            .expected(format_args!("at most {MAX_BLOCKS}")));
+    }
+    let count = ids.len().max(greatest);
     let block = |index: usize| {
         let connectivity = format!("connect{}", index + 1);
         let shape = variables.shape(&connectivity)?.unwrap_or_default();
@@ -163,8 +191,8 @@ fn element_blocks(variables: &Variables) -> Result<Vec<ElementBlock>> {
     (0..count).map(block).collect()
 }
 
-/// Most blocks that a name of a variable may mean.
-const MAX_BLOCKS: usize = 1 << 24;
+/// Most blocks that a name of a variable may mean by itself.
+const MAX_BLOCKS: usize = 1 << 16;
 
 /// Puts the contents of the files of all processes together.
 fn dataset(parts: Vec<ProcessFile>, request: &Request) -> Result<Dataset> {
@@ -194,7 +222,7 @@ fn dataset(parts: Vec<ProcessFile>, request: &Request) -> Result<Dataset> {
         times => Some(request.step_index(times)? as u64),
     };
     let selected = blocks::selected(&dataset.blocks, request)?;
-    let mut unread = Vec::new();
+    let mut unread = BTreeSet::new();
     for part in &parts {
         let own = Selection { part, step, is_part: parts.len() > 1, numbers: &numbers, selected: &selected };
         let piece = own.piece(&mut unread).map_err(|error| error.in_file(part.variables.source().path()))?;
@@ -252,7 +280,7 @@ impl Selection<'_> {
     }
 
     /// The piece of a file; adds the blocks whose elements are of no type that is read.
-    fn piece(&self, unread: &mut Vec<String>) -> Result<Piece> {
+    fn piece(&self, unread: &mut BTreeSet<String>) -> Result<Piece> {
         let mut read = Vec::new();
         for (place, block) in self.part.blocks.iter().enumerate() {
             if block.element_count == 0 || self.selected.get(self.number(block)) != Some(&true) {
@@ -260,8 +288,10 @@ impl Selection<'_> {
             }
             match element_shape(&block.element_type, block.node_count) {
                 Some(shape) => read.push(ReadBlock { place, block, shape }),
-                None => unread
-                    .push(format!("{} ({} of {} nodes)", block.name, block.element_type, block.node_count)),
+                None => {
+                    let kind = format!("{} of {} nodes", block.element_type, block.node_count);
+                    unread.insert(format!("{} ({kind})", block.name));
+                }
             }
         }
         let runs: Vec<(usize, u64)> =
@@ -341,28 +371,16 @@ impl Selection<'_> {
         };
         for names::Joined { name, places, components } in names::joined(&self.part.of_nodes) {
             let parts: Vec<Stored> = places.into_iter().map(of_node).collect::<Result<_>>()?;
-            let stored = match &parts[..] {
-                [only] => only.clone(),
-                _ => {
-                    let (source, number_type) = (variables.source().clone(), parts[0].number_type);
-                    let count = parts.len();
-                    let compute: Compute = Arc::new(move |meter| {
-                        interleaved(parts.iter().map(|part| part.load(meter)).collect::<Result<_>>()?)
-                    });
-                    let joined = Stored::of_f64(
-                        &source,
-                        &name,
-                        count,
-                        self.part.node_count,
-                        Encoding::Computed(compute),
-                    );
-                    Stored { number_type, ..joined }
-                }
+            let number_type = parts.first().map_or(NumberType::F64, |part| part.number_type);
+            // A vector, or one variable by itself.
+            let stored = match <[Stored; 3]>::try_from(parts) {
+                Ok(axes) => vec![Stored { number_type, ..Stored::joined(&name, axes) }],
+                Err(parts) => parts,
             };
-            arrays.push(PieceArray {
-                component_names: components,
+            arrays.extend(stored.into_iter().map(|stored| PieceArray {
+                component_names: components.clone(),
                 ..PieceArray::new(Association::Point, stored)
-            });
+            }));
         }
         Ok(arrays)
     }

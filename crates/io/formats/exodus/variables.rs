@@ -79,9 +79,10 @@ impl Variables {
             Variables::Classic(file) => {
                 file.variable(variable).and_then(|own| own.attribute(name)).map(str::to_owned)
             }
-            Variables::Hdf5 { root, .. } => {
-                root.array(variable)?.and_then(|array| array.text_attribute(name))
-            }
+            Variables::Hdf5 { root, .. } => match root.array(variable)? {
+                Some(array) => array.text_attribute(name)?,
+                None => None,
+            },
         })
     }
 
@@ -105,18 +106,16 @@ impl Variables {
     pub fn numbers<T: Target>(&self, name: &str) -> Result<Vec<T>> {
         let Some(shape) = self.shape(name)? else { return Ok(Vec::new()) };
         let meter = Meter::new(&NoProgress, 1);
-        // Records lie apart in netCDF's own form.
+        let lies_apart = match self {
+            Variables::Classic(file) => file.variable(name).is_some_and(|own| file.lies_apart(own)),
+            Variables::Hdf5 { .. } => false,
+        };
+        if !lies_apart {
+            return self.part(name, &[], name, 1)?.load(&meter);
+        }
         let mut numbers = Vec::new();
-        match shape[..] {
-            [] => numbers = self.part(name, &[], name, 1)?.load(&meter)?,
-            [count, ..] => {
-                if let Ok(all) = self.part(name, &[], name, 1) {
-                    return all.load(&meter);
-                }
-                for place in 0..count {
-                    numbers.extend(self.part(name, &[place], name, 1)?.load::<T>(&meter)?);
-                }
-            }
+        for place in 0..shape.first().copied().unwrap_or(0) {
+            numbers.extend(self.part(name, &[place], name, 1)?.load::<T>(&meter)?);
         }
         Ok(numbers)
     }

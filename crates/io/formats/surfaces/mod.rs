@@ -18,7 +18,7 @@ mod stl;
 
 use super::contents::Meter;
 use super::elements::{SurfaceColors, SurfaceFile};
-use super::source::{Source, printable};
+use super::source::{Source, printable, text_of};
 use super::xml::poly_data;
 use std::path::Path;
 use voltet_core::progress::{Progress, refuse_beyond_memory};
@@ -41,7 +41,7 @@ pub fn read_surface(
     let source = Source::open(path)?;
     let read = || {
         let head = source.head(256)?;
-        let text = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&head).trim_ascii_start();
+        let text = text_of(&head);
         let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
         // Text becomes no more than a few numbers of 64 bits each two bytes.
         let what = || format!("a surface file of {}", counted(source.len(), "byte"));

@@ -4,8 +4,9 @@
 //! each type.
 
 use crate::formats::contents::{Convert, Meter, Stored};
+use crate::formats::lazy::GatheredCells;
 use std::sync::Arc;
-use voltet_core::grid::{CellSet, Cells, Polyhedron, code};
+use voltet_core::grid::{CellSet, Cells, code};
 use voltet_core::{Error, Result};
 
 /// A cell type: names without `_` in small letters, number in mixed topologies, nodes (0: their number stands before them), VTK's type.
@@ -20,6 +21,8 @@ const fn topology(names: &'static [&'static str], number: u32, node_count: usize
     Topology { names, number, node_count, vtk }
 }
 
+/// Numbers of the types of any number of nodes (vertices, lines, polygons): in a topology of one type all cells have as many.
+const ANY_NUMBER: [u32; 3] = [1, 2, 3];
 const POLYHEDRON: u32 = 16;
 const MIXED: u32 = 112;
 
@@ -55,22 +58,45 @@ impl Topology {
         TOPOLOGIES.iter().find(|topology| topology.names.contains(&plain.as_str()))
     }
 
-    /// Nodes of each cell, where all have as many.
-    pub fn node_count(&self) -> Option<u64> {
-        Some(self.node_count as u64).filter(|&count| count > 0)
+    /// Nodes of each cell, where all have as many; `declared`: those that the topology declares for a type of any number.
+    pub fn node_count(&self, declared: Option<u64>) -> Option<u64> {
+        let declared = declared.filter(|_| ANY_NUMBER.contains(&self.number));
+        Some(self.node_count as u64).filter(|&count| count > 0).or(declared)
     }
 
-    /// Makes the cells of a connectivity; `base`: number of the first point.
-    pub fn convert(&'static self, connectivity: Stored, cell_count: u64, base: u32) -> Convert {
+    /// True for vertices, of one node each where nothing else is declared.
+    pub fn is_vertex(&self) -> bool {
+        self.number == ANY_NUMBER[0]
+    }
+
+    /// Makes the cells of a connectivity, of so many nodes each, or of as many as stand before each cell's; `base`: number of the
+    /// first point.
+    pub fn convert(
+        &'static self,
+        node_count: Option<u64>,
+        connectivity: Stored,
+        cell_count: u64,
+        base: u32,
+    ) -> Convert {
         Arc::new(move |meter| {
-            let cells = self.cells(&connectivity, cell_count, base, meter);
+            let cells = self.cells(node_count, &connectivity, cell_count, base, meter);
             cells.map_err(|error| error.at_item(&connectivity.name))
         })
     }
 
-    fn cells(&self, connectivity: &Stored, cell_count: u64, base: u32, meter: &Meter) -> Result<Cells> {
+    fn cells(
+        &self,
+        node_count: Option<u64>,
+        connectivity: &Stored,
+        cell_count: u64,
+        base: u32,
+        meter: &Meter,
+    ) -> Result<Cells> {
         let mut numbers: Vec<u32> = connectivity.load(meter)?;
-        if self.node_count > 0 && base > 0 {
+        let Some(node_count) = node_count.and_then(|count| usize::try_from(count).ok()) else {
+            return self.counted(&numbers, cell_count, base).map(Cells::Mixed);
+        };
+        if base > 0 {
             for number in &mut numbers {
                 *number = point(*number, base)?;
             }
@@ -78,20 +104,18 @@ impl Topology {
         if self.vtk == code::TETRA {
             return Ok(Cells::Tetrahedra(numbers.as_chunks().0.to_vec().into()));
         }
-        if let Some(count) = numbers.len().checked_div(self.node_count) {
-            return Ok(Cells::Mixed(CellSet {
-                types: vec![self.vtk; count],
-                offsets: (0..=count).map(|cell| (cell * self.node_count) as u64).collect(),
-                connectivity: numbers,
-                polyhedra: Vec::new(),
-            }));
-        }
-        self.counted(&numbers, cell_count, base).map(Cells::Mixed)
+        let count = numbers.len().checked_div(node_count).unwrap_or(0);
+        Ok(Cells::Mixed(CellSet {
+            types: vec![self.vtk; count],
+            offsets: (0..=count).map(|cell| (cell * node_count) as u64).collect(),
+            connectivity: numbers,
+            polyhedra: Vec::new(),
+        }))
     }
 
     /// Cells of several types or numbers of nodes.
     fn counted(&self, numbers: &[u32], cell_count: u64, base: u32) -> Result<CellSet> {
-        let mut cells = CellSet { offsets: vec![0], ..CellSet::default() };
+        let mut cells = GatheredCells::default();
         let mut rest = numbers;
         for number in 0..cell_count {
             let ends = || Error::run(format!("the connectivity ends within cell {number}"));
@@ -105,14 +129,14 @@ impl Topology {
                 0 => take(&mut rest, 1).ok_or_else(ends)?[0] as usize,
                 count => count,
             };
-            for &node in take(&mut rest, count).ok_or_else(ends)? {
-                cells.connectivity.push(point(node, base)?);
+            let nodes = take(&mut rest, count).ok_or_else(ends)?;
+            for &node in nodes {
+                point(node, base)?;
             }
-            cells.types.push(topology.vtk);
-            cells.offsets.push(cells.connectivity.len() as u64);
+            cells.add(topology.vtk, nodes.iter().map(|node| node - base));
         }
         match rest {
-            [] => Ok(cells),
+            [] => Ok(cells.into_set()),
             _ => {
                 let error = Error::run("the connectivity holds more numbers than the cells take");
                 Err(error.got(numbers.len()).expected(numbers.len() - rest.len()))
@@ -143,7 +167,7 @@ fn take<'a>(rest: &mut &'a [u32], count: usize) -> Option<&'a [u32]> {
 }
 
 /// Adds a polyhedron: the number of its faces, then of each the number of its nodes and these. `None`: the numbers end before.
-fn polyhedron(rest: &mut &[u32], base: u32, cells: &mut CellSet) -> Result<Option<()>> {
+fn polyhedron(rest: &mut &[u32], base: u32, cells: &mut GatheredCells) -> Result<Option<()>> {
     let mut faces = Vec::new();
     let Some(face_count) = take(rest, 1) else { return Ok(None) };
     for _ in 0..face_count[0] {
@@ -152,12 +176,6 @@ fn polyhedron(rest: &mut &[u32], base: u32, cells: &mut CellSet) -> Result<Optio
         };
         faces.push(nodes.iter().map(|&node| point(node, base)).collect::<Result<Vec<u32>>>()?);
     }
-    let mut points = faces.concat();
-    points.sort_unstable();
-    points.dedup();
-    cells.connectivity.extend(points);
-    cells.polyhedra.push(Polyhedron { cell: cells.types.len() as u32, faces });
-    cells.types.push(code::POLYHEDRON);
-    cells.offsets.push(cells.connectivity.len() as u64);
+    cells.add_polyhedron(faces);
     Ok(Some(()))
 }

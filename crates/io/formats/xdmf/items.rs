@@ -8,6 +8,7 @@ use crate::formats::source::Source;
 use crate::formats::xml::header::Element;
 use crate::formats::xml::{beside, open_named};
 use std::cell::RefCell;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 use voltet_core::{Error, Result};
@@ -57,8 +58,30 @@ fn product(shape: &[u64]) -> Result<u64> {
 }
 
 /// Whole numbers of a text.
-fn whole(text: &str) -> Option<Vec<u64>> {
+pub(super) fn whole(text: &str) -> Option<Vec<u64>> {
     text.split_ascii_whitespace().map(|word| word.parse().ok()).collect()
+}
+
+/// File and path of `file.h5:/path`, after which a part may stand.
+fn place_in_hdf5(text: &str) -> Option<(&str, &str)> {
+    text.split('|').next()?.trim().rsplit_once(':')
+}
+
+/// The part of a data set that stands after its path: starts, strides and counts, which XDMF 3 follows by the size of the whole.
+fn extents(selection: &str) -> Result<Vec<Extent>> {
+    if selection.contains('|') {
+        let error = Error::run("a data item of several datasets is not read");
+        return Err(error.got(format_args!("'{selection}'")).expected("one dataset in each data item"));
+    }
+    let numbers: Option<Vec<Vec<u64>>> = selection.split(':').take(3).map(whole).collect();
+    match numbers.as_deref() {
+        Some([start, stride, count]) if [start.len(), stride.len()] == [count.len(); 2] => {
+            Ok(start.iter().zip(stride).zip(count).map(|((&first, &step), &n)| (first, n, step)).collect())
+        }
+        _ => Err(Error::run("the part of a data item is damaged")
+            .got(format_args!("'{selection}'"))
+            .expected("starts, strides and counts of each axis, with ':' between")),
+    }
 }
 
 impl<'a> Items<'a> {
@@ -73,6 +96,27 @@ impl<'a> Items<'a> {
         let linked =
             opened.iter().flat_map(|(path, root)| std::iter::once(path.clone()).chain(root.linked_files()));
         linked.chain(self.binary.borrow().iter().map(|source| source.path().to_owned())).collect()
+    }
+
+    /// Files that the items in an element name, whatever step they are of, each once.
+    pub fn files_below(&self, root: &Element) -> BTreeSet<PathBuf> {
+        let (mut files, mut pending) = (BTreeSet::new(), vec![root]);
+        while let Some(element) = pending.pop() {
+            pending.extend(&element.children);
+            let format = element.attribute("Format").filter(|_| element.tag == "DataItem").unwrap_or("XML");
+            if !["Binary", "HDF", "HDF5"].contains(&format) {
+                continue;
+            }
+            // What cannot be read is an error of the reading itself.
+            let Ok(text) = self.document.text(element) else { continue };
+            let name = if format == "Binary" {
+                Some(text.as_str())
+            } else {
+                place_in_hdf5(&text).map(|place| place.0)
+            };
+            files.extend(name.map(|name| beside(self.source.path(), name)));
+        }
+        files
     }
 
     /// Bytes of the file and of those that items lie in.
@@ -128,34 +172,31 @@ impl<'a> Items<'a> {
     /// `file.h5:/path`, in XDMF 3 with `|start:stride:count` after it.
     fn in_hdf5(&self, element: &Element, shape: Option<Vec<u64>>) -> Result<Item> {
         let text = self.document.text(element)?;
+        let text = text.trim_end_matches(['|', ' ']);
         let (place, selection) =
-            text.split_once('|').map_or((text.as_str(), None), |(place, rest)| (place, Some(rest)));
-        let Some((name, path)) = place.trim().rsplit_once(':') else {
+            text.split_once('|').map_or((text, None), |(place, rest)| (place, Some(rest)));
+        let Some((name, path)) = place_in_hdf5(place) else {
             let error =
                 Error::run("a data item does not say where it lies in HDF5").got(format_args!("'{text}'"));
             return Err(error.expected("FILE.h5:/PATH"));
         };
         let file = beside(self.source.path(), name);
         let array = self.array(&file, path).map_err(|error| error.in_file(&file))?;
-        if let Some(selection) = selection {
-            let numbers: Option<Vec<Vec<u64>>> = selection.split(':').take(3).map(whole).collect();
-            let [start, stride, count] =
-                numbers.and_then(|numbers| <[Vec<u64>; 3]>::try_from(numbers).ok()).ok_or_else(|| {
-                    Error::run("the part of a data item is damaged").got(format_args!("'{selection}'"))
-                })?;
-            let part: Vec<Extent> =
-                start.into_iter().zip(stride).zip(count).map(|((a, b), c)| (a, c, b)).collect();
-            let stored = array.part(array.path(), &part, 1)?;
-            return Ok(Item { stored, shape: part.iter().map(|axis| axis.1).collect(), array: None });
-        }
-        let stored = array.stored(array.path(), 1)?;
-        let shape = shape.unwrap_or_else(|| array.shape().to_vec());
+        let (stored, own_shape, array) = match selection {
+            None => (array.stored(array.path(), 1)?, array.shape().to_vec(), Some(array)),
+            Some(selection) => {
+                let part = extents(selection)?;
+                let counts = part.iter().map(|axis| axis.1).collect();
+                (array.part(array.path(), &part, 1)?, counts, None)
+            }
+        };
+        let shape = shape.unwrap_or_else(|| own_shape.clone());
         if Some(product(&shape)?) != stored.tuple_count {
-            let error = Error::run("a data item has other dimensions than its dataset")
+            let error = Error::run("a data item has other dimensions than its dataset, or the part of it")
                 .got(format_args!("{shape:?}"));
-            return Err(error.expected(format_args!("{:?}", array.shape())).at_item(array.path()));
+            return Err(error.expected(format_args!("{own_shape:?}")).at_item(&stored.name));
         }
-        Ok(Item { stored, shape, array: Some(array) })
+        Ok(Item { stored, shape, array })
     }
 
     fn array(&self, file: &std::path::Path, path: &str) -> Result<Array> {

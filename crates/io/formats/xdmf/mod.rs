@@ -12,12 +12,13 @@ use super::blocks;
 use super::contents::{
     CellBlocks, Dataset, Geometry, Piece, PieceArray, Stored, StoredCells, structured_counts,
 };
-use super::request::{Format, Request};
-use super::source::Source;
+use super::request::{Format, Request, list};
+use super::source::{Source, text_of};
 use super::xml::header::{self, Element};
 use cells::Topology;
 use glam::{DMat3, DVec3};
-use items::{Item, Items};
+use items::{Item, Items, whole};
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::grid::Association;
@@ -31,8 +32,9 @@ pub(super) const FORMAT: Format = Format {
     has_solution: false,
 };
 
-/// Deepest tree of grids.
+/// Deepest tree of grids, and most of them: each may be included in many places.
 const MAX_DEPTH: usize = 16;
+const MAX_GRIDS: usize = 500_000;
 
 fn matches(head: &[u8], path: &Path) -> bool {
     let has = |mark: &[u8]| head.windows(mark.len()).any(|window| window == mark);
@@ -47,23 +49,32 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     Reader::new(&source, &root).read(request)
 }
 
-/// The files that the data items of a file lie in, for the step that is asked for; none for other files.
-pub(super) fn files_named(path: &Path, request: &Request) -> Vec<PathBuf> {
+/// The files that the data items of a file lie in, for the step of a request, or of all steps; none for other files.
+pub(super) fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf> {
     let Ok(source) = Source::open(path) else { return Vec::new() };
-    if !source.head(256).is_ok_and(|head| matches(&head, path)) {
+    if !source.head(256).is_ok_and(|head| matches(text_of(&head), path)) {
         return Vec::new();
     }
     let Ok((root, _)) = header::read_as(&source, "Xdmf") else { return Vec::new() };
     let mut reader = Reader::new(&source, &root);
     // What cannot be read is an error of the reading itself.
-    let _ = reader.read(request);
-    reader.items.files()
+    let _ = reader.read(request.unwrap_or(&Request::default()));
+    let mut files = reader.items.files();
+    if request.is_none() {
+        let known: HashSet<PathBuf> = files.iter().cloned().collect();
+        files.extend(reader.items.files_below(&root).into_iter().filter(|file| !known.contains(file)));
+    }
+    files
 }
 
 /// A reading of one file.
 struct Reader<'a> {
     items: Items<'a>,
     dataset: Dataset,
+    /// Grids that were met so far.
+    grid_count: usize,
+    /// Names of the grids that lie in a plane.
+    flat: Vec<String>,
 }
 
 /// A grid without others in it.
@@ -84,7 +95,7 @@ impl<'a> UniformGrid<'a> {
 impl<'a> Reader<'a> {
     fn new(source: &'a Arc<Source>, root: &'a Element) -> Reader<'a> {
         let dataset = Dataset { format: "XDMF".to_owned(), ..Dataset::default() };
-        Reader { items: Items::new(source, root), dataset }
+        Reader { items: Items::new(source, root), dataset, grid_count: 0, flat: Vec::new() }
     }
 
     fn read(&mut self, request: &Request) -> Result<Dataset> {
@@ -110,6 +121,10 @@ impl<'a> Reader<'a> {
                     .extend(piece.map(|piece| Piece { blocks: CellBlocks::One(block), ..piece }));
             }
         }
+        if !self.flat.is_empty() {
+            let names = list(self.flat.iter().map(String::as_str));
+            self.dataset.warnings.push(format!("Grids that lie in a plane are left out: {names}."));
+        }
         if names.len() > 1 {
             self.dataset.blocks = names;
         }
@@ -128,6 +143,11 @@ impl<'a> Reader<'a> {
     ) -> Result<()> {
         if depth > MAX_DEPTH {
             return Err(Error::run("the grids of the file stand too deep in others"));
+        }
+        self.grid_count += 1;
+        if self.grid_count > MAX_GRIDS {
+            let error = Error::run("the file holds, or includes, too many grids");
+            return Err(error.expected(format_args!("at most {MAX_GRIDS}")));
         }
         let kind = grid.attribute("GridType").unwrap_or("Uniform").to_lowercase();
         let collection = grid.attribute("CollectionType").unwrap_or("Spatial").to_lowercase();
@@ -223,15 +243,16 @@ impl<'a> Reader<'a> {
 
     /// Grids by their points and cells: those of the same stand together.
     fn meshes(&self, leaves: Vec<UniformGrid<'a>>) -> Result<Vec<Vec<UniformGrid<'a>>>> {
-        let mut meshes: Vec<(Vec<String>, Vec<UniformGrid>)> = Vec::new();
+        let mut meshes: Vec<Vec<UniformGrid>> = Vec::new();
+        let mut numbers: HashMap<Vec<String>, usize> = HashMap::new();
         for leaf in leaves {
-            let key = self.key(&leaf)?;
-            match meshes.iter_mut().find(|mesh| mesh.0 == key) {
-                Some(mesh) => mesh.1.push(leaf),
-                None => meshes.push((key, vec![leaf])),
+            let number = *numbers.entry(self.key(&leaf)?).or_insert(meshes.len());
+            match meshes.get_mut(number) {
+                Some(mesh) => mesh.push(leaf),
+                None => meshes.push(vec![leaf]),
             }
         }
-        Ok(meshes.into_iter().map(|mesh| mesh.1).collect())
+        Ok(meshes)
     }
 
     /// Types and places of a leaf's points and cells.
@@ -245,7 +266,8 @@ impl<'a> Reader<'a> {
                     && item.children.is_empty();
                 // Of numbers in the XML itself, and of parts of others, the same element.
                 key.push(if is_file {
-                    self.items.document.text(item)?
+                    // The attributes say at which byte of the file it begins.
+                    format!("{:?} {}", item.attributes, self.items.document.text(item)?)
                 } else {
                     format!("{:p}", std::ptr::from_ref(item))
                 });
@@ -262,13 +284,10 @@ impl<'a> Reader<'a> {
             geometry.attribute("GeometryType").or(geometry.attribute("Type")).unwrap_or("XYZ").to_uppercase();
         let (point_count, cell_count, geometry) = match kind.to_lowercase().as_str() {
             plain if plain.starts_with("2d") || form == "XY" || form == "X_Y" => {
-                let name = &leaves[0].name;
-                self.dataset.warnings.push(format!("The grid '{name}' is left out: it lies in a plane."));
+                self.flat.push(leaves[0].name.clone());
                 return Ok(None);
             }
-            plain @ ("3dsmesh" | "3drectmesh" | "3dcorectmesh") => {
-                self.structured(plain, topology, geometry, &form)?
-            }
+            "3dsmesh" | "3drectmesh" | "3dcorectmesh" => self.structured(topology, geometry, &form)?,
             _ => self.unstructured(kind, topology, geometry, &form)?,
         };
         let mut arrays: Vec<PieceArray> = Vec::new();
@@ -313,6 +332,9 @@ impl<'a> Reader<'a> {
             }
         };
         let item = self.items.only(element).map_err(|error| error.at_item(name))?;
+        if (count, item.count()) == (0, 0) {
+            return Ok(None);
+        }
         let components = item.count().checked_div(count).unwrap_or(0);
         if components == 0 || components.checked_mul(count) != Some(item.count()) {
             let error = Error::run("an attribute has the wrong number of values").got(item.count());
@@ -339,13 +361,16 @@ impl<'a> Reader<'a> {
         }
         let connectivity = self.items.only(topology)?;
         let named = ["NumberOfElements", "Dimensions"].iter().find_map(|name| topology.attribute(name));
-        let declared = named
-            .map(|text| dimensions(text).ok_or_else(|| topology.wrong("NumberOfElements", "whole numbers")));
+        let declared =
+            named.map(|text| whole(text).ok_or_else(|| topology.wrong("NumberOfElements", "whole numbers")));
         let declared = declared
             .transpose()?
             .map(|counts| counts.iter().fold(1_u64, |product, &n| product.saturating_mul(n)));
-        let found =
-            known.node_count().map(|nodes| (connectivity.count() / nodes, connectivity.count() % nodes));
+        let mut node_count = known.node_count(topology.number("NodesPerElement")?.filter(|&nodes| nodes > 0));
+        if known.is_vertex() && declared == Some(connectivity.count()) {
+            node_count = node_count.or(Some(1));
+        }
+        let found = node_count.map(|nodes| (connectivity.count() / nodes, connectivity.count() % nodes));
         let cell_count = match (found, declared) {
             (Some((count, 0)), None) => count,
             (Some((count, 0)), Some(declared)) if count == declared => count,
@@ -353,7 +378,7 @@ impl<'a> Reader<'a> {
             (None, Some(declared)) if declared <= connectivity.count() => declared,
             _ => {
                 let error = Error::run("the connectivity has the wrong length").got(connectivity.count());
-                return Err(error.expected(match (declared, known.node_count()) {
+                return Err(error.expected(match (declared, node_count) {
                     (None, _) => "the attribute NumberOfElements of <Topology>".to_owned(),
                     (Some(cells), Some(nodes)) => format!("{nodes} for each of {cells} cells"),
                     (Some(cells), None) => format!("at least {cells}"),
@@ -362,7 +387,7 @@ impl<'a> Reader<'a> {
         };
         let points = self.points(geometry, form)?;
         let base = topology.number("BaseOffset")?.unwrap_or(0);
-        let convert = known.convert(connectivity.tuples("Topology", 1), cell_count, base);
+        let convert = known.convert(node_count, connectivity.tuples("Topology", 1), cell_count, base);
         let cells = Box::new(StoredCells::Converted(convert));
         Ok((points.tuple_count.unwrap_or(0), cell_count, Geometry::Unstructured { points, cells }))
     }
@@ -396,20 +421,19 @@ impl<'a> Reader<'a> {
 
     fn structured(
         &self,
-        kind: &str,
         topology: &'a Element,
         geometry: &'a Element,
         form: &str,
     ) -> Result<CountedGeometry> {
         let axes =
-            topology.attribute("Dimensions").or(topology.attribute("NumberOfElements")).and_then(dimensions);
+            topology.attribute("Dimensions").or(topology.attribute("NumberOfElements")).and_then(whole);
         let axes = axes.and_then(|axes| <[u64; 3]>::try_from(axes).ok());
         let [nz, ny, nx] =
             axes.ok_or_else(|| topology.wrong("Dimensions", "three numbers of points, z first"))?;
         let dimensions = [nx, ny, nz];
         let (point_count, cell_count) = structured_counts(dimensions)?;
-        let geometry = match (kind, form) {
-            (_, "VXVYVZ") => {
+        let geometry = match form {
+            "VXVYVZ" => {
                 let items: [Item; 3] = self.items.all(geometry)?;
                 for (item, n) in items.iter().zip(dimensions) {
                     if item.count() != n {
@@ -421,7 +445,7 @@ impl<'a> Reader<'a> {
                     axes: Box::new(items.map(|item| item.tuples("Geometry", 1))),
                 }
             }
-            (_, "ORIGIN_DXDYDZ") => {
+            "ORIGIN_DXDYDZ" => {
                 let [origin, spacing]: [Item; 2] = self.items.all(geometry)?;
                 let vector = |item: Item| -> Result<DVec3> {
                     let [z, y, x] = item.numbers()?[..] else { return Err(wrong_count(item.count(), 3)) };
@@ -457,9 +481,4 @@ type CountedGeometry = (u64, u64, Geometry);
 
 fn name(grid: &Element, number: usize) -> String {
     grid.attribute("Name").map_or_else(|| format!("grid {number}"), str::to_owned)
-}
-
-/// Whole numbers of an attribute.
-fn dimensions(text: &str) -> Option<Vec<u64>> {
-    text.split_ascii_whitespace().map(|word| word.parse().ok()).collect()
 }

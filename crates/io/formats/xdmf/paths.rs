@@ -11,14 +11,14 @@ use voltet_core::{Error, Result};
 /// Most elements that one path gives, and deepest chain of references.
 const MAX_FOUND: usize = 100_000;
 const MAX_CHAIN: usize = 16;
-/// Most elements that all paths of one reading look at: seconds of work.
+/// Most elements that one reading looks at: seconds of work.
 const MAX_VISITED: usize = 50_000_000;
 
 /// The elements of a file.
 pub(super) struct Document<'a> {
     pub source: &'a Source,
     pub root: &'a Element,
-    /// Elements that paths have looked at so far.
+    /// Elements that were looked at so far.
     visited: Cell<usize>,
 }
 
@@ -38,6 +38,7 @@ impl<'a> Document<'a> {
 
     /// The children of an element, those that are included in the places of the includes.
     pub fn children(&self, element: &'a Element) -> Result<Vec<&'a Element>> {
+        self.visit(element.children.len(), &element.tag)?;
         let mut children = Vec::new();
         let mut pending: Vec<(&Element, usize)> =
             element.children.iter().rev().map(|child| (child, 0)).collect();
@@ -83,9 +84,19 @@ impl<'a> Document<'a> {
         Err(Error::run("a reference refers to itself").at_item(&element.tag))
     }
 
+    /// Counts elements that are looked at. Errors: they are too many, by whatever includes and references; `path`: the last.
+    fn visit(&self, count: usize, path: &str) -> Result<()> {
+        self.visited.set(self.visited.get().saturating_add(count));
+        match self.visited.get() > MAX_VISITED {
+            true => Err(Error::run("the paths in the XML lead to too many elements").got(path)),
+            false => Ok(()),
+        }
+    }
+
     /// The element by its place among its parent's children, from 1, on each level.
     fn place(&self, places: &str) -> Result<Vec<&'a Element>> {
         let mut steps = places.trim_matches('/').split('/').map(|step| step.parse::<usize>().ok());
+        self.visit(places.len(), places)?;
         let mut element = Some(self.root).filter(|_| steps.next() == Some(Some(1)));
         for step in steps {
             element = element.and_then(|element| element.children.get(step?.checked_sub(1)?));
@@ -95,7 +106,7 @@ impl<'a> Document<'a> {
 
     /// The elements of a path.
     fn find(&self, path: &str) -> Result<Vec<&'a Element>> {
-        let mut steps = split(path, "/").into_iter().peekable();
+        let mut steps = split(path).into_iter().peekable();
         let mut found: Option<Vec<&Element>> = None;
         if path.starts_with('/') {
             steps.next();
@@ -108,10 +119,7 @@ impl<'a> Document<'a> {
             let parents = found.take();
             let mut next = Vec::new();
             for candidates in candidates(self.root, parents, is_deep)? {
-                self.visited.set(self.visited.get() + candidates.len());
-                if self.visited.get() > MAX_VISITED {
-                    return Err(Error::run("the paths in the XML lead to too many elements").got(path));
-                }
+                self.visit(candidates.len(), path)?;
                 next.extend(selected(candidates, step, path)?);
             }
             if next.len() > MAX_FOUND {
@@ -127,7 +135,7 @@ fn nothing(path: &str) -> Error {
     Error::run("the XML refers to an element that is not there").got(format_args!("'{path}'"))
 }
 
-/// Lists of brothers among which a step selects: the root, the children of elements, or all lists below them.
+/// Lists of siblings among which a step selects: the root, the children of elements, or all lists below them.
 fn candidates<'a>(
     root: &'a Element,
     parents: Option<Vec<&'a Element>>,
@@ -147,11 +155,11 @@ fn candidates<'a>(
     Ok(lists)
 }
 
-/// Brothers that fit a step: a name or `*`, then conditions, each on what the ones before left.
-fn selected<'a>(brothers: Vec<&'a Element>, step: &str, path: &str) -> Result<Vec<&'a Element>> {
+/// Siblings that fit a step: a name or `*`, then conditions, each on what the ones before left.
+fn selected<'a>(siblings: Vec<&'a Element>, step: &str, path: &str) -> Result<Vec<&'a Element>> {
     let (name, mut conditions) = step.split_at(step.find('[').unwrap_or(step.len()));
     let mut left: Vec<&Element> =
-        brothers.into_iter().filter(|element| name == "*" || element.tag == name.trim()).collect();
+        siblings.into_iter().filter(|element| name == "*" || element.tag == name.trim()).collect();
     while let Some(rest) = conditions.strip_prefix('[') {
         let Some((condition, after)) = rest.split_once(']') else { return Err(unreadable(path)) };
         conditions = after.trim_start();
@@ -201,15 +209,15 @@ impl<'a> Condition<'a> {
 }
 
 /// Parts of a path between slashes that stand in no condition.
-fn split<'a>(path: &'a str, separator: &str) -> Vec<&'a str> {
+fn split(path: &str) -> Vec<&str> {
     let (mut parts, mut begin, mut depth) = (Vec::new(), 0, 0_usize);
     for (place, letter) in path.char_indices() {
         match letter {
             '[' => depth += 1,
             ']' => depth = depth.saturating_sub(1),
-            _ if depth == 0 && path[place..].starts_with(separator) => {
+            '/' if depth == 0 => {
                 parts.push(&path[begin..place]);
-                begin = place + separator.len();
+                begin = place + 1;
             }
             _ => {}
         }

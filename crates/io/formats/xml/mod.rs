@@ -13,7 +13,7 @@ pub(super) use serial::is_before;
 
 use super::contents::Dataset;
 use super::request::{Format, Request};
-use super::source::Source;
+use super::source::{Source, text_of};
 use header::Element;
 use named::{HEAD, has_mark};
 use parallel::{SERIES, TREES, open_step};
@@ -120,8 +120,7 @@ pub(super) fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf
 fn files_marked(path: &Path, marks: &[&str], request: Option<&Request>) -> Vec<PathBuf> {
     let Ok(source) = Source::open(path) else { return Vec::new() };
     let head = source.head(HEAD).unwrap_or_default();
-    let text = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&head).trim_ascii_start();
-    if !text.starts_with(b"<") || !marks.iter().any(|mark| has_mark(&head, mark)) {
+    if !text_of(&head).starts_with(b"<") || !marks.iter().any(|mark| has_mark(&head, mark)) {
         return Vec::new();
     }
     let Ok((root, _)) = header::read(&source) else { return Vec::new() };

@@ -11,6 +11,7 @@ use crate::formats::contents::{CellBlocks, Dataset};
 use crate::formats::request::{Request, list};
 use crate::formats::source::Source;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::{Error, Result, agreeing, counted};
@@ -142,11 +143,12 @@ impl Tree {
         }
         let flat =
             self.leaves.iter().map(|leaf| leaf.block).filter(|&block| is_read(block) && !is_given[block]);
-        let flat: Vec<&str> = flat.map(|block| self.blocks[block].as_str()).collect();
+        let flat: BTreeSet<usize> = flat.collect();
         if !flat.is_empty() {
+            let names = list(flat.iter().map(|&block| self.blocks[block].as_str()));
             let (blocks, are) =
                 (agreeing(&flat.len(), "A block", "Blocks"), agreeing(&flat.len(), "is", "are"));
-            dataset.warnings.push(format!("{blocks} of surfaces or tables {are} left out: {}.", list(flat)));
+            dataset.warnings.push(format!("{blocks} of surfaces or tables {are} left out: {names}."));
         }
         if dataset.pieces.is_empty() {
             return Err(Error::run("no block holds a volume grid")

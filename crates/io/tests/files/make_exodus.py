@@ -64,10 +64,10 @@ def displacement(points, time):
 def letters(file, name, texts, dimension, length="len_string"):
     variable = file.createVariable(name, "S1", (dimension, length))
     for i, text in enumerate(texts):
-        variable[i, :] = np.frombuffer(text.ljust(33, "\0").encode(), dtype="S1")
+        variable[i, :] = np.frombuffer(text.encode().ljust(33, b"\0"), dtype="S1")
 
 
-def write(path, form, points, blocks, names=True, old=False, ids=None, numbers=None, **options):
+def write(path, form, points, blocks, names=True, old=False, ids=None, numbers=None, strings=False, **options):
     """blocks: (name, element type, connectivity from 0)."""
     file = Dataset(path, "w", format=form)
     # The library of Exodus opens no file without these.
@@ -88,7 +88,9 @@ def write(path, form, points, blocks, names=True, old=False, ids=None, numbers=N
     file.createVariable("eb_status", "i4", ("num_el_blk",))[:] = 1
     file["eb_prop1"].setncattr("name", "ID")
     file.createVariable("ns_prop1", "i4", ("num_node_sets",))[:] = [7, 9]
-    if names:
+    if strings:
+        file.createVariable("eb_names", str, ("num_el_blk",))[:] = np.array([block[0] for block in blocks], dtype=object)
+    elif names:
         letters(file, "eb_names", [block[0] for block in blocks], "num_el_blk")
         letters(file, "ns_names", ["inlet", ""], "num_node_sets")
     if ids is not None:
@@ -156,6 +158,9 @@ if __name__ == "__main__":
     write("exodus_kinds.ex2", "NETCDF3_64BIT_DATA", points, blocks)
     points, blocks = apart([KINDS[0], KINDS[3], KINDS[8]])
     write("exodus_hdf5.e", "NETCDF4", points, blocks, zlib=True, chunksizes=None)
+    points, blocks = apart([("Gehäuse", "HEX8", HEX), ("Träger", "TETRA", TET)])
+    write("exodus_letters.e", "NETCDF4", points, blocks)
+    write("exodus_strings.e", "NETCDF4", points, blocks, strings=True)
     points, cells = row(4)
     write("exodus_old.g", "NETCDF3_CLASSIC", points, [("", "HEX", cells[:2]), ("", "HEX", cells[2:])], names=False, old=True)
     # One process has the first block and a cell of the second, the other the rest.

@@ -2,8 +2,9 @@
 //! blocks and the files of several processes.
 
 use super::packed::{follow, grid, grid_at, path, request};
+use std::path::Path;
 use voltet_core::grid::{Grid, tetrahedron_volume};
-use voltet_core::progress::NoProgress;
+use voltet_core::progress::{NoProgress, Progress};
 use voltet_io::formats::{Association, BLOCK, Request, files_beside, files_read_beside, inspect, read};
 
 const TIMES: [f64; 2] = [0.5, 1.5];
@@ -86,6 +87,20 @@ fn files_in_hdf5_and_of_the_older_form_are_read() {
     follow(&grid_at("exodus_old.g", "T", 1), |point| temperature(point, 1.5), "old");
     // Elements share their nodes.
     assert_eq!(grid("exodus_old.g", &request("T")).points.len(), 20);
+}
+
+#[test]
+fn names_in_hdf5_have_any_letters_and_may_be_strings() {
+    for name in ["exodus_letters.e", "exodus_strings.e"] {
+        let blocks = volumes(&of_blocks(name, "T", &[]));
+        assert_eq!(
+            blocks.iter().map(|block| &block.0[..]).collect::<Vec<_>>(),
+            ["Gehäuse", "Träger"],
+            "{name}"
+        );
+        // Roundings of sums of some parts.
+        assert!((volumes(&of_blocks(name, "T", &["Gehäuse"]))[0].1 - 1.0).abs() < 1e-13, "{name}");
+    }
 }
 
 #[test]
@@ -182,4 +197,35 @@ fn netcdf_of_other_kinds_is_refused() {
     std::fs::write(&path, b"CDF\x01\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0").unwrap();
     let error = read(&path, &request("T"), &NoProgress).unwrap_err().to_string();
     assert!(error.contains("no Exodus file") && error.contains("ParaView"), "{error}");
+}
+
+/// Progress of a process that may take so many bytes.
+struct MemoryLeft(u64);
+
+impl Progress for MemoryLeft {
+    fn report(&self, _stage: &str, _fraction: f64) {}
+
+    fn memory_left(&self) -> Option<u64> {
+        Some(self.0)
+    }
+}
+
+#[test]
+fn memory_is_checked_for_the_files_of_all_processes() {
+    let own = path("exodus_row.e.2.0");
+    let refused = |bytes: u64| {
+        let error = read(&own, &request("T"), &MemoryLeft(bytes)).err().map(|error| error.to_string());
+        error.filter(|error| error.contains("memory ends") && error.contains("points and"))
+    };
+    // Each file has 12 points of 24 bytes and 2 hexahedra of 41.
+    let one = 12 * 24 + 2 * 41;
+    assert!(refused(2 * one - 1).is_some());
+    assert_eq!(refused(2 * one), None);
+    let error = inspect(&own, &Request::default(), &MemoryLeft(one - 1)).unwrap_err().to_string();
+    assert!(error.contains("memory ends"), "{error}");
+}
+
+#[test]
+fn a_name_alone_does_not_make_files_of_processes() {
+    assert_eq!(files_beside(Path::new("none/a.e.1048576.0")), [Path::new("none/a.e.1048576.1")]);
 }

@@ -3,7 +3,7 @@
 
 use super::packed::{field, follow, grid, grid_at, path, request, same_files};
 use voltet_core::progress::NoProgress;
-use voltet_io::formats::{Request, files_beside, inspect, read, steps};
+use voltet_io::formats::{Request, files_beside, files_read_beside, inspect, read, steps};
 
 #[test]
 fn every_cell_type_is_that_of_the_xml_file() {
@@ -76,5 +76,85 @@ fn what_is_missing_or_circular_is_an_error_that_names_it() {
     refused("/*[self::Topology", "/*[position() = 1 or self::Topology", &["not read", "[number]"]);
     let circle = "/Grid[2]/include".replace("include", "xi:include");
     refused("/Grid[1]/*[self::Topology or self::Geometry]", &circle, &["includes itself"]);
+    let part = |more: &str| format!("VisualisationVector/T1|0 0:1 1:{more}");
+    refused("VisualisationVector/T1", &part("12 1:12 1|b.h5:/x"), &["several datasets", "b.h5"]);
+    refused("VisualisationVector/T1", &part("11 1:12 1"), &["other dimensions", "[12, 1]", "[11, 1]"]);
+    refused("VisualisationVector/T1", &part("12"), &["part of a data item", "0 0:1 1:12"]);
     refused("Dimensions=\"12 1\"", "Dimensions=\"13 1\"", &["other dimensions", "[12, 1]"]);
+}
+
+/// A grid of one tetrahedron, whose numbers lie in a file of bytes from byte `seek` on.
+fn tetrahedron(name: &str, file: &str, seek: usize) -> String {
+    let item = |kind: &str, dimensions: &str, seek: usize| {
+        format!(
+            "<DataItem Format=\"Binary\" {kind} Dimensions=\"{dimensions}\" Seek=\"{seek}\">{file}</DataItem>"
+        )
+    };
+    format!(
+        "<Grid Name=\"{name}\"><Time Value=\"{seek}\"/><Topology TopologyType=\"Tetrahedron\">{}</Topology>\
+         <Geometry>{}</Geometry><Attribute Name=\"s\">{}</Attribute></Grid>",
+        item("NumberType=\"Int\"", "1 4", seek),
+        item("NumberType=\"Float\"", "4 3", seek + 16),
+        item("NumberType=\"Float\"", "4", seek + 64),
+    )
+}
+
+/// The bytes of such a grid, moved along x.
+fn bytes(x: f32) -> Vec<u8> {
+    let numbers = [x, 0.0, 0.0, x + 1.0, 0.0, 0.0, x, 1.0, 0.0, x, 0.0, 1.0, x, x + 1.0, x, x];
+    let connectivity = [0_i32, 1, 2, 3].into_iter().flat_map(i32::to_le_bytes);
+    connectivity.chain(numbers.into_iter().flat_map(f32::to_le_bytes)).collect()
+}
+
+fn document(grids: &str) -> String {
+    format!("\u{feff}<Xdmf><Domain>{grids}</Domain></Xdmf>")
+}
+
+#[test]
+fn grids_of_one_file_at_other_bytes_are_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.xdmf");
+    std::fs::write(folder.path().join("a.bin"), [bytes(0.0), bytes(5.0)].concat()).unwrap();
+    std::fs::write(&file, document(&(tetrahedron("a", "a.bin", 0) + &tetrahedron("b", "a.bin", 80))))
+        .unwrap();
+    let own = read(&file, &request("s"), &NoProgress).unwrap();
+    assert_eq!((own.points.len(), own.tetrahedra.len(), own.origin.blocks.len()), (8, 2, 2));
+    follow(&own, |[x, ..]| x, "blocks");
+}
+
+#[test]
+fn files_of_all_steps_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.xdmf");
+    std::fs::write(folder.path().join("0.bin"), bytes(0.0)).unwrap();
+    std::fs::write(folder.path().join("1.bin"), [bytes(0.0), bytes(5.0)].concat()).unwrap();
+    let steps = tetrahedron("a", "0.bin", 0) + &tetrahedron("a", "1.bin", 80);
+    let series = format!("<Grid GridType=\"Collection\" CollectionType=\"Temporal\">{steps}</Grid>");
+    std::fs::write(&file, document(&series)).unwrap();
+    let both = ["0.bin", "1.bin"].map(|name| folder.path().join(name));
+    assert_eq!(files_beside(&file), both);
+    assert_eq!(files_read_beside(&file, &Request::default()), both[..1]);
+}
+
+#[test]
+fn lines_and_vertices_of_one_number_of_nodes_stand_beside_a_volume() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.xdmf");
+    std::fs::write(folder.path().join("a.bin"), bytes(0.0)).unwrap();
+    let flat = |kind: &str, nodes: &str, numbers: &str| {
+        let count = numbers.split(' ').count();
+        format!(
+            "<Grid Name=\"{kind}\"><Topology TopologyType=\"{kind}\" NumberOfElements=\"2\" {nodes}>\
+             <DataItem NumberType=\"Int\" Dimensions=\"{count}\">{numbers}</DataItem></Topology>\
+             <Geometry><DataItem Dimensions=\"3 3\">0 0 0 1 0 0 2 0 0</DataItem></Geometry></Grid>"
+        )
+    };
+    let grids = tetrahedron("a", "a.bin", 0)
+        + &flat("Polyline", "NodesPerElement=\"2\"", "0 1 1 2")
+        + &flat("Polyvertex", "", "0 2")
+        + &flat("Polygon", "", "3 0 1 2 3 2 1 0");
+    std::fs::write(&file, document(&grids)).unwrap();
+    let found = inspect(&file, &Request::default(), &NoProgress).unwrap().cells_by_type;
+    assert_eq!(found.into_iter().collect::<Vec<_>>(), [(2, 2), (4, 2), (7, 2), (10, 1)]);
+    assert_eq!(read(&file, &request("s"), &NoProgress).unwrap().tetrahedra.len(), 1);
 }

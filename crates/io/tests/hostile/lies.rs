@@ -2,7 +2,7 @@
 
 use crate::memory::peak_of;
 use voltet_core::progress::NoProgress;
-use voltet_io::formats::{Request, read};
+use voltet_io::formats::{Request, inspect, read};
 use voltet_testing::files::samples::{file, unstructured};
 use voltet_testing::files::xml::{Compressor, Encoding, Mode};
 
@@ -176,4 +176,75 @@ fn cells_that_are_not_finite_are_left_out_and_counted() {
         "{:?}",
         grid.origin.warnings
     );
+}
+
+#[test]
+fn a_lattice_of_more_points_than_numbers_is_an_error() {
+    let image = b"<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 1048575 0 1048575 0 1048575\">\
+        <Piece Extent=\"0 1048575 0 1048575 0 1048575\"/></ImageData></VTKFile>";
+    let xdmf = b"<Xdmf><Domain><Grid><Topology TopologyType=\"3DCoRectMesh\" Dimensions=\"1048576 1048576 1048576\"/>\
+        <Geometry GeometryType=\"ORIGIN_DXDYDZ\"><DataItem Dimensions=\"3\">0 0 0</DataItem>\
+        <DataItem Dimensions=\"3\">1 1 1</DataItem></Geometry></Grid></Domain></Xdmf>";
+    for (name, bytes) in [("a.vti", &image[..]), ("a.xdmf", &xdmf[..])] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = file(&folder, name, bytes);
+        let error = inspect(&path, &Request::default(), &NoProgress).unwrap_err().to_string();
+        expect(&error, &["too many points", "1152921504606846976"]);
+    }
+}
+
+#[test]
+fn grids_included_in_many_places_are_counted() {
+    let includes: String = (0..20).map(|_| "<xi:include xpointer=\"element(/1/1/NEXT)\"/>").collect();
+    let tree = |level: usize| {
+        let next = (level + 1).to_string();
+        format!("<Grid GridType=\"Tree\">{}</Grid>", includes.replace("NEXT", &next))
+    };
+    let trees: String = (1..12).map(tree).collect();
+    let text = format!("<Xdmf><Domain>{trees}<Grid/></Domain></Xdmf>");
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(&folder, "a.xdmf", text.as_bytes());
+    expect(&read(&path, &scalar("s"), &NoProgress).unwrap_err().to_string(), &["too many grids", "500000"]);
+}
+
+/// A file of netCDF (version 5) with a dimension of so many numbers, and these variables of floats: name, dimensions, begin.
+fn netcdf(record_count: u64, dimension: u64, variables: &[(&str, usize, u64)]) -> Vec<u8> {
+    let mut bytes = b"CDF\x05".to_vec();
+    let word = |bytes: &mut Vec<u8>, value: u64| bytes.extend(value.to_be_bytes());
+    let tag = |bytes: &mut Vec<u8>, tag: u32, count: u64| {
+        bytes.extend(tag.to_be_bytes());
+        bytes.extend(count.to_be_bytes());
+    };
+    let name = |bytes: &mut Vec<u8>, name: &str| {
+        bytes.extend((name.len() as u64).to_be_bytes());
+        bytes.extend(name.bytes());
+        bytes.resize(bytes.len().next_multiple_of(4), 0);
+    };
+    word(&mut bytes, record_count);
+    tag(&mut bytes, 10, 1);
+    name(&mut bytes, "n");
+    word(&mut bytes, dimension);
+    tag(&mut bytes, 0, 0);
+    tag(&mut bytes, 11, variables.len() as u64);
+    for &(own, axis_count, begin) in variables {
+        name(&mut bytes, own);
+        word(&mut bytes, axis_count as u64);
+        (0..axis_count).for_each(|_| word(&mut bytes, 0));
+        tag(&mut bytes, 0, 0);
+        bytes.extend(5_u32.to_be_bytes());
+        word(&mut bytes, 4);
+        word(&mut bytes, begin);
+    }
+    bytes.resize(bytes.len().next_multiple_of(4) + 64, 0);
+    bytes
+}
+
+#[test]
+fn variables_of_no_size_and_blocks_by_name_alone_are_errors() {
+    let times = netcdf(1 << 60, 0, &[("coordx", 1, 64), ("time_whole", 2, 64)]);
+    expect(&message("a.e", &times, &scalar("T")), &["axis of records", "time_whole"]);
+    let records = netcdf(1 << 60, 0, &[("coordx", 1, 64), ("time_whole", 1, 64)]);
+    expect(&message("a.e", &records, &scalar("T")), &["ends early"]);
+    let block = netcdf(0, 1, &[("coordx", 1, 64), ("connect16777216", 1, 64)]);
+    expect(&message("a.e", &block, &scalar("T")), &["connect16777216", "65536"]);
 }
