@@ -12,8 +12,8 @@ use glam::{DQuat, DVec3};
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::sync::Arc;
+use voltet_core::Result;
 use voltet_core::grid::code;
-use voltet_core::{Error, Result};
 
 /// The declaration.
 pub(super) const FORMAT: Format =
@@ -23,8 +23,8 @@ fn matches(head: &[u8], path: &Path, _: &Request) -> bool {
     let text = String::from_utf8_lossy(head).to_ascii_lowercase();
     let is_named = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("inp"));
     let words = ["*heading", "*node", "*part", "*element", "*preprint"];
-    let has_keyword = text.lines().any(|line| words.iter().any(|word| line.starts_with(word)));
-    !text.contains("*keyword") && (has_keyword || is_named && text.starts_with('*'))
+    let has_keyword = text.lines().any(|line| words.iter().any(|word| line.trim_start().starts_with(word)));
+    !text.contains("*keyword") && (has_keyword || is_named && text.trim_start().starts_with('*'))
 }
 
 /// Solid elements by their number of nodes.
@@ -41,6 +41,12 @@ const SOLIDS: [(usize, u8); 8] = [
 
 /// Beginnings of the names of solid elements: stress, heat, acoustics, convection.
 const FAMILIES: [&str; 4] = ["C3D", "DC3D", "AC3D", "DCC3D"];
+
+/// Elements in ranges of all sets for each byte of the file, of which an element takes about forty: a hundred sets of all elements.
+const MAX_IN_RANGES: u64 = 4;
+
+/// A line of an element has two numbers with a comma at least.
+const MIN_ELEMENT_BYTES: u64 = 4;
 
 /// Lines of data of a part, from here to the next keyword.
 struct NodeLines {
@@ -73,7 +79,7 @@ struct AbaqusMesh {
     elements: Vec<ElementLines>,
     instances: Vec<Instance>,
     /// First set of the elements of a part whose keyword names none.
-    sets: HashMap<(usize, u64), String>,
+    sets: HashMap<(usize, u64), Arc<str>>,
 }
 
 /// A line with a keyword: its name and parameters in capitals, with values as they stand.
@@ -105,6 +111,8 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
         cursor: Cursor::new(&source),
         part: 0,
         parts: Vec::new(),
+        file_bytes: source.len(),
+        range_sum: 0,
         mesh: AbaqusMesh {
             nodes: Vec::new(),
             elements: Vec::new(),
@@ -113,7 +121,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
         },
     };
     while let Some(line) = scan.cursor.line()? {
-        if line.first() == Some(&b'*') {
+        if line.trim_ascii_start().first() == Some(&b'*') {
             let line = String::from_utf8_lossy(line).into_owned();
             if let Some(keyword) = Keyword::of_line(&line) {
                 scan.keyword(&keyword)?;
@@ -143,6 +151,9 @@ struct Scan {
     part: usize,
     /// Names of the parts from number 1 on.
     parts: Vec<String>,
+    file_bytes: u64,
+    /// Number of elements in all ranges so far.
+    range_sum: u64,
     mesh: AbaqusMesh,
 }
 
@@ -152,6 +163,11 @@ impl Scan {
             "INCLUDE" | "NGEN" | "ELGEN" | "NFILL" | "NCOPY" | "ELCOPY" | "SYSTEM" => {
                 let error = self.cursor.error("a keyword that makes parts of the mesh is not read");
                 Err(error.got(format_args!("*{}", keyword.name)).expected("nodes and elements in this file"))
+            }
+            "NODE" | "ELEMENT" | "ELSET" if !keyword.parameter("INPUT").is_empty() => {
+                let error = self.cursor.error("lines of a file of their own are not read");
+                let found = format!("*{}, INPUT={}", keyword.name, keyword.parameter("INPUT"));
+                Err(error.got(found).expected("nodes and elements in this file"))
             }
             "NODE" if !["", "R", "r"].contains(&keyword.parameter("SYSTEM")) => {
                 let error = self.cursor.error("coordinates of this system are not read");
@@ -197,7 +213,7 @@ impl Scan {
 
     /// Keeps the elements of a set within a part.
     fn set(&mut self, keyword: &Keyword) -> Result<()> {
-        let name = keyword.parameter("ELSET").to_owned();
+        let name: Arc<str> = keyword.parameter("ELSET").into();
         if !keyword.parameter("INSTANCE").is_empty() {
             return Ok(());
         }
@@ -206,22 +222,29 @@ impl Scan {
         while let Some(line) = data_line(&mut lines)? {
             // Names of other sets stand among numbers.
             let numbers: Vec<u64> = line.split(',').filter_map(|word| word.trim().parse().ok()).collect();
-            let step = numbers.get(2).copied().unwrap_or(1).max(1);
-            let elements: Vec<u64> = match numbers[..] {
+            match numbers[..] {
                 [first, last, ..] if is_range => {
-                    if last.saturating_sub(first) / step > lines.left() + self.cursor.position() {
+                    let step = numbers.get(2).copied().unwrap_or(1).max(1);
+                    let count = last.saturating_sub(first) / step;
+                    self.range_sum = self.range_sum.saturating_add(count);
+                    let is_beyond = |count: u64| count > self.file_bytes / MIN_ELEMENT_BYTES;
+                    if is_beyond(count)
+                        || is_beyond(self.mesh.sets.len() as u64)
+                        || self.range_sum > self.file_bytes.saturating_mul(MAX_IN_RANGES)
+                    {
                         let error = lines.error("a set holds more elements than the file").got(line);
                         return Err(error.expected("the first, the last, the step"));
                     }
-                    (first..=last).step_by(step as usize).collect()
+                    (first..=last).step_by(step as usize).for_each(|element| self.add_to_set(element, &name));
                 }
-                _ => numbers,
-            };
-            for element in elements {
-                self.mesh.sets.entry((self.part, element)).or_insert_with(|| name.clone());
+                _ => numbers.iter().for_each(|&element| self.add_to_set(element, &name)),
             }
         }
         Ok(())
+    }
+
+    fn add_to_set(&mut self, element: u64, name: &Arc<str>) {
+        self.mesh.sets.entry((self.part, element)).or_insert_with(|| name.clone());
     }
 
     /// A translation, then a rotation: two points of its axis and degrees.
@@ -344,7 +367,7 @@ impl TaggedMesh for AbaqusMesh {
                 }
                 if !numbers.is_empty() {
                     let error =
-                        Error::run(format!("element {} ends early", numbers[0])).got(numbers.len() - 1);
+                        lines.error(format!("element {} ends early", numbers[0])).got(numbers.len() - 1);
                     return Err(error.expected(format_args!("{} nodes", own.solid.0)));
                 }
             }
@@ -356,7 +379,7 @@ impl TaggedMesh for AbaqusMesh {
 impl AbaqusMesh {
     /// Name of an element's set, after that of its instance.
     fn block(&self, instance: &Instance, lines: &ElementLines, element: u64) -> String {
-        let listed = || self.sets.get(&(lines.part, element)).map_or("", String::as_str);
+        let listed = || self.sets.get(&(lines.part, element)).map_or("", |set| &**set);
         let set = if lines.set.is_empty() { listed() } else { &lines.set };
         match (instance.name.as_str(), set) {
             ("", set) => set.to_owned(),

@@ -80,10 +80,13 @@ fn row(cursor: &mut Cursor, what: &str) -> Result<Vec<f64>> {
         let text = line.split('%').next().unwrap_or_default();
         if !text.trim().is_empty() {
             let numbers = numbers::numbers(NumberType::F64, text.as_bytes());
-            return numbers.map_err(|error| error.at_line(cursor.line_number() - 1));
+            return numbers.map_err(|error| error.at_line(cursor.last_line()));
         }
     }
 }
+
+/// Numbers of points are below this.
+const MAX_POINT: f64 = (1_u64 << 40) as f64;
 
 /// Number of a point among those of all zones.
 fn tag(zone: usize, point: u64) -> u64 {
@@ -123,6 +126,12 @@ impl TaggedMesh for Su2Mesh {
                 }
                 if !matches!(code, code::TETRA | code::HEXAHEDRON | code::WEDGE | code::PYRAMID) {
                     return Err(cursor.error("an element of this type is not read").got(kind.name));
+                }
+                if let Some(node) =
+                    nodes.iter().find(|node| !(0.0..MAX_POINT).contains(*node) || node.fract() != 0.0)
+                {
+                    let error = cursor.error("the number of a point is damaged").got(node);
+                    return Err(error.expected("a whole number from 0"));
                 }
                 let nodes: Vec<u64> = nodes.iter().map(|&node| tag(zone, node as u64)).collect();
                 let tag = tag(zone, element);
