@@ -7,7 +7,9 @@ use super::contents::Dataset;
 use super::cursor::Cursor;
 use super::request::{Format, Request};
 use super::source::Source;
-use super::tagged::{TaggedElement, TaggedMesh, VisitElement, VisitNode, dataset};
+use super::tagged::{
+    PART_SHIFT, TaggedElement, TaggedMesh, VisitElement, VisitNode, dataset, number_in_part,
+};
 use glam::{DQuat, DVec3};
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -22,9 +24,14 @@ pub(super) const FORMAT: Format =
 fn matches(head: &[u8], path: &Path, _: &Request) -> bool {
     let text = String::from_utf8_lossy(head).to_ascii_lowercase();
     let is_named = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("inp"));
-    let words = ["*heading", "*node", "*part", "*element", "*preprint"];
-    let has_keyword = text.lines().any(|line| words.iter().any(|word| line.trim_start().starts_with(word)));
-    !text.contains("*keyword") && (has_keyword || is_named && text.trim_start().starts_with('*'))
+    !text.contains("*keyword")
+        && (text.lines().any(is_first_keyword) || is_named && text.trim_start().starts_with('*'))
+}
+
+/// True for a line with one of the keywords that begin most files.
+pub(super) fn is_first_keyword(line: &str) -> bool {
+    let line = line.trim_start().to_ascii_lowercase();
+    ["*heading", "*node", "*part", "*element", "*preprint"].iter().any(|word| line.starts_with(word))
 }
 
 /// Solid elements by their number of nodes.
@@ -306,10 +313,10 @@ fn data_line(cursor: &mut Cursor) -> Result<Option<String>> {
 
 /// Number of a node or element of an instance among those of all.
 fn tag(instance: usize, number: u64, cursor: &Cursor) -> Result<u64> {
-    if number >> 40 != 0 {
+    if number >> PART_SHIFT != 0 {
         return Err(cursor.error("a number of the mesh is too large").got(number));
     }
-    Ok((instance as u64) << 40 | number)
+    Ok((instance as u64) << PART_SHIFT | number)
 }
 
 fn parsed<T: std::str::FromStr>(word: &str, cursor: &Cursor) -> Result<T> {
@@ -318,6 +325,10 @@ fn parsed<T: std::str::FromStr>(word: &str, cursor: &Cursor) -> Result<T> {
 }
 
 impl TaggedMesh for AbaqusMesh {
+    fn own_number(&self, tag: u64) -> u64 {
+        number_in_part(tag)
+    }
+
     fn each_node(&self, visit: VisitNode) -> Result<()> {
         for (number, instance) in self.instances.iter().enumerate() {
             for own in self.nodes.iter().filter(|own| own.part == instance.part) {

@@ -229,6 +229,19 @@ impl Cursor {
         Ok(())
     }
 
+    /// Passes over numbers, which are not parsed: words of text, or places of `size` bytes.
+    pub fn skip_numbers(&mut self, count: u64, size: u64) -> Result<()> {
+        if self.binary.is_some() {
+            return self.skip(count.saturating_mul(size));
+        }
+        for _ in 0..count {
+            if self.word()?.is_none() {
+                return Err(self.error("the file ends early").expected(format_args!("{count} numbers")));
+            }
+        }
+        Ok(())
+    }
+
     /// Moves behind the next occurrence of a mark, and returns the place where it begins; `None` where there is none.
     pub fn skip_past(&mut self, mark: &[u8]) -> Result<Option<u64>> {
         let first = mark.first().copied().unwrap_or(0);

@@ -7,7 +7,9 @@ use super::cursor::Cursor;
 use super::numbers::{self, NumberType};
 use super::request::{Format, Request};
 use super::source::Source;
-use super::tagged::{TaggedElement, TaggedMesh, VisitElement, VisitNode, dataset};
+use super::tagged::{
+    PART_SHIFT, TaggedElement, TaggedMesh, VisitElement, VisitNode, dataset, number_in_part,
+};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
@@ -86,14 +88,18 @@ fn row(cursor: &mut Cursor, what: &str) -> Result<Vec<f64>> {
 }
 
 /// Numbers of points are below this.
-const MAX_POINT: f64 = (1_u64 << 40) as f64;
+const MAX_POINT: f64 = (1_u64 << PART_SHIFT) as f64;
 
 /// Number of a point among those of all zones.
 fn tag(zone: usize, point: u64) -> u64 {
-    (zone as u64) << 40 | point
+    (zone as u64) << PART_SHIFT | point
 }
 
 impl TaggedMesh for Su2Mesh {
+    fn own_number(&self, tag: u64) -> u64 {
+        number_in_part(tag)
+    }
+
     fn each_node(&self, visit: VisitNode) -> Result<()> {
         for (zone, own) in self.0.iter().enumerate() {
             let (mut cursor, count) = own.points.clone();

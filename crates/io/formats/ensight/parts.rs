@@ -135,17 +135,7 @@ impl GoldFile {
 
     /// Passes over numbers, which take a place of four bytes or a word each.
     fn skip(&mut self, count: u64) -> Result<()> {
-        if self.cursor.binary.is_some() {
-            return self.cursor.skip(count.saturating_mul(4));
-        }
-        for _ in 0..count {
-            if self.cursor.word()?.is_none() {
-                return Err(self
-                    .cursor
-                    .error("the file ends early")
-                    .expected(format_args!("{count} numbers")));
-            }
-        }
+        self.cursor.skip_numbers(count, 4)?;
         if count > 0 { self.end_line() } else { Ok(()) }
     }
 

@@ -125,6 +125,11 @@ fn su2_has_zones_and_markers() {
     for (from, to, words) in [
         ("NDIME= 3", "NDIME= 2", ["flat", "NDIME= 3"]),
         ("10 0 1 2 3", "10 0 1 2 4", ["does not exist", "element"]),
+        (
+            "2\nNDIME= 3\nNELEM= 1 % one\n10 0 1 2 3",
+            "2\nNDIME= 3\nNELEM= 1 % one\n10 0 1 2 4",
+            ["element 0 names", "found 4;"],
+        ),
         ("10 0 1 2 3 0", "10 0 1", ["damaged", "a.su2:5"]),
         ("10 0 1 2 3 0", "10 0 1 2 -1 0", ["found -1", "a.su2:5"]),
         ("10 0 1 2 3 0", "10 0 1 2 1.5 0", ["found 1.5", "a.su2:5"]),
@@ -201,6 +206,10 @@ fn abaqus_has_parts_instances_and_sets() {
     let ranges = file(&folder, "b.inp", ranges.as_bytes());
     let found = read(&ranges, &mesh(), &NoProgress).unwrap_err().to_string();
     assert!(found.contains("more elements than the file"), "{found}");
+    let twice = text.replacen("*Part, name=Block\n", "*Part, name=Block\n*Node\n 5, 1., 1., 1.\n", 1);
+    let found =
+        read(&file(&folder, "b.inp", twice.as_bytes()), &mesh(), &NoProgress).unwrap_err().to_string();
+    assert!(found.contains("holds a node twice") && found.contains("found node 5;"), "{found}");
     for (from, to, words) in [
         ("*Node\n", "*Node, input=nodes.inp\n", ["not read", "*NODE, INPUT=nodes.inp", "a.inp:4"]),
         ("type=C3D4", "type=C3D4, input=a.e", ["not read", "*ELEMENT, INPUT=a.e", "a.inp:10"]),
