@@ -7,13 +7,15 @@ use super::contents::Dataset;
 use super::cursor::Cursor;
 use super::request::{Format, Request};
 use super::source::Source;
-use super::tagged::{TaggedElement, TaggedMesh, VisitElement, VisitNode, dataset};
+use super::tagged::{
+    PART_SHIFT, TaggedElement, TaggedMesh, VisitElement, VisitNode, dataset, number_in_part,
+};
 use glam::{DQuat, DVec3};
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::sync::Arc;
+use voltet_core::Result;
 use voltet_core::grid::code;
-use voltet_core::{Error, Result};
 
 /// The declaration.
 pub(super) const FORMAT: Format =
@@ -22,9 +24,14 @@ pub(super) const FORMAT: Format =
 fn matches(head: &[u8], path: &Path, _: &Request) -> bool {
     let text = String::from_utf8_lossy(head).to_ascii_lowercase();
     let is_named = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("inp"));
-    let words = ["*heading", "*node", "*part", "*element", "*preprint"];
-    let has_keyword = text.lines().any(|line| words.iter().any(|word| line.starts_with(word)));
-    !text.contains("*keyword") && (has_keyword || is_named && text.starts_with('*'))
+    !text.contains("*keyword")
+        && (text.lines().any(is_first_keyword) || is_named && text.trim_start().starts_with('*'))
+}
+
+/// True for a line with one of the keywords that begin most files.
+pub(super) fn is_first_keyword(line: &str) -> bool {
+    let line = line.trim_start().to_ascii_lowercase();
+    ["*heading", "*node", "*part", "*element", "*preprint"].iter().any(|word| line.starts_with(word))
 }
 
 /// Solid elements by their number of nodes.
@@ -41,6 +48,12 @@ const SOLIDS: [(usize, u8); 8] = [
 
 /// Beginnings of the names of solid elements: stress, heat, acoustics, convection.
 const FAMILIES: [&str; 4] = ["C3D", "DC3D", "AC3D", "DCC3D"];
+
+/// Elements in ranges of all sets for each byte of the file, of which an element takes about forty: a hundred sets of all elements.
+const MAX_IN_RANGES: u64 = 4;
+
+/// A line of an element has two numbers with a comma at least.
+const MIN_ELEMENT_BYTES: u64 = 4;
 
 /// Lines of data of a part, from here to the next keyword.
 struct NodeLines {
@@ -73,7 +86,7 @@ struct AbaqusMesh {
     elements: Vec<ElementLines>,
     instances: Vec<Instance>,
     /// First set of the elements of a part whose keyword names none.
-    sets: HashMap<(usize, u64), String>,
+    sets: HashMap<(usize, u64), Arc<str>>,
 }
 
 /// A line with a keyword: its name and parameters in capitals, with values as they stand.
@@ -105,6 +118,8 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
         cursor: Cursor::new(&source),
         part: 0,
         parts: Vec::new(),
+        file_bytes: source.len(),
+        range_sum: 0,
         mesh: AbaqusMesh {
             nodes: Vec::new(),
             elements: Vec::new(),
@@ -113,7 +128,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
         },
     };
     while let Some(line) = scan.cursor.line()? {
-        if line.first() == Some(&b'*') {
+        if line.trim_ascii_start().first() == Some(&b'*') {
             let line = String::from_utf8_lossy(line).into_owned();
             if let Some(keyword) = Keyword::of_line(&line) {
                 scan.keyword(&keyword)?;
@@ -143,6 +158,9 @@ struct Scan {
     part: usize,
     /// Names of the parts from number 1 on.
     parts: Vec<String>,
+    file_bytes: u64,
+    /// Number of elements in all ranges so far.
+    range_sum: u64,
     mesh: AbaqusMesh,
 }
 
@@ -152,6 +170,11 @@ impl Scan {
             "INCLUDE" | "NGEN" | "ELGEN" | "NFILL" | "NCOPY" | "ELCOPY" | "SYSTEM" => {
                 let error = self.cursor.error("a keyword that makes parts of the mesh is not read");
                 Err(error.got(format_args!("*{}", keyword.name)).expected("nodes and elements in this file"))
+            }
+            "NODE" | "ELEMENT" | "ELSET" if !keyword.parameter("INPUT").is_empty() => {
+                let error = self.cursor.error("lines of a file of their own are not read");
+                let found = format!("*{}, INPUT={}", keyword.name, keyword.parameter("INPUT"));
+                Err(error.got(found).expected("nodes and elements in this file"))
             }
             "NODE" if !["", "R", "r"].contains(&keyword.parameter("SYSTEM")) => {
                 let error = self.cursor.error("coordinates of this system are not read");
@@ -197,7 +220,7 @@ impl Scan {
 
     /// Keeps the elements of a set within a part.
     fn set(&mut self, keyword: &Keyword) -> Result<()> {
-        let name = keyword.parameter("ELSET").to_owned();
+        let name: Arc<str> = keyword.parameter("ELSET").into();
         if !keyword.parameter("INSTANCE").is_empty() {
             return Ok(());
         }
@@ -206,22 +229,29 @@ impl Scan {
         while let Some(line) = data_line(&mut lines)? {
             // Names of other sets stand among numbers.
             let numbers: Vec<u64> = line.split(',').filter_map(|word| word.trim().parse().ok()).collect();
-            let step = numbers.get(2).copied().unwrap_or(1).max(1);
-            let elements: Vec<u64> = match numbers[..] {
+            match numbers[..] {
                 [first, last, ..] if is_range => {
-                    if last.saturating_sub(first) / step > lines.left() + self.cursor.position() {
+                    let step = numbers.get(2).copied().unwrap_or(1).max(1);
+                    let count = last.saturating_sub(first) / step;
+                    self.range_sum = self.range_sum.saturating_add(count);
+                    let is_beyond = |count: u64| count > self.file_bytes / MIN_ELEMENT_BYTES;
+                    if is_beyond(count)
+                        || is_beyond(self.mesh.sets.len() as u64)
+                        || self.range_sum > self.file_bytes.saturating_mul(MAX_IN_RANGES)
+                    {
                         let error = lines.error("a set holds more elements than the file").got(line);
                         return Err(error.expected("the first, the last, the step"));
                     }
-                    (first..=last).step_by(step as usize).collect()
+                    (first..=last).step_by(step as usize).for_each(|element| self.add_to_set(element, &name));
                 }
-                _ => numbers,
-            };
-            for element in elements {
-                self.mesh.sets.entry((self.part, element)).or_insert_with(|| name.clone());
+                _ => numbers.iter().for_each(|&element| self.add_to_set(element, &name)),
             }
         }
         Ok(())
+    }
+
+    fn add_to_set(&mut self, element: u64, name: &Arc<str>) {
+        self.mesh.sets.entry((self.part, element)).or_insert_with(|| name.clone());
     }
 
     /// A translation, then a rotation: two points of its axis and degrees.
@@ -283,10 +313,10 @@ fn data_line(cursor: &mut Cursor) -> Result<Option<String>> {
 
 /// Number of a node or element of an instance among those of all.
 fn tag(instance: usize, number: u64, cursor: &Cursor) -> Result<u64> {
-    if number >> 40 != 0 {
+    if number >> PART_SHIFT != 0 {
         return Err(cursor.error("a number of the mesh is too large").got(number));
     }
-    Ok((instance as u64) << 40 | number)
+    Ok((instance as u64) << PART_SHIFT | number)
 }
 
 fn parsed<T: std::str::FromStr>(word: &str, cursor: &Cursor) -> Result<T> {
@@ -295,6 +325,10 @@ fn parsed<T: std::str::FromStr>(word: &str, cursor: &Cursor) -> Result<T> {
 }
 
 impl TaggedMesh for AbaqusMesh {
+    fn own_number(&self, tag: u64) -> u64 {
+        number_in_part(tag)
+    }
+
     fn each_node(&self, visit: VisitNode) -> Result<()> {
         for (number, instance) in self.instances.iter().enumerate() {
             for own in self.nodes.iter().filter(|own| own.part == instance.part) {
@@ -344,7 +378,7 @@ impl TaggedMesh for AbaqusMesh {
                 }
                 if !numbers.is_empty() {
                     let error =
-                        Error::run(format!("element {} ends early", numbers[0])).got(numbers.len() - 1);
+                        lines.error(format!("element {} ends early", numbers[0])).got(numbers.len() - 1);
                     return Err(error.expected(format_args!("{} nodes", own.solid.0)));
                 }
             }
@@ -356,7 +390,7 @@ impl TaggedMesh for AbaqusMesh {
 impl AbaqusMesh {
     /// Name of an element's set, after that of its instance.
     fn block(&self, instance: &Instance, lines: &ElementLines, element: u64) -> String {
-        let listed = || self.sets.get(&(lines.part, element)).map_or("", String::as_str);
+        let listed = || self.sets.get(&(lines.part, element)).map_or("", |set| &**set);
         let set = if lines.set.is_empty() { listed() } else { &lines.set };
         match (instance.name.as_str(), set) {
             ("", set) => set.to_owned(),

@@ -18,7 +18,6 @@ pub(super) struct Place {
 }
 
 /// A position in a file.
-#[derive(Clone)]
 pub(super) struct Cursor {
     source: Arc<Source>,
     /// Bytes from `start` on.
@@ -32,6 +31,14 @@ pub(super) struct Cursor {
     last_line: usize,
     /// The byte order of numbers; `None`: they are text.
     pub binary: Option<ByteOrder>,
+}
+
+impl Clone for Cursor {
+    /// A cursor at this position without the bytes of the window: such are kept for each part of a file.
+    fn clone(&self) -> Cursor {
+        let cursor = Cursor::within(&self.source, self.position(), self.end, self.line);
+        Cursor { last_line: self.last_line, binary: self.binary, ..cursor }
+    }
 }
 
 impl Cursor {
@@ -73,6 +80,11 @@ impl Cursor {
     /// Number of the line, from 1; means nothing once bytes were passed.
     pub fn line_number(&self) -> usize {
         self.line
+    }
+
+    /// Number of the line in which the last word or line began.
+    pub fn last_line(&self) -> usize {
+        self.last_line
     }
 
     /// Bytes that are left.
@@ -172,6 +184,12 @@ impl Cursor {
         Ok(self.window.get(self.at).copied())
     }
 
+    /// True if the file goes on with these bytes, which stay.
+    pub fn starts_with(&mut self, bytes: &[u8]) -> Result<bool> {
+        while self.window.len() - self.at < bytes.len() && self.fill()? {}
+        Ok(self.window[self.at..].starts_with(bytes))
+    }
+
     /// Bytes up to one for which `is_end` is true, or to the end; no white space is skipped.
     pub fn until(&mut self, is_end: impl Fn(u8) -> bool) -> Result<&[u8]> {
         self.last_line = self.line;
@@ -207,6 +225,19 @@ impl Cursor {
             self.start = self.position() + count;
             self.window.clear();
             self.at = 0;
+        }
+        Ok(())
+    }
+
+    /// Passes over numbers, which are not parsed: words of text, or places of `size` bytes.
+    pub fn skip_numbers(&mut self, count: u64, size: u64) -> Result<()> {
+        if self.binary.is_some() {
+            return self.skip(count.saturating_mul(size));
+        }
+        for _ in 0..count {
+            if self.word()?.is_none() {
+                return Err(self.error("the file ends early").expected(format_args!("{count} numbers")));
+            }
         }
         Ok(())
     }
@@ -294,6 +325,20 @@ mod tests {
         }
         assert!(words.word().unwrap().is_none() && lines.line().unwrap().is_none());
         assert_eq!((words.left(), lines.left()), (0, 0));
+    }
+
+    #[test]
+    fn a_clone_is_at_the_same_place_without_bytes() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut cursor = cursor(&folder, b"one two\nthree");
+        cursor.word().unwrap();
+        let mut copy = cursor.clone();
+        assert_eq!((copy.window.capacity(), copy.position(), copy.left()), (0, 3, 10));
+        for _ in 0..2 {
+            assert_eq!(copy.word().unwrap().map(<[u8]>::to_vec), cursor.word().unwrap().map(<[u8]>::to_vec));
+            assert_eq!((copy.last_line(), copy.line_number()), (cursor.last_line(), cursor.line_number()));
+        }
+        assert_eq!(copy.last_line(), 2);
     }
 
     #[test]

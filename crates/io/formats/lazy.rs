@@ -2,7 +2,7 @@
 //! gathered one by one.
 
 use super::contents::{ExternalFormat, Geometry};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::grid::{CellSet, Cells, Polyhedron};
 use voltet_core::progress::Progress;
 use voltet_core::reading::{GridHead, GridRead, OpenGrid};
@@ -51,8 +51,8 @@ pub(super) struct Tags {
 }
 
 impl Tags {
-    /// By the tags in their order in the file. Errors: `what` is there twice, or too often.
-    pub fn new(tags: Vec<u64>, what: &str) -> Result<Tags> {
+    /// By the tags in their order in the file; `own_number` of a tag is what the file says. Errors: `what` is there twice, or too often.
+    pub fn new(tags: Vec<u64>, what: &str, own_number: impl Fn(u64) -> u64) -> Result<Tags> {
         let count = u32::try_from(tags.len())
             .map_err(|_| Error::run(format!("the file holds too many {what}s")).got(tags.len()))?;
         let tags = if tags.is_sorted() {
@@ -65,7 +65,7 @@ impl Tags {
         match tags.sorted.windows(2).find(|pair| pair[0] == pair[1]) {
             None => Ok(tags),
             Some(pair) => Err(Error::run(format!("the file holds a {what} twice"))
-                .got(format_args!("{what} {}", pair[0]))
+                .got(format_args!("{what} {}", own_number(pair[0])))
                 .expected(format_args!("each {what} once"))),
         }
     }
@@ -86,6 +86,33 @@ impl Tags {
         };
         Some(self.numbers.get(place).map_or(place, |&number| number as usize))
     }
+}
+
+/// Tags of the nodes (0) and of the selected elements (1) of a mesh, once they were read.
+#[derive(Default)]
+pub(super) struct MeshTags(Mutex<[Option<Arc<Tags>>; 2]>);
+
+impl MeshTags {
+    /// Keeps the tags of a kind.
+    pub fn keep(&self, kind: usize, tags: Tags) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)[kind] = Some(Arc::new(tags));
+    }
+
+    /// Tags of a kind; where there are none yet, `read` reads and keeps them.
+    pub fn get(&self, kind: usize, read: impl FnOnce() -> Result<()>) -> Result<Arc<Tags>> {
+        let kept = || self.0.lock().unwrap_or_else(PoisonError::into_inner)[kind].clone();
+        if let Some(tags) = kept() {
+            return Ok(tags);
+        }
+        read()?;
+        kept().ok_or_else(|| Error::run("the numbers of the mesh were not kept"))
+    }
+}
+
+/// The error about an element with a node that is not there.
+pub(super) fn missing_node(element: u64, node: u64) -> Error {
+    let error = Error::run(format!("element {element} names a node that does not exist"));
+    error.got(node).expected("the number of a node of the file")
 }
 
 /// Cells gathered one by one.

@@ -56,6 +56,18 @@ struct BulkEntry {
     line: usize,
 }
 
+/// Characters of a line in which a tab reaches the next column of eight.
+fn with_tab_stops(line: &str) -> Vec<char> {
+    let mut columns = Vec::new();
+    for letter in line.chars() {
+        match letter {
+            '\t' => columns.resize((columns.len() / 8 + 1) * 8, ' '),
+            letter => columns.push(letter),
+        }
+    }
+    columns
+}
+
 /// Name and fields of a line; a name that is empty continues the entry before.
 fn fields(line: &str) -> (String, Vec<String>) {
     let line = line.split('$').next().unwrap_or_default();
@@ -69,7 +81,7 @@ fn fields(line: &str) -> (String, Vec<String>) {
         fields.resize(count, String::new());
         return (name, fields);
     }
-    let line: Vec<char> = line.replace('\t', "        ").chars().collect();
+    let line = with_tab_stops(line);
     let part = |from: usize, to: usize| {
         clean(&line.get(from.min(line.len())..to.min(line.len())).unwrap_or(&[]).iter().collect::<String>())
     };
@@ -92,6 +104,10 @@ fn each_entry(
         if line.starts_with('$') || line.trim().is_empty() {
             continue;
         }
+        if line.trim_start().get(..7).is_some_and(|word| word.eq_ignore_ascii_case("INCLUDE")) {
+            let error = cursor.error("files that a file includes are not read").got(format_args!("'{line}'"));
+            return Err(error.expected("all entries in this file"));
+        }
         let (name, fields) = fields(&line);
         if name.is_empty() || name.starts_with(['+', '*']) {
             if let Some(entry) = &mut entry {
@@ -111,7 +127,7 @@ fn each_entry(
             return Ok(());
         }
         if names.contains(&name.as_str()) {
-            entry = Some(BulkEntry { name, fields, line: cursor.line_number() - 1 });
+            entry = Some(BulkEntry { name, fields, line: cursor.last_line() });
         }
     }
     entry.map_or(Ok(()), |complete| visit(&complete))

@@ -7,7 +7,9 @@ use super::cursor::Cursor;
 use super::numbers::{self, NumberType};
 use super::request::{Format, Request};
 use super::source::Source;
-use super::tagged::{TaggedElement, TaggedMesh, VisitElement, VisitNode, dataset};
+use super::tagged::{
+    PART_SHIFT, TaggedElement, TaggedMesh, VisitElement, VisitNode, dataset, number_in_part,
+};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
@@ -80,17 +82,24 @@ fn row(cursor: &mut Cursor, what: &str) -> Result<Vec<f64>> {
         let text = line.split('%').next().unwrap_or_default();
         if !text.trim().is_empty() {
             let numbers = numbers::numbers(NumberType::F64, text.as_bytes());
-            return numbers.map_err(|error| error.at_line(cursor.line_number() - 1));
+            return numbers.map_err(|error| error.at_line(cursor.last_line()));
         }
     }
 }
 
+/// Numbers of points are below this.
+const MAX_POINT: f64 = (1_u64 << PART_SHIFT) as f64;
+
 /// Number of a point among those of all zones.
 fn tag(zone: usize, point: u64) -> u64 {
-    (zone as u64) << 40 | point
+    (zone as u64) << PART_SHIFT | point
 }
 
 impl TaggedMesh for Su2Mesh {
+    fn own_number(&self, tag: u64) -> u64 {
+        number_in_part(tag)
+    }
+
     fn each_node(&self, visit: VisitNode) -> Result<()> {
         for (zone, own) in self.0.iter().enumerate() {
             let (mut cursor, count) = own.points.clone();
@@ -123,6 +132,12 @@ impl TaggedMesh for Su2Mesh {
                 }
                 if !matches!(code, code::TETRA | code::HEXAHEDRON | code::WEDGE | code::PYRAMID) {
                     return Err(cursor.error("an element of this type is not read").got(kind.name));
+                }
+                if let Some(node) =
+                    nodes.iter().find(|node| !(0.0..MAX_POINT).contains(*node) || node.fract() != 0.0)
+                {
+                    let error = cursor.error("the number of a point is damaged").got(node);
+                    return Err(error.expected("a whole number from 0"));
                 }
                 let nodes: Vec<u64> = nodes.iter().map(|&node| tag(zone, node as u64)).collect();
                 let tag = tag(zone, element);

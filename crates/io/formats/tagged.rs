@@ -3,17 +3,26 @@
 
 use super::blocks::selected;
 use super::contents::{CellBlocks, Compute, Dataset, Encoding, Meter, Piece, PieceArray, Stored};
-use super::lazy::{GatheredCells, Tags, geometry};
+use super::lazy::{GatheredCells, MeshTags, Tags, geometry, missing_node};
 use super::request::Request;
 use super::source::Source;
 use glam::DVec3;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::collections::HashMap;
+use std::sync::Arc;
+use voltet_core::Result;
 use voltet_core::grid::{Association, Cells};
 use voltet_core::reading::FileArray;
-use voltet_core::{Error, Result};
 
 /// Name of the block of elements that are in none, in a file with blocks.
 const NO_BLOCK: &str = "no block";
+
+/// Tags of a mesh of several parts have the number of the part above these bits.
+pub(super) const PART_SHIFT: u32 = 40;
+
+/// Number within its part of a node or element of a mesh of several parts.
+pub(super) fn number_in_part(tag: u64) -> u64 {
+    tag & ((1 << PART_SHIFT) - 1)
+}
 
 /// An element of a file.
 pub(super) struct TaggedElement<'a> {
@@ -42,6 +51,11 @@ pub(super) trait TaggedMesh: Send + Sync + 'static {
     /// Hands out the volume elements.
     fn each_element(&self, visit: VisitElement) -> Result<()>;
 
+    /// Number in the file of a node or element, for messages.
+    fn own_number(&self, tag: u64) -> u64 {
+        tag
+    }
+
     /// Hands out the tuples of an array, by its place in the list that was given.
     fn each_tuple(&self, _array: usize, _visit: VisitValues) -> Result<()> {
         Ok(())
@@ -52,9 +66,9 @@ pub(super) trait TaggedMesh: Send + Sync + 'static {
 struct OpenMesh<M> {
     mesh: M,
     blocks: Vec<String>,
+    block_places: HashMap<String, usize>,
     is_selected: Vec<bool>,
-    /// Numbers of the nodes and of the selected elements, once they were read.
-    tags: Mutex<[Option<Arc<Tags>>; 2]>,
+    tags: MeshTags,
 }
 
 /// The table of contents of a mesh with these arrays.
@@ -68,12 +82,14 @@ pub(super) fn dataset(
     let mut blocks: Vec<String> = Vec::new();
     // Cells and corners of each block.
     let mut counts: Vec<[u64; 2]> = Vec::new();
+    let mut block_places: HashMap<String, usize> = HashMap::new();
     let mut last = 0;
     mesh.each_element(&mut |element| {
         if blocks.get(last).is_none_or(|name| name != element.block) {
-            last = blocks.iter().position(|name| name == element.block).unwrap_or(blocks.len());
+            last = block_places.get(element.block).copied().unwrap_or(blocks.len());
         }
         if last == blocks.len() {
+            block_places.insert(element.block.to_owned(), last);
             blocks.push(element.block.to_owned());
             counts.push([0; 2]);
         }
@@ -96,7 +112,8 @@ pub(super) fn dataset(
         |place: usize| counts.iter().zip(&is_selected).filter(|own| *own.1).map(|own| own.0[place]).sum();
     let counts: [u64; 3] = [node_count, sum(0), sum(1)];
     let has_blocks = !blocks.is_empty();
-    let open = Arc::new(OpenMesh { mesh, blocks: blocks.clone(), is_selected, tags: Mutex::default() });
+    let tags = MeshTags::default();
+    let open = Arc::new(OpenMesh { mesh, blocks: blocks.clone(), block_places, is_selected, tags });
     let arrays = arrays.into_iter().enumerate().map(|(place, array)| {
         let (of, n, association) = (open.clone(), array.component_count, array.association);
         let compute: Compute = Arc::new(move |_| of.values(place, n, association));
@@ -122,22 +139,18 @@ pub(super) fn dataset(
 }
 
 impl<M: TaggedMesh> OpenMesh<M> {
-    fn keep_tags(&self, kind: usize, tags: Tags) {
-        self.tags.lock().unwrap_or_else(PoisonError::into_inner)[kind] = Some(Arc::new(tags));
-    }
-
     /// Numbers of the nodes (0) or of the selected elements (1), read if they were not yet.
     fn tags(&self, kind: usize) -> Result<Arc<Tags>> {
-        let kept = || self.tags.lock().unwrap_or_else(PoisonError::into_inner)[kind].clone();
-        if let Some(tags) = kept() {
-            return Ok(tags);
-        }
-        if kind == 0 {
-            self.read_nodes().map(drop)?
-        } else {
-            self.read_elements().map(drop)?
-        }
-        kept().ok_or_else(|| Error::run("the numbers of the mesh were not kept"))
+        self.tags.get(kind, || match kind {
+            0 => self.read_nodes().map(drop),
+            _ => self.read_elements().map(drop),
+        })
+    }
+
+    fn keep_tags(&self, kind: usize, tags: Vec<u64>) -> Result<()> {
+        let what = ["node", "element"][kind];
+        self.tags.keep(kind, Tags::new(tags, what, |tag| self.mesh.own_number(tag))?);
+        Ok(())
     }
 
     fn read_nodes(&self) -> Result<Vec<DVec3>> {
@@ -147,7 +160,7 @@ impl<M: TaggedMesh> OpenMesh<M> {
             points.push(position);
             Ok(())
         })?;
-        self.keep_tags(0, Tags::new(tags, "node")?);
+        self.keep_tags(0, tags)?;
         Ok(points)
     }
 
@@ -157,9 +170,8 @@ impl<M: TaggedMesh> OpenMesh<M> {
         let (mut cells, mut tags, mut blocks) = (GatheredCells::default(), Vec::new(), Vec::new());
         let (mut corners, mut block) = (Vec::new(), 0);
         self.mesh.each_element(&mut |element| {
-            let name = if element.block.is_empty() { NO_BLOCK } else { element.block };
-            if self.blocks.get(block).is_some_and(|last| last != name) {
-                block = self.blocks.iter().position(|known| known == name).unwrap_or(0);
+            if self.blocks.get(block).is_some_and(|last| last != element.block) {
+                block = self.block_places.get(element.block).copied().unwrap_or(0);
             }
             if !self.is_selected[block] {
                 return Ok(());
@@ -167,9 +179,7 @@ impl<M: TaggedMesh> OpenMesh<M> {
             corners.clear();
             for &node in element.nodes {
                 let number = nodes.find(node).ok_or_else(|| {
-                    let error =
-                        Error::run(format!("element {} names a node that does not exist", element.tag));
-                    error.got(node).expected("the number of a node of the file")
+                    missing_node(self.mesh.own_number(element.tag), self.mesh.own_number(node))
                 })?;
                 corners.push(number as u32);
             }
@@ -178,7 +188,7 @@ impl<M: TaggedMesh> OpenMesh<M> {
             blocks.push(block as f64);
             Ok(())
         })?;
-        self.keep_tags(1, Tags::new(tags, "element")?);
+        self.keep_tags(1, tags)?;
         Ok((cells, blocks))
     }
 

@@ -9,7 +9,7 @@ use super::cursor::{Cursor, Place};
 use super::lazy::{GatheredCells, geometry};
 use super::numbers::{self, NumberType};
 use super::request::{Format, Request};
-use super::source::Source;
+use super::source::{Source, printable};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
@@ -137,11 +137,27 @@ impl TecplotFile {
             TecplotFile { source: source.clone(), variables: Vec::new(), axes: [0, 1, 2], zones: Vec::new() };
         loop {
             let entries = head(&mut cursor)?;
+            if let Some((_, kind)) = entries.iter().find(|entry| entry.0 == "FILETYPE")
+                && kind.first().is_some_and(|kind| kind.eq_ignore_ascii_case("SOLUTION"))
+            {
+                let error = cursor.error("a file of solutions alone has no coordinates");
+                return Err(error.got("FILETYPE=SOLUTION").expected("FILETYPE=FULL"));
+            }
             if let Some((_, names)) = entries.iter().find(|entry| entry.0 == "VARIABLES") {
+                if !file.zones.is_empty() && names.len() != file.variables.len() {
+                    let error = cursor.error("the variables change between zones").got(names.len());
+                    return Err(error.expected(format_args!("{} variables", file.variables.len())));
+                }
                 file.variables = names.clone();
             }
-            if !entries.iter().any(|entry| entry.0 == "ZONE") {
-                break;
+            match entries.iter().filter(|entry| entry.0 == "ZONE").count() {
+                1 => {}
+                0 => {
+                    let Some(word) = cursor.word()?.map(printable) else { break };
+                    let error = cursor.error("numbers belong to no zone").got(format_args!("'{word}'"));
+                    return Err(error.expected("ZONE before them; geometries are not read"));
+                }
+                _ => return Err(cursor.error("a zone without numbers of its own is not read")),
             }
             if file.variables.len() < 3 {
                 let error = cursor.error("the file names too few variables").got(file.variables.len());
@@ -218,16 +234,33 @@ impl TecplotFile {
             kind,
             node_count,
             cell_count,
+            // Of a zone that says neither, VTK and VisIt take each node's variables to stand side by side.
             is_block: value(&["DATAPACKING"]).eq_ignore_ascii_case("BLOCK") || form.ends_with("BLOCK"),
             at_cells: vec![false; self.variables.len()],
             shared: vec![None; self.variables.len()],
             shared_cells: None,
-            time: value(&["SOLUTIONTIME"]).parse().ok(),
+            time: match value(&["SOLUTIONTIME"]) {
+                "" => None,
+                word => Some(numbers::parse(NumberType::F64, word.as_bytes()).map_err(|_| {
+                    let error = cursor.error("SOLUTIONTIME of a zone is damaged");
+                    error.got(format_args!("'{word}'")).expected("a number")
+                })?),
+            },
             data: Place::default(),
             connectivity: Place::default(),
         };
-        for (variables, word) in lists(value(&["VARLOCATION"]), self.variables.len()) {
+        let lists = |key: &str| {
+            lists(value(&[key]), self.variables.len()).map_err(|found| {
+                let error = cursor.error(format!("{key} of a zone is damaged"));
+                error.got(format_args!("'{found}'")).expected("numbers of variables in brackets, and a word")
+            })
+        };
+        for (variables, word) in lists("VARLOCATION")? {
             let is_cell = word.eq_ignore_ascii_case("CELLCENTERED");
+            if !is_cell && !word.eq_ignore_ascii_case("NODAL") {
+                let error = cursor.error("VARLOCATION of a zone is damaged").got(format_args!("'{word}'"));
+                return Err(error.expected("NODAL or CELLCENTERED"));
+            }
             variables.into_iter().for_each(|variable| zone.at_cells[variable] = is_cell);
         }
         let earlier = |word: &str| {
@@ -239,7 +272,13 @@ impl TecplotFile {
                 error.expected(format_args!("the number of a zone, at most {}", self.zones.len()))
             })
         };
-        for (variables, word) in lists(value(&["VARSHARELIST"]), self.variables.len()) {
+        if let word @ [_, ..] = value(&["VARSHARELIST"]).as_bytes()
+            && !word.contains(&b'[')
+        {
+            let error = cursor.error("VARSHARELIST of a zone is damaged").got(printable(word));
+            return Err(error.expected("numbers of variables in brackets, and a zone"));
+        }
+        for (variables, word) in lists("VARSHARELIST")? {
             let other = if word.is_empty() { self.zones.len().wrapping_sub(1) } else { earlier(&word)? };
             let same = self
                 .zones
@@ -431,7 +470,8 @@ fn head(cursor: &mut Cursor) -> Result<Entries> {
     let mut entries = Entries::new();
     for (place, (word, is_plain)) in words.iter().enumerate() {
         let is_key = *is_plain && words.get(place + 1).is_some_and(|next| next.0 == "=" && next.1);
-        let is_zone = *is_plain && word.eq_ignore_ascii_case("zone");
+        let is_value = place > 0 && words[place - 1].0 == "=";
+        let is_zone = *is_plain && !is_value && word.eq_ignore_ascii_case("zone");
         if is_key || is_zone {
             entries.push((word.to_ascii_uppercase(), Vec::new()));
         } else if let Some(entry) = entries.last_mut().filter(|_| !(*is_plain && word == "=")) {
@@ -464,20 +504,35 @@ fn words(text: &str) -> Vec<(String, bool)> {
     words
 }
 
-/// Entries of a list such as ([4-6,8]=CELLCENTERED): places of variables from 0, and the word after them.
-fn lists(text: &str, variable_count: usize) -> Vec<(Vec<usize>, String)> {
+/// Places of variables from 0, and a word about them.
+type VariableLists = Vec<(Vec<usize>, String)>;
+
+/// Entries of a list such as ([4-6,8]=CELLCENTERED). Without brackets the list has a word for each variable. Errors: the part that is
+/// damaged.
+fn lists(text: &str, variable_count: usize) -> std::result::Result<VariableLists, String> {
     let text = text.trim().trim_start_matches('(').trim_end_matches(')');
+    let separators = [' ', ',', '\n', '\t'];
+    if !text.contains('[') {
+        let words: Vec<&str> = text.split(separators).filter(|word| !word.is_empty()).collect();
+        if words.len() > variable_count {
+            return Err(text.to_owned());
+        }
+        return Ok(words.iter().enumerate().map(|(place, word)| (vec![place], (*word).to_owned())).collect());
+    }
+    let place = |word: &str| {
+        let place = word.trim().parse::<usize>().ok().and_then(|number| number.checked_sub(1));
+        place.filter(|&place| place < variable_count).ok_or_else(|| word.to_owned())
+    };
     let mut lists = Vec::new();
     for part in text.split('[').skip(1) {
-        let (numbers, after) = part.split_once(']').unwrap_or((part, ""));
-        let word = after.trim_matches([' ', '=', ',', '\n']).to_owned();
-        let place = |word: &str| word.trim().parse::<usize>().ok().and_then(|number| number.checked_sub(1));
-        let range = |range: &str| {
+        let (numbers, after) = part.split_once(']').ok_or_else(|| part.to_owned())?;
+        let mut variables = Vec::new();
+        for range in numbers.split(',') {
             let (first, last) = range.split_once('-').unwrap_or((range, range));
-            let (first, last) = (place(first).unwrap_or(usize::MAX), place(last).unwrap_or(0));
-            first..(last + 1).min(variable_count)
-        };
-        lists.push((numbers.split(',').flat_map(range).collect(), word));
+            variables.extend(place(first)?..=place(last)?);
+        }
+        let word = after.trim_matches(|letter| letter == '=' || separators.contains(&letter));
+        lists.push((variables, word.to_owned()));
     }
-    lists
+    Ok(lists)
 }

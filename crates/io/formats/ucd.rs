@@ -27,9 +27,10 @@ fn matches(head: &[u8], path: &Path, _: &Request) -> bool {
     let first = text.lines().find(|line| !line.starts_with('#'));
     let is_head = |line: &str| {
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
-        words.len() == 5 && words.iter().all(|word| word.parse::<u64>().is_ok())
+        // Long comments hide what follows them, or cut it.
+        let is_cut = !line.is_empty() && words.len() < 5 && text.ends_with(line);
+        (words.len() == 5 || is_cut) && words.iter().all(|word| word.parse::<u64>().is_ok())
     };
-    // Long comments hide what follows them.
     ["inp", "ucd", "avs"].iter().any(|name| ending == *name) && first.is_none_or(is_head)
 }
 
@@ -90,6 +91,11 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     {
         if width > 0 {
             let found = array_heads(&mut cursor, association, width)?;
+            // A value takes a digit and a space at least.
+            if row_count.max(1).saturating_mul(width) > cursor.left() / 2 {
+                let error = cursor.error("the rows of values do not fit the file");
+                return Err(error.got(format_args!("{row_count} rows of {width} values")));
+            }
             let mut first = 0;
             for head in found {
                 let component_count = head.component_count;

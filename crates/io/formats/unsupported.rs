@@ -1,5 +1,6 @@
 //! Formats that are not read, told by their content: what a file is, and what to do with it.
 
+use super::abaqus::is_first_keyword;
 use super::source::Source;
 use voltet_core::{Error, Result};
 
@@ -79,12 +80,7 @@ pub(super) const BY_WORDS: &[UnsupportedFormat] = &[
         |file| [512, 1024, 2048].iter().any(|&place| file.has_magic_at(place, HDF5_MAGIC)),
     ),
     ("input of LS-DYNA", LS_DYNA, |file| file.has_line(|line| line.to_lowercase().starts_with("*keyword"))),
-    ("input of Abaqus", "a name that ends in .inp", |file| {
-        file.has_line(|line| {
-            let words = ["*heading", "*node", "*part", "*element", "*preprint"];
-            words.iter().any(|word| line.to_lowercase().starts_with(word))
-        })
-    }),
+    ("input of Abaqus", "a name that ends in .inp", |file| file.has_line(is_first_keyword)),
     ("input of Ansys (.cdb)", ANSYS, |file| file.has_line_with(&["/COM,", "/PREP7", "NBLOCK,"])),
     (
         "results of Ansys",

@@ -79,7 +79,7 @@ impl CaseFile {
                 None => ("", line.as_str()),
             };
             let key = key.trim().to_lowercase();
-            case.line(&key, value.trim()).map_err(|error| error.at_line(cursor.line_number() - 1))?;
+            case.line(&key, value.trim()).map_err(|error| error.at_line(cursor.last_line()))?;
             last = key;
         }
         if case.geometry.name.is_empty() {
@@ -127,6 +127,12 @@ impl CaseFile {
                 set.increment = value.parse().map_err(|_| damaged(key, value))?;
                 Ok(())
             }
+            ("filename numbers file" | "time values file", _) => {
+                let error = Error::run("numbers in a file of their own are not read");
+                Err(error
+                    .got(format_args!("{key}: {value}"))
+                    .expected("'filename numbers' and 'time values'"))
+            }
             ("filename numbers", Some(set)) => push_numbers(&mut set.file_numbers, key, value),
             ("time values", Some(set)) => push_numbers(&mut set.times, key, value),
             _ => Ok(()),
@@ -143,9 +149,11 @@ impl CaseFile {
 
     /// The file of a pattern at a time: that of the last step until then.
     pub fn file(&self, pattern: &FilePattern, time: Option<f64>) -> Result<PathBuf> {
-        let stars = pattern.name.matches('*').count();
-        if stars == 0 {
-            return Ok(self.folder.join(&pattern.name));
+        let Some(first) = pattern.name.find('*') else { return Ok(self.folder.join(&pattern.name)) };
+        let rest = pattern.name[first..].trim_start_matches('*');
+        if rest.contains('*') {
+            let error = Error::run("the name of a file has asterisks in several places");
+            return Err(error.got(format_args!("'{}'", pattern.name)).expected("asterisks in one place"));
         }
         let found =
             self.time_sets.iter().find(|set| pattern.time_set.is_none_or(|number| set.number == number));
@@ -157,11 +165,18 @@ impl CaseFile {
         let counted = (step as u64).checked_mul(set.increment).and_then(|steps| set.start.checked_add(steps));
         let number = match set.file_numbers.get(step) {
             Some(&number) => number,
-            None => counted.ok_or_else(|| damaged("filename increment", &set.increment.to_string()))?,
+            None if set.file_numbers.is_empty() => {
+                counted.ok_or_else(|| damaged("filename increment", &set.increment.to_string()))?
+            }
+            None => {
+                let error = Error::run("the case has too few 'filename numbers'").got(set.file_numbers.len());
+                return Err(error.expected(format_args!("{}, as of 'time values'", set.times.len())));
+            }
         };
-        let first = pattern.name.find('*').unwrap_or(0);
-        let rest = pattern.name[first..].trim_start_matches('*');
-        Ok(self.folder.join(format!("{}{number:0stars$}{rest}", &pattern.name[..first])))
+        let number = number.to_string();
+        let star_count = pattern.name.len() - first - rest.len();
+        let zeros = "0".repeat(star_count.saturating_sub(number.len()));
+        Ok(self.folder.join(format!("{}{zeros}{number}{rest}", &pattern.name[..first])))
     }
 }
 

@@ -42,6 +42,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
         (0..grid.parts.len()).filter(|&part| grid.parts[part].cell_count() > 0).collect();
     let is_unique = |name: &str| grid.parts.iter().filter(|part| part.name == name).count() == 1;
     let name = |part: &GoldPart| match is_unique(&part.name) {
+        true if part.name.is_empty() => format!("part {}", part.number),
         true => part.name.clone(),
         false => format!("{} ({})", part.name, part.number),
     };

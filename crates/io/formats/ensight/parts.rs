@@ -1,4 +1,4 @@
-//! GoldGeometry and variables of EnSight Gold: parts with nodes and elements of several types, in text and in C binary of either order.
+//! Geometry and variables of EnSight Gold: parts with nodes and elements of several types, in text and in C binary of either order.
 
 use crate::formats::cursor::{Cursor, Place};
 use crate::formats::lazy::GatheredCells;
@@ -30,7 +30,7 @@ const TYPES: [(&str, usize, u8); 15] = [
     ("quad8", 8, 0),
 ];
 
-/// GoldElements of one type within a part.
+/// Elements of one type within a part.
 pub(super) struct GoldElements {
     name: String,
     pub count: u64,
@@ -55,7 +55,7 @@ impl GoldPart {
     /// Number of volume elements.
     pub fn cell_count(&self) -> u64 {
         match self.block {
-            Some(points) => points.iter().map(|n| n.saturating_sub(1)).product(),
+            Some(points) => points.iter().fold(1, |count: u64, n| count.saturating_mul(n.saturating_sub(1))),
             None => self.volumes().map(|elements| elements.count).sum(),
         }
     }
@@ -105,6 +105,14 @@ impl GoldFile {
         self.line()?.ok_or_else(|| self.cursor.error("the file ends early").expected(what))
     }
 
+    /// A line of description or the name of a part, which may be blank.
+    fn description(&mut self, what: &str) -> Result<String> {
+        match self.cursor.binary {
+            None => self.cursor.text_line(what),
+            Some(_) => self.required(what),
+        }
+    }
+
     fn count(&mut self, what: &str) -> Result<u64> {
         let count = self.cursor.number(NumberType::I32, what)?;
         self.end_line()?;
@@ -127,17 +135,7 @@ impl GoldFile {
 
     /// Passes over numbers, which take a place of four bytes or a word each.
     fn skip(&mut self, count: u64) -> Result<()> {
-        if self.cursor.binary.is_some() {
-            return self.cursor.skip(count.saturating_mul(4));
-        }
-        for _ in 0..count {
-            if self.cursor.word()?.is_none() {
-                return Err(self
-                    .cursor
-                    .error("the file ends early")
-                    .expected(format_args!("{count} numbers")));
-            }
-        }
+        self.cursor.skip_numbers(count, 4)?;
         if count > 0 { self.end_line() } else { Ok(()) }
     }
 
@@ -161,7 +159,7 @@ impl GoldFile {
     }
 }
 
-/// GoldGeometry of a case at a time.
+/// Geometry of a case at a time.
 pub(super) struct GoldGeometry {
     source: Arc<Source>,
     binary: Option<ByteOrder>,
@@ -184,8 +182,8 @@ impl GoldGeometry {
             file.cursor.binary = Some(ByteOrder::Little);
             file.line()?;
         }
-        file.required("a description")?;
-        file.required("a description")?;
+        file.description("a description")?;
+        file.description("a description")?;
         let has_ids = |line: &str| ["given", "ignore"].iter().any(|word| line.ends_with(word));
         let node_ids = has_ids(&file.required("node id")?);
         let element_ids = has_ids(&file.required("element id")?);
@@ -199,7 +197,7 @@ impl GoldGeometry {
                         file.find_order()?;
                     }
                     let number = file.count("the number of a part")?;
-                    let name = file.required("the name of a part")?;
+                    let name = file.description("the name of a part")?;
                     parts.push(part_head(&mut file, number, name, node_ids)?);
                 }
                 kind => {
@@ -207,6 +205,10 @@ impl GoldGeometry {
                         let error = file.cursor.error("this is no geometry of EnSight Gold");
                         return Err(error.got(format_args!("'{kind}'")).expected("part"));
                     };
+                    if part.elements.iter().any(|own| own.name == kind) {
+                        let error = file.cursor.error("a part has elements of a type twice").got(kind);
+                        return Err(error.expected("elements of each type in one run"));
+                    }
                     part.elements.push(elements(&mut file, kind, element_ids)?);
                 }
             }
@@ -272,7 +274,7 @@ impl GoldGeometry {
         let (own, n) = (&self.parts[part], component_count as u64);
         let mut file = GoldFile::open(path)?;
         file.cursor.binary = self.binary;
-        file.required("a description")?;
+        file.description("a description")?;
         let count = if association == Association::Point { own.node_count } else { own.cell_count() };
         let mut found: HashMap<String, Vec<f64>> = HashMap::new();
         let mut current = None;
@@ -288,15 +290,20 @@ impl GoldGeometry {
             }
             let mut words = line.split_ascii_whitespace();
             let (kind, mode) = (words.next().unwrap_or_default(), words.next());
-            let of_kind = |part: &&GoldPart| match kind {
-                "coordinates" => Some(part.node_count),
-                "block" if association == Association::Point => Some(part.node_count),
-                "block" => Some(part.cell_count()),
-                kind => Some(part.elements.iter().filter(|own| own.name == kind).map(|own| own.count).sum()),
+            let of_kind = |part: &&GoldPart| match (kind, association) {
+                ("coordinates" | "block", Association::Point) => Some(part.node_count),
+                ("block", Association::Cell) => part.block.map(|_| part.cell_count()),
+                (kind, Association::Cell) => {
+                    part.elements.iter().find(|own| own.name == kind).map(|own| own.count)
+                }
+                _ => None,
             };
             let Some((part, len)) = current.zip(current.as_ref().and_then(of_kind)) else {
                 let error = file.cursor.error("a variable is damaged").got(format_args!("'{line}'"));
-                return Err(error.expected("part"));
+                return Err(error.expected(match association {
+                    Association::Point => "part, coordinates or block",
+                    Association::Cell => "part, block, or a type of the part's elements",
+                }));
             };
             let undefined = match mode {
                 None => None,

@@ -10,8 +10,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 
-/// Numbers of bytes that are converted at a time.
+/// Binary numbers that are converted at a time.
 const PART: u64 = 1 << 16;
+/// Bytes of a packed file that are unpacked for its head.
+const HEAD_BYTES: u64 = 1 << 16;
+/// First bytes of a packed file.
+const PACKED: [u8; 2] = [0x1f, 0x8b];
 
 /// A file behind its head.
 pub(super) struct FoamFile {
@@ -42,6 +46,15 @@ pub(super) fn existing(path: &Path) -> Option<PathBuf> {
     [path.to_owned(), packed.into()].into_iter().find(|path| path.is_file())
 }
 
+/// True for a file, or a packed one, that begins as those of OpenFOAM. Errors: a packed one is damaged.
+pub(super) fn has_head(path: &Path) -> Result<bool> {
+    let Ok(mut source) = Source::open(path) else { return Ok(false) };
+    if source.head(2)? == PACKED {
+        source = source.unpacked(Some(HEAD_BYTES)).map_err(|error| error.in_file(path))?;
+    }
+    Ok(source.head(4096)?.windows(8).any(|window| window == b"FoamFile"))
+}
+
 impl FoamFile {
     /// Opens a file and reads its head; `head_only`: of a packed one no more than the head is unpacked.
     pub fn open(path: &Path, head_only: bool) -> Result<FoamFile> {
@@ -50,9 +63,9 @@ impl FoamFile {
 
     fn of_path(path: &Path, head_only: bool) -> Result<FoamFile> {
         let mut source = Source::open(path)?;
-        let is_packed = source.head(2)? == [0x1f, 0x8b];
+        let is_packed = source.head(2)? == PACKED;
         if is_packed {
-            source = source.unpacked(head_only.then_some(PART))?;
+            source = source.unpacked(head_only.then_some(HEAD_BYTES))?;
         }
         let mut file = FoamFile {
             cursor: Cursor::new(&source),
@@ -138,16 +151,14 @@ impl FoamFile {
                 }
                 Some(_) => {}
             }
-            let word =
-                self.cursor.until(|byte| byte.is_ascii_whitespace() || is_sign(byte) || byte == b'"')?;
-            if word.starts_with(b"//") {
+            if self.cursor.starts_with(b"//")? {
                 self.cursor.line()?;
-            } else if word.starts_with(b"/*") {
-                if !word[2..].ends_with(b"*/") {
-                    self.cursor.skip_past(b"*/")?;
-                }
+            } else if self.cursor.starts_with(b"/*")? {
+                self.cursor.bytes(2)?;
+                self.cursor.skip_past(b"*/")?;
             } else {
-                return Ok(Some(String::from_utf8_lossy(word).into_owned()));
+                let is_end = |byte: u8| byte.is_ascii_whitespace() || is_sign(byte) || byte == b'"';
+                return Ok(Some(String::from_utf8_lossy(self.cursor.until(is_end)?).into_owned()));
             }
         }
     }

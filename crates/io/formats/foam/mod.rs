@@ -8,9 +8,9 @@ mod cells;
 mod file;
 
 use self::cells::{CellZones, FaceCells, MeshPaths};
-use self::file::{FieldValues, FoamFile, existing, misfit};
+use self::file::{FieldValues, FoamFile, existing, has_head, misfit};
 use super::blocks::selected;
-use super::contents::{CellBlocks, Compute, Dataset, Encoding, Piece, PieceArray, Stored};
+use super::contents::{CellBlocks, Compute, Dataset, Encoding, Meter, Piece, PieceArray, Stored};
 use super::lazy::geometry;
 use super::numbers::{ByteOrder, NumberType};
 use super::request::Request;
@@ -19,6 +19,7 @@ use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::grid::{Association, Cells};
+use voltet_core::progress::refuse_beyond_memory;
 use voltet_core::{Error, Result, counted};
 
 /// Kinds of fields: the name within a class, the number of components, and their names.
@@ -272,7 +273,7 @@ fn piece(
             }
         }
     }
-    for path in [&mesh.points, &mesh.faces, &mesh.owner, &mesh.neighbour] {
+    for path in [&mesh.points, &mesh.faces, &mesh.owner, &mesh.neighbour].into_iter().chain(&mesh.zones) {
         *file_bytes += std::fs::metadata(path).map_or(0, |metadata| metadata.len());
     }
     // Hexahedra, which are most cells of most meshes, have eight corners.
@@ -315,10 +316,7 @@ struct Field {
 impl Field {
     /// The field of a file; `None` for other files, and for fields on faces.
     fn of_file(path: &Path) -> Result<Option<Field>> {
-        let starts_with_head = Source::open(path).and_then(|source| source.head(4096)).is_ok_and(|head| {
-            head.starts_with(&[0x1f, 0x8b]) || head.windows(8).any(|window| window == b"FoamFile")
-        });
-        if !starts_with_head {
+        if !has_head(path)? {
             return Ok(None);
         }
         let mut file = FoamFile::open(path, true)?;
@@ -351,8 +349,8 @@ impl Field {
         let (n, path) = (self.kind.1, self.path);
         let selected_count = selection.as_ref().map_or(tuple_count, |selection| selection.1);
         let is_whole = selection.is_none();
-        let load: Compute = Arc::new(move |_| {
-            let values = load_field(&path, n, tuple_count)?;
+        let load: Compute = Arc::new(move |meter| {
+            let values = load_field(&path, n, tuple_count, meter)?;
             let Some((selection, _)) = &selection else { return Ok(values) };
             let tuples = values.chunks(n).enumerate().filter(|&(cell, _)| selection.contains(cell));
             Ok(tuples.flat_map(|(_, tuple)| tuple.iter().copied()).collect())
@@ -369,14 +367,16 @@ impl Field {
 }
 
 /// Values of a field within the mesh.
-fn load_field(path: &Path, component_count: usize, tuple_count: u64) -> Result<Vec<f64>> {
+fn load_field(path: &Path, component_count: usize, tuple_count: u64, meter: &Meter) -> Result<Vec<f64>> {
     let mut file = FoamFile::open(path, false)?;
     match file.field_values(component_count)? {
         FieldValues::List(count) if count == tuple_count => file.scalars(count * component_count as u64),
         FieldValues::List(count) => Err(misfit("values of the field", count as usize, tuple_count, path)),
         FieldValues::Uniform(tuple) => {
-            // The mesh was read before, so there are so many cells and points.
-            Ok(tuple.iter().copied().cycle().take(tuple_count as usize * component_count).collect())
+            let number_count = tuple_count.saturating_mul(component_count as u64);
+            let what = || counted(tuple_count, "uniform value");
+            refuse_beyond_memory(meter.progress(), what, number_count.saturating_mul(8))?;
+            Ok(tuple.iter().copied().cycle().take(number_count as usize).collect())
         }
     }
 }
@@ -402,7 +402,7 @@ pub(super) fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf
             None => times.into_iter().chain([f64::INFINITY]).collect(),
         };
         for mesh in times.into_iter().filter_map(|time| part.mesh(time).ok()) {
-            files.extend([mesh.points, mesh.faces, mesh.owner, mesh.neighbour]);
+            files.extend([mesh.points, mesh.faces, mesh.owner, mesh.neighbour].into_iter().chain(mesh.zones));
         }
     }
     files.sort();

@@ -6,8 +6,8 @@
 use crate::formats::cursor::Cursor;
 use crate::formats::numbers::NumberType;
 use std::collections::HashMap;
+use voltet_core::Result;
 use voltet_core::grid::code;
-use voltet_core::{Error, Result};
 
 /// A type of volume elements.
 pub(super) struct GmshElement {
@@ -192,16 +192,7 @@ fn each_entity(
 
 /// Passes over elements of version 4.1, whose numbers are not parsed.
 fn skip_elements(cursor: &mut Cursor, count: u64, node_count: usize) -> Result<()> {
-    let number_count = count.saturating_mul(node_count as u64 + 1);
-    if cursor.binary.is_some() {
-        return cursor.skip(number_count.saturating_mul(8));
-    }
-    for _ in 0..number_count {
-        if cursor.word()?.is_none() {
-            return Err(cursor.error("the file ends early").expected("the nodes of elements"));
-        }
-    }
-    Ok(())
+    cursor.skip_numbers(count.saturating_mul(node_count as u64 + 1), 8)
 }
 
 /// Calls `visit` with the type, the physical group, the number and the numbers of nodes of volume elements; parameters as of [`each`].
@@ -275,11 +266,4 @@ fn read_nodes(cursor: &mut Cursor, kind: NumberType, count: usize, nodes: &mut V
         nodes.push(cursor.number(kind, "the tag of a node")?);
     }
     Ok(())
-}
-
-/// The error about an element with a node that is not there.
-pub(super) fn missing_node(element: &MeshElement, node: u64) -> Error {
-    Error::run(format!("element {} names a node that does not exist", element.tag))
-        .got(node)
-        .expected("the tag of a node of the file")
 }

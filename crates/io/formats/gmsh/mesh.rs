@@ -1,15 +1,15 @@
 //! The mesh of a file: version and encoding, nodes, and the elements that are volumes.
 
-use super::elements::{MeshElement, count, each, missing_node};
+use super::elements::{MeshElement, count, each};
 use crate::formats::cursor::Cursor;
-use crate::formats::lazy::{GatheredCells, Tags};
+use crate::formats::lazy::{GatheredCells, MeshTags, Tags, missing_node};
 use crate::formats::numbers::{ByteOrder, NumberType};
 use crate::formats::source::Source;
 use glam::DVec3;
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
+use voltet_core::Result;
 use voltet_core::grid::Cells;
-use voltet_core::{Error, Result};
 
 /// A part of the file.
 #[derive(Clone, Default)]
@@ -30,12 +30,13 @@ pub(super) struct MeshFile {
     pub group_of_volume: HashMap<i64, i64>,
     /// Physical groups of the volume elements, in the order of blocks; 0: none.
     pub groups: Vec<i64>,
+    group_places: HashMap<i64, usize>,
     /// Flags of the groups that are read.
     pub is_selected: Vec<bool>,
     /// True if each cell has points of its own.
     pub is_split: bool,
     /// Tags of the nodes and of the selected elements, once they were read.
-    tags: Mutex<[Option<Arc<Tags>>; 2]>,
+    tags: MeshTags,
 }
 
 /// Numbers of the volume elements of a group, or of all that are read.
@@ -97,13 +98,17 @@ impl MeshFile {
     pub fn find_groups(&mut self, names: &[(i64, String)]) -> Result<Vec<GroupCounts>> {
         let mut groups: Vec<i64> = names.iter().map(|name| name.0).collect();
         let mut counts: Vec<GroupCounts> = groups.iter().map(|_| GroupCounts::default()).collect();
+        let mut places = HashMap::new();
+        for (place, &group) in groups.iter().enumerate() {
+            places.entry(group).or_insert(place);
+        }
         let mut place = 0;
         count(
             &mut self.cursor(&self.elements, true),
             self.groups_of_4(),
             |volume, group, count, node_count| {
                 if groups.get(place) != Some(&group) {
-                    place = groups.iter().position(|&known| known == group).unwrap_or(groups.len());
+                    place = *places.entry(group).or_insert(groups.len());
                 }
                 if place == groups.len() {
                     groups.push(group);
@@ -117,6 +122,7 @@ impl MeshFile {
             },
         )?;
         self.groups = groups;
+        self.group_places = places;
         Ok(counts)
     }
 
@@ -164,26 +170,16 @@ impl MeshFile {
                 }
             }
         }
-        self.keep_tags(0, Tags::new(tags, "node")?);
+        self.tags.keep(0, Tags::new(tags, "node", |tag| tag)?);
         Ok(points)
-    }
-
-    fn keep_tags(&self, kind: usize, tags: Tags) {
-        self.tags.lock().unwrap_or_else(PoisonError::into_inner)[kind] = Some(Arc::new(tags));
     }
 
     /// Tags of the nodes (0) or of the selected elements (1), read if they were not yet.
     pub fn tags(&self, kind: usize) -> Result<Arc<Tags>> {
-        let kept = || self.tags.lock().unwrap_or_else(PoisonError::into_inner)[kind].clone();
-        if let Some(tags) = kept() {
-            return Ok(tags);
-        }
-        if kind == 0 {
-            self.read_nodes().map(drop)?
-        } else {
-            self.read_volumes().map(drop)?
-        }
-        kept().ok_or_else(|| Error::run("the tags of the mesh were not kept"))
+        self.tags.get(kind, || match kind {
+            0 => self.read_nodes().map(drop),
+            _ => self.read_volumes().map(drop),
+        })
     }
 
     /// Calls `visit` with each selected volume element and its place among the groups.
@@ -191,7 +187,7 @@ impl MeshFile {
         let mut block = 0;
         each(&mut self.cursor(&self.elements, true), self.groups_of_4(), |element| {
             if self.groups.get(block) != Some(&element.group) {
-                block = self.groups.iter().position(|&group| group == element.group).unwrap_or(0);
+                block = self.group_places.get(&element.group).copied().unwrap_or(0);
             }
             match element.volume.is_some() && self.is_selected.get(block) == Some(&true) {
                 true => visit(element, block),
@@ -215,7 +211,7 @@ impl MeshFile {
             corners.clear();
             for &place in volume.order {
                 let node = element.nodes[usize::from(place)];
-                let number = nodes.find(node).ok_or_else(|| missing_node(element, node))?;
+                let number = nodes.find(node).ok_or_else(|| missing_node(element.tag, node))?;
                 corners.push(number as u32);
             }
             volumes.cells.add(volume.code, corners.iter().copied());
@@ -224,7 +220,7 @@ impl MeshFile {
             volumes.orders.push(volume.order);
             Ok(())
         })?;
-        self.keep_tags(1, Tags::new(std::mem::take(&mut volumes.tags), "element")?);
+        self.tags.keep(1, Tags::new(std::mem::take(&mut volumes.tags), "element", |tag| tag)?);
         Ok(volumes)
     }
 
@@ -277,8 +273,9 @@ pub(super) fn header(cursor: &mut Cursor, source: &Arc<Source>) -> Result<MeshFi
         elements: MeshSection::default(),
         group_of_volume: HashMap::new(),
         groups: Vec::new(),
+        group_places: HashMap::new(),
         is_selected: Vec::new(),
         is_split: false,
-        tags: Mutex::default(),
+        tags: MeshTags::default(),
     })
 }

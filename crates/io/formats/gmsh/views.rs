@@ -220,6 +220,7 @@ impl ViewArray {
         let tags: Arc<_> = file.tags(1)?;
         let set = volumes.cells.into_set();
         let mut corners = vec![f64::NAN; set.connectivity.len() * n];
+        let mut has_values = vec![false; set.connectivity.len()];
         self.each(file, |tag, values| {
             let Some(cell) = tags.find(tag) else { return Ok(()) };
             let (order, first) = (volumes.orders[cell], set.offsets[cell] as usize);
@@ -229,6 +230,7 @@ impl ViewArray {
                     return Err(error.got(values.len() / n).expected(order.len()));
                 };
                 corners[(first + i) * n..][..n].copy_from_slice(own);
+                has_values[first + i] = true;
             }
             Ok(())
         })?;
@@ -237,7 +239,9 @@ impl ViewArray {
         }
         let node_count = file.tags(0)?.len();
         let (mut sums, mut counts) = (vec![0.0; node_count * n], vec![0.0; node_count]);
-        for (&node, values) in set.connectivity.iter().zip(corners.chunks(n)) {
+        // Cells without values have no part in the means.
+        let given = set.connectivity.iter().zip(corners.chunks(n)).zip(has_values);
+        for ((&node, values), _) in given.filter(|corner| corner.1) {
             let node = node as usize;
             counts[node] += 1.0;
             sums[node * n..][..n].iter_mut().zip(values).for_each(|(sum, value)| *sum += value);

@@ -258,6 +258,22 @@ fn text_and_bytes_of_either_order_read_the_same() {
 }
 
 #[test]
+fn descriptions_and_names_may_be_blank() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = write_case(folder.path(), None);
+    let geometry = String::from_utf8(geometry(None, 0.0).bytes).unwrap();
+    let blank = geometry.replacen("of four parts", "", 1).replacen("solid", " ", 1);
+    std::fs::write(folder.path().join("a.0005.geo"), blank).unwrap();
+    let vector = String::from_utf8(vector(None).bytes).unwrap();
+    std::fs::write(folder.path().join("a.vec"), vector.replacen("a vector", "", 1)).unwrap();
+    let summary = inspect(&path, &Request::default(), &NoProgress).unwrap();
+    let names: Vec<&str> = summary.blocks.iter().map(|block| &*block.name).collect();
+    assert_eq!(names, ["fluid", "part 7", "box"]);
+    let part = grid(&path, &Request { blocks: vec!["part 7".into()], ..request("U:0") });
+    assert!(part.scalar.unwrap().iter().all(|&part| part == 7.0));
+}
+
+#[test]
 fn mistakes_say_what_and_where() {
     let folder = tempfile::tempdir().unwrap();
     let path = write_case(folder.path(), None);
@@ -274,6 +290,8 @@ fn mistakes_say_what_and_where() {
         ("a.case", "ensight gold", "ensight", ["type", "'ensight'", "a.case:3"]),
         ("a.case", "model: 1 a.****.geo", "model: 1 1 a.geo", ["several steps", "asterisks", "a.case:6"]),
         ("a.case", "model: 1 ", "model: 2 ", ["time set that does not exist", "a.****.geo", "a.case"]),
+        ("a.case", "time values:", "time values file:", ["file of their own", "time values", "a.case:16"]),
+        ("a.case", "a.****.geo", "a.*.*.geo", ["several places", "a.*.*.geo", "one place"]),
         ("a.case", "2.5", "2,5", ["time values", "'2,5'", "a.case:17"]),
         ("a.case", "a.****.geo", "b.****.geo", ["no such file", "b.0005.geo", "a.0005.geo"]),
         ("a.0005.geo", "tetra4", "tetra5", ["not read", "'tetra5'", "a.0005.geo:"]),
@@ -285,12 +303,30 @@ fn mistakes_say_what_and_where() {
         ),
         ("a.0005.geo", "coordinates", "coords", ["kind of part", "'coords'", "a.0005.geo:"]),
         ("a.vec", "         7", "         9", ["part that does not exist", "found 9", "a.vec:"]),
+        ("a.vec", "coordinates", "tetra4", ["variable is damaged", "'tetra4'", "coordinates or block"]),
+        (
+            "a.0005.geo",
+            "part\n         4",
+            "tria3\npart\n         4",
+            ["of a type twice", "tria3", "a.0005.geo:"],
+        ),
         ("a.vec", "coordinates", "coordinates partial", ["some elements alone", "partial", "a.vec:"]),
     ] {
         let found = message(name, from, to, "U:0").replace("'ensight gold'", "");
         let found = found.replace("found ensight;", "found 'ensight';");
         assert!(words.iter().all(|word| found.contains(word)), "{found}");
     }
+    for to in ["tria5", "hexa8", "coordinates", "block"] {
+        let found = message("a b.0005", "tria3", to, "T");
+        assert!(found.contains("variable is damaged") && found.contains(&format!("'{to}'")), "{found}");
+    }
+    let stars = message("a.case", "****", &"*".repeat(70_000), "U:0");
+    assert!(stars.contains("a.0000"), "{}", &stars[..200]);
+    let case = CASE.replace("filename increment: 10", "filename numbers: 5");
+    std::fs::write(&path, case).unwrap();
+    let second = Request { time_step: Some(TimeStep::Time(2.5)), ..request("T") };
+    let found = read(&path, &second, &NoProgress).unwrap_err().to_string();
+    assert!(found.contains("too few 'filename numbers'") && found.contains("found 1"), "{found}");
     let cut = std::fs::read(folder.path().join("a.vec")).unwrap();
     std::fs::write(folder.path().join("a.vec"), &cut[..cut.len() - 20]).unwrap();
     let found = read(&path, &request("U:0"), &NoProgress).unwrap_err().to_string();

@@ -294,6 +294,21 @@ fn both_versions_in_text_and_in_bytes_of_either_order_read_the_same() {
 }
 
 #[test]
+fn cells_without_values_have_no_part_in_means() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut text = String::from_utf8(partitioned(4.1, None)).unwrap();
+    text.push_str(
+        "$ElementNodeData\n1\n\"corner\"\n1\n0.5\n3\n0\n1\n1\n800 4 1 2 3 4\n$EndElementNodeData\n",
+    );
+    let corner = grid(&file(&folder, "a.msh", text.as_bytes()), &request("corner"));
+    // The other tetrahedron has a node without a value.
+    assert_eq!(corner.origin.cells_not_finite, 1);
+    let values: Vec<f64> =
+        corner.tetrahedra[0].iter().map(|&p| corner.scalar.as_ref().unwrap()[p as usize]).collect();
+    assert_eq!((corner.tetrahedra.len(), values), (1, vec![2.0, 3.0, 4.0, 1.0]));
+}
+
+#[test]
 fn mistakes_say_what_and_where() {
     let folder = tempfile::tempdir().unwrap();
     let sound = String::from_utf8(partitioned(4.1, None)).unwrap();

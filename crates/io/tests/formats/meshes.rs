@@ -93,6 +93,20 @@ fn ucd_has_vectors_materials_and_gaps() {
 }
 
 #[test]
+fn ucd_heads_may_lie_or_stand_behind_long_comments() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "4 1 WIDTH 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n1 4 tet 1 2 3 4\n1 WIDTH\np, Pa\n1 1\n2 2\n3 3\n4 4\n";
+    let lie = file(&folder, "a.inp", text.replace("WIDTH", "3000000000000").as_bytes());
+    let found = read(&lie, &mesh(), &NoProgress).unwrap_err().to_string();
+    assert!(found.contains("do not fit the file") && found.contains("4 rows of 3000000000000"), "{found}");
+    for length in 245..260 {
+        let text = format!("#{}\n{}", "-".repeat(length), text.replace("WIDTH", "1"));
+        let path = file(&folder, "b.inp", text.as_bytes());
+        assert_eq!(**grid(&path, &scalar("p")).scalar.as_ref().unwrap(), [1.0, 2.0, 3.0, 4.0], "{length}");
+    }
+}
+
+#[test]
 fn su2_has_zones_and_markers() {
     let folder = tempfile::tempdir().unwrap();
     let zone = |number: usize, x: f64| {
@@ -111,7 +125,15 @@ fn su2_has_zones_and_markers() {
     for (from, to, words) in [
         ("NDIME= 3", "NDIME= 2", ["flat", "NDIME= 3"]),
         ("10 0 1 2 3", "10 0 1 2 4", ["does not exist", "element"]),
+        (
+            "2\nNDIME= 3\nNELEM= 1 % one\n10 0 1 2 3",
+            "2\nNDIME= 3\nNELEM= 1 % one\n10 0 1 2 4",
+            ["element 0 names", "found 4;"],
+        ),
         ("10 0 1 2 3 0", "10 0 1", ["damaged", "a.su2:5"]),
+        ("10 0 1 2 3 0", "10 0 1 2 -1 0", ["found -1", "a.su2:5"]),
+        ("10 0 1 2 3 0", "10 0 1 2 1.5 0", ["found 1.5", "a.su2:5"]),
+        ("10 0 1 2 3 0", "10 0 1 2 1e13 0", ["found 10000000000000", "a.su2:5"]),
         ("NELEM= 1", "NELEM= x", ["NELEM is damaged", "'x'"]),
     ] {
         let path = file(&folder, "a.su2", text.replacen(from, to, 1).as_bytes());
@@ -137,7 +159,15 @@ fn nastran_has_three_forms_of_fields() {
     assert_eq!(*all.tetrahedra, [[0, 1, 2, 3], [1, 2, 3, 4]]);
     let summary = inspect(&path, &Request::default(), &NoProgress).unwrap();
     assert_eq!(summary.blocks.iter().map(|block| &*block.name).collect::<Vec<_>>(), ["1", "7"]);
+    let tabs = text.replacen(
+        "GRID    5               1.      1.      1.      123",
+        "GRID\t5\t\t1.\t 1.\t1.      123",
+        1,
+    );
+    assert_eq!(grid(&file(&folder, "b.bdf", tabs.as_bytes()), &mesh()).points, all.points);
+    assert_ne!(tabs, text);
     for (from, to, words) in [
+        ("PSOLID,1,1", "include 'more.bdf'", ["includes", "more.bdf", "a.bdf:5"]),
         ("GRID,2,,1.0", "GRID,2,4,1.0", ["system 4", "basic system", "a.bdf:7"]),
         ("GRID,2,,1.0", "GRID,2,,l.0", ["coordinate of a GRID", "'l.0'", "a.bdf:7"]),
         ("2,7,2,3,4,5", "2,7,2,3,4,6", ["element 2", "does not exist", "found 6"]),
@@ -170,11 +200,23 @@ fn abaqus_has_parts_instances_and_sets() {
     assert!(turned.points.iter().zip(&expected).all(is_near), "{:?}", turned.points);
     let flat = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT, TYPE=DC3D4, ELSET=steel\n1,1,2,3,4\n";
     assert_eq!(grid(&file(&folder, "b.inp", flat.as_bytes()), &mesh()).tetrahedra.len(), 1);
+    let blanks = flat.replace('*', "  *");
+    assert_eq!(grid(&file(&folder, "b.inp", blanks.as_bytes()), &mesh()).tetrahedra.len(), 1);
+    let ranges = format!("{flat}*ELSET, ELSET=all, GENERATE\n{}", "1, 200\n".repeat(300));
+    let ranges = file(&folder, "b.inp", ranges.as_bytes());
+    let found = read(&ranges, &mesh(), &NoProgress).unwrap_err().to_string();
+    assert!(found.contains("more elements than the file"), "{found}");
+    let twice = text.replacen("*Part, name=Block\n", "*Part, name=Block\n*Node\n 5, 1., 1., 1.\n", 1);
+    let found =
+        read(&file(&folder, "b.inp", twice.as_bytes()), &mesh(), &NoProgress).unwrap_err().to_string();
+    assert!(found.contains("holds a node twice") && found.contains("found node 5;"), "{found}");
     for (from, to, words) in [
+        ("*Node\n", "*Node, input=nodes.inp\n", ["not read", "*NODE, INPUT=nodes.inp", "a.inp:4"]),
+        ("type=C3D4", "type=C3D4, input=a.e", ["not read", "*ELEMENT, INPUT=a.e", "a.inp:10"]),
         ("C3D4", "C3D15V", ["not read", "C3D15V", "a.inp:10"]),
         ("part=block", "part=blok", ["does not exist", "'blok'", "a.inp:24"]),
         (" 3, 4\n 2, 2, 3", " 3\n 2, 2, 3", ["too many nodes", "element 1", "a.inp:13"]),
-        ("2, 3, 4, 5\n", "2, 3, 4\n", ["element 2 ends early", "found 3", "4 nodes"]),
+        ("2, 3, 4, 5\n", "2, 3, 4\n", ["element 2 ends early", "found 3", "a.inp:14"]),
         ("*Heading", "*Include, input=x", ["*INCLUDE", "is not read", "a.inp:1"]),
         (" 1, 0., 0.", " 1, O., 0.", ["damaged", "' O.'", "a.inp:5"]),
         ("1, 1, 1\n", "1, 1000000000000, 1\n", ["more elements than the file", "step", "a.inp:17"]),

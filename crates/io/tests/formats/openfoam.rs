@@ -97,10 +97,10 @@ fn fields_are_those_of_the_time_and_of_the_place() {
         // Rounding of sums of at most 14.
         assert!((a + 10.0 - b).abs() < 1e-13);
     }
-    // Four files of the mesh; T, D and S of each time, C of the last.
+    // Five files of the mesh; T, D and S of each time, C of the last.
     assert_eq!(
         [files_beside(&case), files_read_beside(&case, &request("T"))].map(|files| files.len()),
-        [14, 8]
+        [15, 9]
     );
     let height = grid(&case, &request("D:2"));
     assert!(height.points.iter().zip(height.scalar.as_ref().unwrap().iter()).all(|(p, &d)| d == 2.0 * p.z));
@@ -152,13 +152,23 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
+fn packed(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    std::io::Write::write_all(&mut encoder, bytes).unwrap();
+    encoder.finish().unwrap()
+}
+
 #[test]
 fn a_case_is_named_by_its_folder_a_stub_or_its_control_file_and_may_move() {
     let folder = tempfile::tempdir().unwrap();
     let case = folder.path().join("case");
     copy(&sample("text"), &case);
     std::fs::write(case.join("a.foam"), "").unwrap();
-    let expected = grid(&case, &request("T"));
+    // A packed file that is no field, and a comment beside a word.
+    std::fs::write(case.join("10/log.gz"), packed(b"Time = 10")).unwrap();
+    let field = std::fs::read_to_string(case.join("10/T")).unwrap();
+    std::fs::write(case.join("10/T"), field.replacen("internalField", "/*a b*/internalField", 1)).unwrap();
+    let expected = grid(&sample("text"), &request("T"));
     for path in ["a.foam", "system/controlDict"] {
         same(&grid(&case.join(path), &request("T")), &expected, 0.0, path);
     }
