@@ -166,6 +166,18 @@ impl PieceArray {
 }
 
 impl Piece {
+    /// Part without blocks of its own. Counts: of points and of cells.
+    pub fn new([point_count, cell_count]: [u64; 2], geometry: Geometry, arrays: Vec<PieceArray>) -> Piece {
+        Piece {
+            point_count,
+            cell_count,
+            geometry,
+            arrays,
+            blocks: CellBlocks::default(),
+            is_old_order: false,
+        }
+    }
+
     /// The arrays of points or of cells.
     pub fn arrays_of(&self, association: Association) -> impl Iterator<Item = &PieceArray> {
         self.arrays.iter().filter(move |array| array.association == association)

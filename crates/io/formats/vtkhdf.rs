@@ -429,14 +429,7 @@ fn structured(source: &StepGrid, dimensions: [u64; 3], geometry: Geometry) -> Re
         let offset = [section, array.name()];
         arrays.push(PieceArray::new(*association, of_step(source, array, name, axes, tuple_count, &offset)?));
     }
-    Ok(vec![Piece {
-        point_count,
-        cell_count,
-        geometry,
-        arrays,
-        blocks: CellBlocks::default(),
-        is_old_order: false,
-    }])
+    Ok(vec![Piece::new([point_count, cell_count], geometry, arrays)])
 }
 
 /// An array over a box of points or cells (the last axis of the file runs along x), at the step; `offset`: path of its offsets.

@@ -184,14 +184,7 @@ fn piece(zone: &Node, step: Option<usize>, warnings: &mut Vec<String>) -> Result
     for solution in of_step(&children, "FlowSolution_t", &pointers, step) {
         add_solution(solution, &sizes, &mut arrays, warnings)?;
     }
-    Ok(Piece {
-        point_count,
-        cell_count,
-        geometry,
-        arrays,
-        blocks: CellBlocks::default(),
-        is_old_order: false,
-    })
+    Ok(Piece::new([point_count, cell_count], geometry, arrays))
 }
 
 /// Layers of values beyond each end of each axis.

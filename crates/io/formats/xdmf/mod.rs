@@ -302,14 +302,7 @@ impl<'a> Reader<'a> {
                 arrays.push(array);
             }
         }
-        Ok(Some(Piece {
-            point_count,
-            cell_count,
-            geometry,
-            arrays,
-            blocks: CellBlocks::default(),
-            is_old_order: false,
-        }))
+        Ok(Some(Piece::new([point_count, cell_count], geometry, arrays)))
     }
 
     fn array(

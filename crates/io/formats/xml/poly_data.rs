@@ -3,7 +3,7 @@
 use super::header::{self, Element};
 use super::serial::{Context, marked, points};
 use crate::formats::assemble::{column, load_points};
-use crate::formats::contents::{CellBlocks, GHOST_TYPE, Geometry, Meter, Piece, Stored};
+use crate::formats::contents::{GHOST_TYPE, Geometry, Meter, Piece, Stored};
 use crate::formats::elements::{ElementKind, Elements, SurfaceColors, linear_colors, too_many_points};
 use crate::formats::numbers::NumberType;
 use crate::formats::request;
@@ -73,14 +73,7 @@ fn add_piece(
         dimensions: [point_count, 1, 1],
         points: points(context, element, point_count)?,
     };
-    let piece = Piece {
-        point_count,
-        cell_count,
-        geometry,
-        arrays,
-        blocks: CellBlocks::default(),
-        is_old_order: false,
-    };
+    let piece = Piece::new([point_count, cell_count], geometry, arrays);
     let values = match colors.array() {
         Some(name) => {
             let choice = request::scalar_of(&piece.arrays.iter().collect::<Vec<_>>(), name, None)?;
