@@ -1,5 +1,6 @@
-! voltet_plugin.f90: gradient filters for voltet in Fortran. What everything means stands in voltet_plugin.h; this module is the
-! same with Fortran's arrays and texts. A whole plug-in: examples/plugin_fortran/least_squares.f90. Build one with
+! voltet_plugin.f90: gradient filters and readers for voltet in Fortran. What everything means stands in voltet_plugin.h; this module
+! is the same with Fortran's arrays and texts. Whole plug-ins: examples/plugin_fortran/least_squares.f90 (a gradient filter),
+! reader.f90. Build one with
 !
 !     gfortran -O2 -shared -fPIC -Iinclude -o filter.so include/voltet_plugin.f90 filter.f90 include/voltet_plugin_fortran.c
 !
@@ -11,19 +12,20 @@
 !       call voltet_add_number("power", "what it is", default=1.0_c_double, min=0.0_c_double, max=4.0_c_double)
 !     end subroutine
 !
-! and for each filter a function `my_gradient(call, host) result(code) bind(c)`. Numbers of points and cells in `cells`,
-! `neighbours` and the starts count from 0, as in C; parameters count from 1.
+! and for each filter a function `my_gradient(call, host) result(code) bind(c)`. A reader is added by voltet_add_reader; what its two
+! functions use stands in voltet_reader.f90. Numbers of points and cells in `cells`, `neighbours` and the starts count from 0, as in
+! C; parameters count from 1.
 module voltet_plugin
   use, intrinsic :: iso_c_binding
   implicit none
   private
 
   public :: voltet_host, voltet_call, voltet_values
-  public :: voltet_describe_plugin, voltet_add_filter, voltet_add_check
+  public :: voltet_describe_plugin, voltet_add_filter, voltet_add_reader, voltet_add_check
   public :: voltet_add_boolean, voltet_add_integer, voltet_add_number, voltet_add_text, voltet_add_point_array, voltet_add_choice
   public :: voltet_points, voltet_cells, voltet_scalar, voltet_gradient, voltet_point_array
   public :: voltet_neighbours, voltet_cells_of_points
-  public :: voltet_number, voltet_integer, voltet_text
+  public :: voltet_number, voltet_integer, voltet_text, voltet_text_at
   public :: voltet_progress, voltet_cancelled, voltet_error, voltet_fallback, voltet_parallel_for
 
   ! What functions return.
@@ -33,7 +35,7 @@ module voltet_plugin
 
   integer(c_int32_t), parameter :: BOOLEAN = 1, WHOLE = 2, NUMBER = 3, CHOICE = 4, TEXT = 5, POINT_ARRAY = 7
   integer(c_int32_t), parameter :: REQUIRED = 1
-  integer, parameter :: FILTERS_MOST = 32, PARAMETERS_MOST = 64
+  integer, parameter :: FILTERS_MOST = 32, PARAMETERS_MOST = 64, READERS_MOST = 16, EXTENSIONS_MOST = 16
 
   type, bind(c) :: voltet_host
     integer(c_int32_t) :: size, major, minor, patch
@@ -71,9 +73,19 @@ module voltet_plugin
     type(c_funptr) :: check = c_null_funptr, gradient = c_null_funptr
   end type
 
+  type, bind(c) :: reader_of
+    integer(c_int32_t) :: size = 0, reserved = 0
+    type(c_ptr) :: name = c_null_ptr, summary = c_null_ptr
+    integer(c_int32_t) :: parameter_count = 0, extension_count = 0
+    type(c_ptr) :: parameters = c_null_ptr
+    type(c_funptr) :: check = c_null_funptr, inspect = c_null_funptr, read = c_null_funptr
+    type(c_ptr) :: extensions = c_null_ptr, magic = c_null_ptr
+    integer(c_int32_t) :: magic_length = 0, reserved_too = 0
+  end type
+
   type, bind(c) :: factory_of
     integer(c_int32_t) :: size = 0, reserved = 0
-    type(c_funptr) :: filter_count = c_null_funptr, filter = c_null_funptr
+    type(c_funptr) :: item_count = c_null_funptr, item = c_null_funptr
   end type
 
   type, bind(c) :: plugin_of
@@ -83,11 +95,28 @@ module voltet_plugin
 
   ! What was described. Texts stay as long as the program.
   type(plugin_of), target, save :: plugin
-  type(factory_of), target, save :: factory
+  type(factory_of), target, save :: filter_factory, reader_factory
   type(filter_of), target, save :: filters(FILTERS_MOST)
-  type(parameter_of), target, save :: parameters(PARAMETERS_MOST, FILTERS_MOST)
-  integer, save :: filter_total = 0
+  type(reader_of), target, save :: readers(READERS_MOST)
+  type(parameter_of), target, save :: parameters(PARAMETERS_MOST, FILTERS_MOST + READERS_MOST)
+  integer, save :: filter_total = 0, reader_total = 0
   logical, save :: too_many = .false.
+  ! Of the filter or reader that was added last.
+  type(parameter_of), pointer, save :: own_parameters(:) => null()
+  integer(c_int32_t), pointer, save :: own_count => null()
+  type(c_funptr), pointer, save :: own_check => null()
+
+  ! The parameter at a place, from 1: as a number; a whole number, 0 or 1, or the place of a choice's word, from 0; as a text, empty
+  ! where it is not set. Of a voltet_call, or of the voltet_values of a check.
+  interface voltet_number
+    module procedure number_of_call, number_of_values
+  end interface
+  interface voltet_integer
+    module procedure integer_of_call, integer_of_values
+  end interface
+  interface voltet_text
+    module procedure text_of_call, text_of_values
+  end interface
 
   abstract interface
     subroutine progress_function(host, fraction) bind(c)
@@ -160,14 +189,47 @@ contains
     added%summary = kept(summary)
     added%gradient = gradient
     if (present(needs)) added%needs = needs
-    added%parameters = c_loc(parameters(1, filter_total))
+    own_parameters => parameters(:, filter_total)
+    added%parameters = c_loc(own_parameters(1))
     filters(filter_total) = added
+    own_count => filters(filter_total)%parameter_count
+    own_check => filters(filter_total)%check
+  end subroutine
+
+  ! Adds a reader: its type in pipeline files, what it reads, c_funloc of the function that says what a file holds and of the one
+  ! that reads it, the ends of the names of its files, and how these begin. What is added next is its.
+  subroutine voltet_add_reader(name, summary, contents, read, extensions, magic)
+    character(*), intent(in) :: name, summary, extensions(:)
+    type(c_funptr), value :: contents, read
+    character(*), intent(in), optional :: magic
+    type(reader_of) :: added
+    if (reader_total == READERS_MOST .or. size(extensions) > EXTENSIONS_MOST) then
+      too_many = .true.
+      return
+    end if
+    reader_total = reader_total + 1
+    added%size = int(c_sizeof(added), c_int32_t)
+    added%name = kept(name)
+    added%summary = kept(summary)
+    added%inspect = contents
+    added%read = read
+    added%extension_count = size(extensions)
+    added%extensions = list(extensions)
+    if (present(magic)) then
+      added%magic = kept(magic)
+      added%magic_length = len_trim(magic)
+    end if
+    own_parameters => parameters(:, FILTERS_MOST + reader_total)
+    added%parameters = c_loc(own_parameters(1))
+    readers(reader_total) = added
+    own_count => readers(reader_total)%parameter_count
+    own_check => readers(reader_total)%check
   end subroutine
 
   ! c_funloc of a `function my_check(values, host) result(code) bind(c)`, which checks what single parameters cannot say.
   subroutine voltet_add_check(check)
     type(c_funptr), value :: check
-    if (filter_total > 0) filters(filter_total)%check = check
+    if (associated(own_check)) own_check = check
   end subroutine
 
   subroutine voltet_add_boolean(name, help, default)
@@ -272,8 +334,8 @@ contains
     character(*), intent(in) :: name, help
     character(*), intent(in), optional :: unit
     integer :: place
-    if (filter_total == 0) return
-    place = filters(filter_total)%parameter_count + 1
+    if (.not. associated(own_count)) return
+    place = own_count + 1
     if (place > PARAMETERS_MOST) then
       too_many = .true.
       return
@@ -282,8 +344,8 @@ contains
     added%name = kept(name)
     added%help = kept(help)
     if (present(unit)) added%unit = kept(unit)
-    parameters(place, filter_total) = added
-    filters(filter_total)%parameter_count = place
+    own_parameters(place) = added
+    own_count = place
   end subroutine
 
   ! A text as C has it, which stays as long as the program. Blanks at its end are left out.
@@ -380,46 +442,71 @@ contains
     call c_f_pointer(arrays(place), values, [int(components, c_int64_t), call%point_count])
   end function
 
-  ! The parameter at a place, from 1, as a number.
-  function voltet_number(call, place) result(value)
+  function number_of_call(call, place) result(value)
     type(voltet_call), intent(in) :: call
     integer, intent(in) :: place
     real(c_double) :: value
     type(voltet_values), pointer :: values
-    real(c_double), pointer :: numbers(:)
     call c_f_pointer(call%values, values)
+    value = number_of_values(values, place)
+  end function
+
+  function number_of_values(values, place) result(value)
+    type(voltet_values), intent(in) :: values
+    integer, intent(in) :: place
+    real(c_double) :: value
+    real(c_double), pointer :: numbers(:)
     call c_f_pointer(values%numbers, numbers, [place])
     value = numbers(place)
   end function
 
-  ! The parameter at a place, from 1: a whole number, 0 or 1, or the place of a choice's word, from 0.
-  function voltet_integer(call, place) result(value)
+  function integer_of_call(call, place) result(value)
     type(voltet_call), intent(in) :: call
     integer, intent(in) :: place
     integer(c_int64_t) :: value
     type(voltet_values), pointer :: values
-    integer(c_int64_t), pointer :: integers(:)
     call c_f_pointer(call%values, values)
+    value = integer_of_values(values, place)
+  end function
+
+  function integer_of_values(values, place) result(value)
+    type(voltet_values), intent(in) :: values
+    integer, intent(in) :: place
+    integer(c_int64_t) :: value
+    integer(c_int64_t), pointer :: integers(:)
     call c_f_pointer(values%integers, integers, [place])
     value = integers(place)
   end function
 
-  ! The parameter at a place, from 1, as a text; empty where it is not set.
-  function voltet_text(call, place) result(value)
+  function text_of_call(call, place) result(value)
     type(voltet_call), intent(in) :: call
     integer, intent(in) :: place
     character(:), allocatable :: value
     type(voltet_values), pointer :: values
+    call c_f_pointer(call%values, values)
+    value = text_of_values(values, place)
+  end function
+
+  function text_of_values(values, place) result(value)
+    type(voltet_values), intent(in) :: values
+    integer, intent(in) :: place
+    character(:), allocatable :: value
     type(c_ptr), pointer :: texts(:)
+    call c_f_pointer(values%texts, texts, [place])
+    value = voltet_text_at(texts(place))
+  end function
+
+  ! The text at an address; empty where that is none.
+  function voltet_text_at(address) result(value)
+    type(c_ptr), intent(in) :: address
+    character(:), allocatable :: value
     character(kind=c_char), pointer :: text(:)
     integer :: i
-    call c_f_pointer(call%values, values)
-    call c_f_pointer(values%texts, texts, [place])
-    if (.not. c_associated(texts(place))) then
+    if (.not. c_associated(address)) then
       value = ""
       return
     end if
-    call c_f_pointer(texts(place), text, [c_length(texts(place))])
+    call c_f_pointer(address, text, [c_length(address)])
     allocate (character(size(text)) :: value)
     do i = 1, size(text)
       value(i:i) = text(i)
@@ -488,9 +575,10 @@ contains
     described = c_null_ptr
     if (.not. c_associated(path)) return
     filter_total = 0
+    reader_total = 0
     call voltet_filters()
     if (too_many) then
-      call voltet_error(host, "there are more than 32 filters, or one with more than 64 parameters")
+      call voltet_error(host, "there are more than 32 filters or 16 readers, or one with more than 64 parameters or 16 extensions")
       return
     end if
     described = c_loc(plugin)
@@ -498,24 +586,29 @@ contains
 
   subroutine voltet_fortran_deinit() bind(c)
     filter_total = 0
+    reader_total = 0
   end subroutine
 
   function voltet_fortran_factory(kind) result(address) bind(c)
     type(c_ptr), value :: kind
     type(c_ptr) :: address
-    character(kind=c_char), pointer :: text(:)
-    character(*), parameter :: known = "voltet.gradient-filters/1"
-    integer :: i
     address = c_null_ptr
-    if (c_length(kind) /= len(known)) return
-    call c_f_pointer(kind, text, [len(known)])
-    do i = 1, len(known)
-      if (text(i) /= known(i:i)) return
-    end do
-    factory%size = int(c_sizeof(factory), c_int32_t)
-    factory%filter_count = c_funloc(filter_count)
-    factory%filter = c_funloc(filter_at)
-    address = c_loc(factory)
+    select case (voltet_text_at(kind))
+    case ("voltet.gradient-filters/1")
+      if (filter_total > 0) address = factory(filter_factory, c_funloc(filter_count), c_funloc(filter_at))
+    case ("voltet.readers/1")
+      if (reader_total > 0) address = factory(reader_factory, c_funloc(reader_count), c_funloc(reader_at))
+    end select
+  end function
+
+  function factory(filled, item_count, item) result(address)
+    type(factory_of), intent(inout), target :: filled
+    type(c_funptr), value :: item_count, item
+    type(c_ptr) :: address
+    filled%size = int(c_sizeof(filled), c_int32_t)
+    filled%item_count = item_count
+    filled%item = item
+    address = c_loc(filled)
   end function
 
   function filter_count() result(count) bind(c)
@@ -528,5 +621,17 @@ contains
     type(c_ptr) :: address
     address = c_null_ptr
     if (place >= 0 .and. place < filter_total) address = c_loc(filters(place + 1))
+  end function
+
+  function reader_count() result(count) bind(c)
+    integer(c_int32_t) :: count
+    count = reader_total
+  end function
+
+  function reader_at(place) result(address) bind(c)
+    integer(c_int32_t), value :: place
+    type(c_ptr) :: address
+    address = c_null_ptr
+    if (place >= 0 .and. place < reader_total) address = c_loc(readers(place + 1))
   end function
 end module

@@ -315,8 +315,8 @@ typedef struct voltet_reader {
     /* Reads what is asked for into memory of the size that `inspect` gave. A file that is not as large any more is an error. */
     int32_t (*read)(const voltet_reading *reading, const voltet_host *host);
 
-    /* How `voltet info FILE` and the editor know a file: by how it begins where `magic` is given, otherwise by what its name ends
-     * with after a dot, in lower case. */
+    /* How `voltet info FILE`, the editor and the node `reader` know a file: by how it begins where `magic` is given, otherwise by what
+     * its name ends with after a dot, in lower case. */
     const char *const *extensions;
     const uint8_t *magic;
     uint32_t magic_length; /* Bytes, at most 64; 0: none. */

@@ -130,6 +130,50 @@ fn a_format_of_ones_own_is_read_as_one_that_ships() {
     folder.voltet(&[&["run", "own.toml", "--exhaustive"], &WITH[..]].concat()).ok();
 }
 
+/// The reader in Fortran gives what that in C gives, also where nothing asks for the grid anew, and its faults are messages.
+#[test]
+fn a_reader_in_fortran_reads_what_one_in_c_does() {
+    let Some(folder) = folder() else { return };
+    let sources = [
+        "include/voltet_plugin.f90",
+        "include/voltet_reader.f90",
+        "examples/plugin_fortran/reader.f90",
+        "include/voltet_plugin_fortran.c",
+    ]
+    .map(compilers::source);
+    if compilers::library(folder.path(), "fortran.so", &sources, &[]).is_none() {
+        return;
+    }
+    let scene = std::fs::read_to_string(folder.join("scene.toml")).unwrap();
+    folder.write("fortran.toml", scene.replace("simple-cells", "fortran-cells"));
+    let with = ["run", "fortran.toml", "--plugin", "fortran.so", "--plugin", "filters.so", "--set"];
+    for option in ["grid.scale=1.5", "grid.time=0", "grid.scalar=material"] {
+        let wanted = picture(&folder, &[option]);
+        for own_process in [&[][..], &["--plugin-process"]] {
+            folder.voltet(&[&with[..], &[option], own_process].concat()).ok();
+            assert!(folder.floats("nodes.exr").1 == wanted, "{option} {own_process:?}");
+        }
+    }
+    let info = |file: &str| folder.voltet(&["info", file, "--plugin", "fortran.so"]);
+    let shown = info("box.cells").ok().stdout;
+    assert!(
+        shown.contains("2 time steps, times 0 to 0.5") && shown.contains("material  Float64  [0, 1]"),
+        "{shown}"
+    );
+    let text = std::fs::read_to_string(folder.join("box.cells")).unwrap();
+    for (damaged, wanted) in [
+        (text[..text.len() / 2].to_string(), "End of file"),
+        (text.replacen("12 8 ", "12 9 ", 1), "says: found"),
+        (text.replacen("points 125", "points many", 1), "Bad integer"),
+        (text.replacen("steps 2", "steps -2", 1), "there are no or more than 1024 steps"),
+        (text.replacen("cells 64 512", "cells 64 500", 1), "the cells have more points than the header says"),
+    ] {
+        folder.write("damaged.cells", damaged);
+        info("damaged.cells")
+            .fails(1, &[wanted, "'fortran-cells'", "simple cells in Fortran", "damaged.cells"]);
+    }
+}
+
 fn without_filters(scene: &str) -> String {
     let mut kept = String::new();
     for part in scene.split("[nodes.") {
