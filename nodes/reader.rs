@@ -94,6 +94,7 @@ pub const NODE: Node = Node {
     foresee: &|foresight| foresee(foresight, None),
     steps: &|preparation| steps(preparation, None),
     files_beside: &files_beside,
+    foreign_head: &formats::foreign_head,
     prepare: &prepare,
     run: &|call| run(call, None),
     ..Node::BLANK

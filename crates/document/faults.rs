@@ -49,7 +49,7 @@ impl Document {
             let node = error.location.node.clone().or(place);
             faults.push(Diagnostic { node, target: part, error: self.locate(error.clone()) });
         }
-        for fault in Graph::faults(nodes, registry) {
+        for fault in Graph::faults(nodes, registry, self.folder()) {
             // What cannot be read at all is said once.
             if self.survey.faults.iter().any(|known| is_same(known, &fault.error)) {
                 continue;

@@ -30,6 +30,7 @@ pub fn reader(reader: &'static dyn GridReader) -> &'static Node {
         example: example.leak(),
         plugin: reader.plugin(),
         reader: Some(reader),
+        foreign_head: &|_| None,
         check: leak(move |p: &Parameters| reader::request(p, None).and_then(|_| reader.check(p))),
         foresee: leak(move |foresight: &mut PlanContext| {
             reader::foresee(foresight, chosen(foresight.parameters))

@@ -250,7 +250,7 @@ impl Pipeline {
 
     /// Takes over a changed text if it is sound.
     fn replace(&mut self, text: PipelineText) -> Result<()> {
-        match Graph::faults(&text.nodes.nodes, &self.registry).into_iter().next() {
+        match Graph::faults(&text.nodes.nodes, &self.registry, text.folder.clone()).into_iter().next() {
             Some(fault) => Err(text.locate(fault.error)),
             None => {
                 self.source = text;

@@ -130,6 +130,65 @@ fn a_format_of_ones_own_is_read_as_one_that_ships() {
     folder.voltet(&[&["run", "own.toml", "--exhaustive"], &WITH[..]].concat()).ok();
 }
 
+#[test]
+fn the_node_reader_hands_a_file_to_the_plug_in_that_knows_it() {
+    let Some(folder) = folder() else { return };
+    let own = std::fs::read_to_string(folder.join("scene.toml")).unwrap();
+    folder.write("own.toml", own.replace("simple-cells", "reader"));
+    let wanted = picture(&folder, &[]);
+    folder.voltet(&[&["check", "own.toml"], &WITH[..]].concat()).ok();
+    folder.voltet(&[&["run", "own.toml"], &WITH[..]].concat()).ok();
+    assert!(folder.floats("nodes.exr").1 == wanted, "the picture is that of the type's own name");
+    let said = folder.voltet(&["info", "nodes.exr"]).ok().stdout;
+    assert!(said.contains("plug-in (grid): simple cells in C 1.0.0"), "{said}");
+    folder
+        .voltet(&["run", "nodes.exr", "--set", "file.path=again.exr", WITH[0], WITH[1], WITH[2], WITH[3]])
+        .ok();
+    assert!(folder.floats("again.exr").1 == wanted);
+    let run = |set: &str| folder.voltet(&[&["run", "own.toml", "--set", set], &WITH[..]].concat());
+    run("grid.blocks=[\"a\"]").fails(2, &["unknown parameter 'blocks'", "scale"]);
+    run("grid.scale=1.25").fails(2, &["unknown parameter 'scale'", "node 'grid'"]);
+    run("grid.path=gone.cells").fails(1, &["the data file cannot be opened", "gone.cells"]);
+    // Without the plug-in the file is of no format.
+    let unread = own.replace("simple-cells", "reader");
+    folder.write(
+        "unread.toml",
+        without_filters(&unread).replace("\"toned\"", "\"picture\"").replace("\"moved\"", "\"grid\""),
+    );
+    let ran = folder.voltet(&["run", "unread.toml"]);
+    ran.fails(1, &["the format of the file is not known", "the format of a plug-in (--plugin)", "box.cells"]);
+    // A file of a format that ships stays the node's own, whatever a plug-in makes of its name.
+    let source = std::fs::read_to_string(compilers::source("examples/plugin_c/reader.c")).unwrap();
+    let greedy = source.replace("{\"cells\"}", "{\"vtk\"}").replace(".magic_length = 7", ".magic_length = 0");
+    folder.write("greedy.c", greedy);
+    compilers::library(folder.path(), "greedy.so", &[folder.join("greedy.c")], &[]);
+    folder.write("plain.toml", without_filters(&plain(&folder, &numbers(&folder.join("box.cells"), 1))));
+    folder.voltet(&["run", "plain.toml"]).ok();
+    let wanted = folder.floats("nodes.exr").1;
+    folder.voltet(&["info", "box.vtk", "--plugin", "greedy.so"]).fails(1, &["the header is not 'cells 1'"]);
+    folder.voltet(&["run", "plain.toml", "--plugin", "greedy.so"]).ok();
+    assert!(folder.floats("nodes.exr").1 == wanted);
+}
+
+/// The file of plug-ins is read for a file of a format that does not ship, and for no other.
+#[test]
+fn the_users_own_file_of_plug_ins_serves_the_node_reader() {
+    let Some(folder) = folder() else { return };
+    let configuration = folder.join("configuration");
+    std::fs::create_dir_all(configuration.join("voltet")).unwrap();
+    let list = configuration.join("voltet/plugins.toml");
+    let home = ("XDG_CONFIG_HOME", configuration.to_str().unwrap());
+    let scene = std::fs::read_to_string(folder.join("scene.toml")).unwrap();
+    let scene = scene.replace("\"moved\"", "\"grid\"").replace("\"toned\"", "\"picture\"");
+    folder.write("own.toml", without_filters(&scene).replace("type = \"simple-cells\"", "type = \"reader\""));
+    std::fs::write(&list, format!("plugins = ['{}']\n", folder.join("reader.so").display())).unwrap();
+    folder.voltet_where(home, &["run", "own.toml"]).ok();
+    std::fs::write(&list, "plug = []\n").unwrap();
+    folder.voltet_where(home, &["run", "own.toml"]).fails(2, &["unknown key 'plug'"]);
+    folder.write("box.vtk", vtk(&numbers(&folder.join("box.cells"), 1)));
+    folder.voltet_where(home, &["check", "own.toml", "--set", "grid.path=box.vtk"]).ok();
+}
+
 /// The reader in Fortran gives what that in C gives, also where nothing asks for the grid anew, and its faults are messages.
 #[test]
 fn a_reader_in_fortran_reads_what_one_in_c_does() {

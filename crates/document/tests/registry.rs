@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+use std::path::PathBuf;
 use voltet_document::{Diagnostic, Document, Edit, FaultTarget, Group, arrange, giving, search, taking};
 use voltet_graph::{Graph, PortType, Registry};
 
@@ -66,7 +67,7 @@ fn every_mistake_of_a_file_is_at_its_place_and_the_rest_can_be_built() {
     let fed = voltet_document::links::upstream(&broken.pipeline().nodes, "gradient");
     let nodes: Vec<_> =
         broken.pipeline().nodes.iter().filter(|node| fed.contains(&node.name)).cloned().collect();
-    assert!(Graph::faults(&nodes, &registry).is_empty());
+    assert!(Graph::faults(&nodes, &registry, PathBuf::new()).is_empty());
 }
 
 #[test]

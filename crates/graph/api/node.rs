@@ -3,7 +3,7 @@
 
 use super::context::{DemandContext, Outputs, PlanContext, Preparation, RunContext};
 use super::value::{Port, Value};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use voltet_core::Result;
 use voltet_core::field::Plugin;
 use voltet_core::parameters::{Parameter, ParameterType, Parameters};
@@ -61,6 +61,9 @@ pub struct Node {
     pub plugin: Option<&'static Plugin>,
     /// The format that it reads, if it is the node of a format that comes from outside.
     pub reader: Option<&'static dyn GridReader>,
+    /// First bytes of a file of no format that the node reads itself: of the nodes of formats that come from outside, the one that
+    /// such a file is of does the work. `None` for other files, and for those that cannot be read.
+    pub foreign_head: &'static (dyn Fn(&Path) -> Option<Vec<u8>> + Send + Sync),
     /// True for cheap nodes without data (a camera, a transfer function): they run before the demand pass, which
     /// can then look at their values.
     pub early: bool,
@@ -100,6 +103,7 @@ impl Node {
         example: "",
         plugin: None,
         reader: None,
+        foreign_head: &|_| None,
         early: false,
         finds: false,
         outline: &|_, _| Ok(Vec::new()),

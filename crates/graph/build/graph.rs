@@ -7,7 +7,7 @@ use crate::api::context::{Outputs, RunContext};
 use crate::api::node::Node;
 use crate::api::origins::ResolvedPipeline;
 use crate::api::value::{Edge, PortType, Wiring};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::field::{Method, Plugin};
 use voltet_core::parameters::{LocatedValue, Parameters, SourceSpan, suggest};
@@ -117,9 +117,9 @@ impl Graph {
 
     /// Every mistake of the entries: of types, parameters and wires, in the order in which [`Graph::build`] finds the first. That
     /// nothing is written is none of them.
-    pub fn faults(entries: &[NodeEntry], registry: &Registry) -> Vec<Diagnostic> {
+    pub fn faults(entries: &[NodeEntry], registry: &Registry, folder: PathBuf) -> Vec<Diagnostic> {
         let mut faults = Vec::new();
-        Self::survey(entries, registry, PathBuf::new(), &mut faults);
+        Self::survey(entries, registry, folder, &mut faults);
         faults
     }
 
@@ -137,7 +137,7 @@ impl Graph {
                 let error = Error::usage(format!("two nodes are called '{}'", entry.name));
                 faults.push(Diagnostic::new(entry, DiagnosticTarget::Node, error));
             }
-            let node = find_type(entry, registry)
+            let node = find_type(entry, registry, &folder)
                 .map_err(|error| faults.push(Diagnostic::new(entry, DiagnosticTarget::Node, error)));
             types.push((entry.name.as_str(), node.ok()));
             checked.push(node.ok().and_then(|node| check(entry, node, registry, faults)));
@@ -156,6 +156,15 @@ impl Graph {
         });
         let nodes = nodes.collect::<Option<Vec<_>>>()?;
         Some(Graph { warnings: alias_notes(entries, &nodes, registry), nodes, folder, ..Graph::default() })
+    }
+
+    /// True if a file is of no format that its node reads: a reader from outside may.
+    pub fn has_foreign_files(&self) -> bool {
+        let is_foreign = |node: &GraphNode| {
+            let path = node.parameters.optional("path").and_then(LocatedValue::text);
+            path.is_some_and(|path| (node.node.foreign_head)(&self.folder.join(path)).is_some())
+        };
+        self.nodes.iter().any(is_foreign)
     }
 
     /// The node of that name.
@@ -224,12 +233,30 @@ fn alias_notes(entries: &[NodeEntry], nodes: &[GraphNode], registry: &Registry) 
     entries.iter().zip(nodes).filter_map(note).collect()
 }
 
-/// The node type that an entry names.
-fn find_type(entry: &NodeEntry, registry: &Registry) -> Result<&'static Node> {
+/// The node type that an entry names, or that of the format from outside that its file is of.
+fn find_type(entry: &NodeEntry, registry: &Registry, folder: &Path) -> Result<&'static Node> {
     let Some(name) = entry.node_type.text() else {
         return Err(entry.node_type.error("'type' must be the name of a node type", "a text"));
     };
-    registry.find(name).map_err(|error| entry.node_type.origin.locate(error))
+    let node = registry.find(name).map_err(|error| entry.node_type.origin.locate(error))?;
+    Ok(foreign_reader(entry, node, registry, folder).unwrap_or(node))
+}
+
+/// The node of the format from outside that the file of an entry is of, if `node` reads files, but none of this format. Parameters
+/// that `node` lacks need the name of the other: whether they are known must not depend on a file.
+fn foreign_reader(
+    entry: &NodeEntry,
+    node: &Node,
+    registry: &Registry,
+    folder: &Path,
+) -> Option<&'static Node> {
+    let mut readers = registry.readers().peekable();
+    // Without readers no file is opened.
+    readers.peek()?;
+    entry.settings.iter().all(|field| node.parameter(&field.name).is_some()).then_some(())?;
+    let path = folder.join(entry.setting("path")?.text()?);
+    let head = (node.foreign_head)(&path)?;
+    readers.find(|(_, reader)| reader.matches(&head, &path)).map(|(node, _)| node)
 }
 
 /// Refuses edges back into a path, and names their cycles. Each is found once.

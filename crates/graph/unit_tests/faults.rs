@@ -12,7 +12,7 @@ fn every_mistake_has_its_place_and_the_first_is_the_one_that_a_build_names() {
         .replace("path = \"a\"", "")
         .replace("picture.image", "picture.imag");
     let entries = Pipeline::parse(&text).unwrap().nodes;
-    let faults = Graph::faults(&entries, &registry());
+    let faults = Graph::faults(&entries, &registry(), PathBuf::new());
     let found: Vec<(&str, DiagnosticTarget)> =
         faults.iter().map(|fault| (&*fault.node, fault.part.clone())).collect();
     let parameter = |name: &str| DiagnosticTarget::Parameter(name.into());
@@ -36,12 +36,12 @@ fn every_mistake_has_its_place_and_the_first_is_the_one_that_a_build_names() {
     assert!(faults.iter().all(placed));
     let first = graph(&text).unwrap_err().to_string();
     assert!(first.starts_with("'size' is out of range"), "{first}");
-    assert!(Graph::faults(&Pipeline::parse(SCENE).unwrap().nodes, &registry()).is_empty());
+    assert!(Graph::faults(&Pipeline::parse(SCENE).unwrap().nodes, &registry(), PathBuf::new()).is_empty());
 }
 
 #[test]
 fn what_a_node_of_an_unknown_type_feeds_is_not_blamed_for_it() {
     let text = SCENE.replace("type = \"gradient\"", "type = \"gradeint\"");
-    let faults = Graph::faults(&Pipeline::parse(&text).unwrap().nodes, &registry());
+    let faults = Graph::faults(&Pipeline::parse(&text).unwrap().nodes, &registry(), PathBuf::new());
     assert_eq!(faults.iter().map(|fault| &*fault.node).collect::<Vec<_>>(), ["gradient"]);
 }

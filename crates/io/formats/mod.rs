@@ -289,9 +289,7 @@ fn open_contents(path: &Path, request: &Request) -> Result<(Dataset, Arc<Source>
         unsupported::refuse(&source, unsupported::BY_WORDS).map_err(in_file)?;
         let error = Error::run("the format of the file is not known").got(printable(&head));
         let formats = files(FORMATS.iter());
-        return Err(in_file(
-            error.expected(format!("{formats}; formats from outside have nodes of their own")),
-        ));
+        return Err(in_file(error.expected(format!("{formats}; or the format of a plug-in (--plugin)"))));
     };
     let dataset = (format.open)(source.clone(), request).map_err(in_file)?;
     let dataset = refuse_no_series(
@@ -318,10 +316,11 @@ pub fn is_data(path: &Path) -> bool {
         || path.is_file() && Source::open(path).and_then(|source| source.head(256)).is_ok_and(is_of_format)
 }
 
-/// True if a file is of a format that ships. One that cannot be read is, too: there is nothing to ask others for.
-pub fn ships(path: &Path) -> bool {
-    let head = Source::open(path).and_then(|source| source.head(256));
-    head.is_err() || head.is_ok_and(|head| format_of(&head, path, &Request::default()).is_some())
+/// First bytes of a file that is of no format that ships; `None` for one that is, or that cannot be read.
+pub fn foreign_head(path: &Path) -> Option<Vec<u8>> {
+    // A pipe can be read once.
+    let head = path.is_file().then(|| Source::open(path).and_then(|source| source.head(256)))?.ok()?;
+    format_of(&head, path, &Request::default()).is_none().then_some(head)
 }
 
 /// The format that a file shows, by how it begins and its name.

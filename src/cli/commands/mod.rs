@@ -50,9 +50,12 @@ pub fn dispatch(arguments: &Arguments, registry: Result<Registry>) -> ExitCode {
 /// True if the registry suffices for the command: then the user's file of plug-ins is not read, and none of their code runs.
 /// Pipelines must open, data files be of a format that ships. A command without files lists what there is.
 fn is_sufficient(inputs: &Inputs, registry: &Registry) -> bool {
-    let is_plain = |data: &PathBuf| info::is_picture(data) || formats::ships(data);
+    let is_plain = |data: &PathBuf| info::is_picture(data) || formats::foreign_head(data).is_none();
     // A pipe can be read once.
-    let opens = |file: &PathBuf| file.is_file() && Document::open(file, inputs.options, registry).is_ok();
+    let opens = |file: &PathBuf| {
+        file.is_file()
+            && Document::open(file, inputs.options, registry).is_ok_and(|own| !own.graph.has_foreign_files())
+    };
     let has_files = !(inputs.pipelines.is_empty() && inputs.data.is_empty());
     has_files && inputs.pipelines.iter().all(opens) && inputs.data.iter().all(is_plain)
 }
