@@ -1,10 +1,11 @@
-//! Gradient filters that are Python functions.
+//! Gradient filters that are Python functions, and the registry of these and of readers.
 
 use crate::memory::{Lent, array};
 use glam::DVec3;
-use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::exceptions::{PyKeyboardInterrupt, PyTypeError};
 use pyo3::ffi;
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
@@ -17,14 +18,15 @@ use voltet_core::grid::Grid;
 use voltet_core::parameters::{DefaultValue, Parameter, ParameterType, Parameters, Range, VariantSchema};
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
-use voltet_graph::{ParameterValue, Registry};
+use voltet_graph::{Node, ParameterValue, Registry};
 
-/// The filters that were registered, and how often that was done: one in place of another counts.
+/// The filters and the nodes of readers that were registered, and how often that was done: one in place of another counts.
 static FILTERS: Mutex<Vec<Arc<Function>>> = Mutex::new(Vec::new());
+static NODES: Mutex<Vec<&'static Node>> = Mutex::new(Vec::new());
 static REGISTERED: AtomicU64 = AtomicU64::new(0);
 
 thread_local! {
-    /// Exception of the last filter on this thread.
+    /// Exception of the last function on this thread.
     static RAISED: RefCell<Option<PyErr>> = const { RefCell::new(None) };
     /// The run that this thread does.
     static RUN: Cell<Option<Run>> = const { Cell::new(None) };
@@ -60,10 +62,10 @@ impl Run {
 }
 
 /// Says while it lives which thread is in a function.
-struct Called(Option<Run>);
+pub struct Called(Option<Run>);
 
 impl Called {
-    fn new(py: Python<'_>) -> PyResult<Called> {
+    pub fn new(py: Python<'_>) -> PyResult<Called> {
         let (run, thread) = (RUN.get(), py.import("_thread")?.call_method0("get_ident")?.extract::<u64>()?);
         if let Some(run) = run {
             CALLED.lock().unwrap_or_else(PoisonError::into_inner).insert(run, thread as c_long);
@@ -96,21 +98,23 @@ pub fn registry() -> Result<Registry> {
     for filter in FILTERS.lock().unwrap_or_else(PoisonError::into_inner).iter() {
         registry.add_filter(filter.clone())?;
     }
+    for node in NODES.lock().unwrap_or_else(PoisonError::into_inner).iter() {
+        registry.add(node)?;
+    }
     Ok(registry)
 }
 
-/// Changes when a filter is registered.
+/// Changes when a function is registered.
 pub fn epoch() -> u64 {
     REGISTERED.load(Ordering::Acquire)
 }
 
-/// Exception of the last filter on this thread, once.
+/// Exception of the last function on this thread, once.
 pub fn raised() -> Option<PyErr> {
     RAISED.take()
 }
 
-/// Registers a function, in place of a former one of this name. `parameters`: what `voltet.Parameter.declared` gives. `source`
-/// is its text, as far as there is one, by which pictures tell it from others.
+/// Registers a function, in place of a former one of this name.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn register_filter(
@@ -118,25 +122,13 @@ pub fn register_filter(
     name: String,
     summary: String,
     parameters: Vec<Bound<'_, PyDict>>,
-    arrays: Vec<String>,
-    call: Py<PyAny>,
     file: PathBuf,
     source: String,
+    arrays: Vec<String>,
+    call: Py<PyAny>,
 ) -> PyResult<()> {
-    let parameters = parameters.iter().map(parameter).collect::<PyResult<Vec<Parameter>>>()?;
-    // Declarations live as long as the program.
-    let kind = VariantSchema { name: name.leak(), summary: summary.leak(), parameters: parameters.leak() };
-    let mut hash = voltet_nodes::files::Fnv::default();
-    hash.text(&source);
-    let plugin = Plugin {
-        name: "Python".into(),
-        version: Python::version_str().split(' ').next().unwrap_or_default().into(),
-        path: file,
-        bytes: source.len() as u64,
-        fingerprint: hash.0 as u64,
-        modified: None,
-    };
-    let filter = Arc::new(Function { kind, plugin, arrays, call });
+    let kind = schema(name, summary, &parameters)?;
+    let filter = Arc::new(Function { kind, plugin: plugin(file, &source), arrays, call });
     crate::error::guarded(py, || {
         // What contradicts itself, or has the name of one that ships, is refused here.
         let mut registry = own_registry()?;
@@ -146,6 +138,82 @@ pub fn register_filter(
         filters.push(filter);
         REGISTERED.fetch_add(1, Ordering::AcqRel);
         Ok(())
+    })
+}
+
+/// Registers the node of a function, in place of a former one of this name.
+pub fn register_node(node: &'static Node) -> Result<()> {
+    own_registry()?.add(node)?;
+    let mut nodes = NODES.lock().unwrap_or_else(PoisonError::into_inner);
+    nodes.retain(|known| known.name != node.name);
+    nodes.push(node);
+    REGISTERED.fetch_add(1, Ordering::AcqRel);
+    Ok(())
+}
+
+/// Declaration of a function; it lives as long as the program. `parameters`: what `voltet.Parameter.declared` gives.
+pub fn schema(name: String, summary: String, parameters: &[Bound<'_, PyDict>]) -> PyResult<VariantSchema> {
+    let parameters = parameters.iter().map(parameter).collect::<PyResult<Vec<Parameter>>>()?;
+    Ok(VariantSchema { name: name.leak(), summary: summary.leak(), parameters: parameters.leak() })
+}
+
+/// Plug-in that stands for a function. `source` is its text, as far as there is one, by which pictures tell it from others.
+pub fn plugin(file: PathBuf, source: &str) -> Plugin {
+    let mut hash = voltet_nodes::files::Fnv::default();
+    hash.text(source);
+    Plugin {
+        name: "Python".into(),
+        version: Python::version_str().split(' ').next().unwrap_or_default().into(),
+        path: file,
+        bytes: source.len() as u64,
+        fingerprint: hash.0 as u64,
+        modified: None,
+    }
+}
+
+/// The parameters of a function, as keyword arguments.
+pub fn keywords<'py>(
+    py: Python<'py>,
+    kind: VariantSchema,
+    parameters: &Parameters,
+) -> PyResult<Bound<'py, PyDict>> {
+    let set = PyDict::new(py);
+    for parameter in kind.parameters {
+        if let Some(setting) = parameters.optional(parameter.name) {
+            set.set_item(parameter.name, crate::value::object(py, &setting.datum)?)?;
+        }
+    }
+    Ok(set)
+}
+
+/// Calls Python for a function, with the interpreter's lock; an exception becomes an error, and the cause of the one that the run
+/// raises. `subject`: "the reader 'x'".
+pub fn attached<T>(subject: &str, work: impl FnOnce(Python<'_>) -> PyResult<T>) -> Result<T> {
+    Python::attach(|py| {
+        work(py).map_err(|raised| {
+            let error = own_error(subject, raised.value(py)).unwrap_or_else(|_| {
+                Error::run(format!("{subject} raised an exception")).got(raised.to_string())
+            });
+            RAISED.set(Some(raised));
+            error
+        })
+    })
+}
+
+/// Error of a `voltet.Error`: what is wrong with what a function gave.
+///
+/// Errors: it is another exception.
+fn own_error(subject: &str, raised: &Bound<'_, PyAny>) -> PyResult<Error> {
+    static CLASS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    if !raised.is_instance(CLASS.import(raised.py(), "voltet._errors", "Error")?)? {
+        return Err(PyTypeError::new_err("not of the package"));
+    }
+    let text = |name: &str| raised.getattr(name)?.extract::<Option<String>>();
+    let mut error = Error::run(format!("{subject}: {}", text("what")?.unwrap_or_default()));
+    (error.got, error.expected) = (text("found")?, text("expected")?);
+    Ok(match text("item")? {
+        Some(item) => error.at_item(item),
+        None => error,
     })
 }
 
@@ -220,12 +288,7 @@ impl Function {
                 arrays.set_item(name, array(py, "f8", &found.values, &shape)?)?;
             }
         }
-        let set = PyDict::new(py);
-        for parameter in self.kind.parameters {
-            if let Some(setting) = parameters.optional(parameter.name) {
-                set.set_item(parameter.name, crate::value::object(py, &setting.datum)?)?;
-            }
-        }
+        let set = keywords(py, self.kind, parameters)?;
         let given = {
             let _called = Called::new(py)?;
             self.call.call1(py, (points, tetrahedra, values, arrays, set))?
@@ -264,21 +327,9 @@ impl GradientFilter for Function {
         progress: &dyn Progress,
     ) -> Result<Gradient> {
         progress.report("gradient", 0.0);
-        let found = Python::attach(|py| {
-            self.call(py, grid, scalar, parameters).map_err(|raised| {
-                let text = raised.to_string();
-                RAISED.set(Some(raised));
-                text
-            })
-        });
-        match found {
-            Ok(vectors) => Ok(Gradient { vectors: vectors?, fallbacks: Vec::new() }),
-            Err(raised) => {
-                let error =
-                    Error::run(format!("the gradient filter '{}' raised an exception", self.kind.name));
-                Err(error.got(raised))
-            }
-        }
+        let subject = format!("the gradient filter '{}'", self.kind.name);
+        let vectors = attached(&subject, |py| self.call(py, grid, scalar, parameters))??;
+        Ok(Gradient { vectors, fallbacks: Vec::new() })
     }
 }
 

@@ -115,7 +115,7 @@ impl Keep {
 }
 
 /// A piece: `points`, `cells`, `arrays` as (name, values, components of a tuple, on cells), `block`; `ghost`, `degrees`, `global_ids`.
-fn piece_of(piece: &Bound<'_, PyDict>) -> PyResult<RawGrid> {
+pub fn piece_of(piece: &Bound<'_, PyDict>) -> PyResult<RawGrid> {
     let py = piece.py();
     let get = |name: &str| -> PyResult<Bound<'_, PyAny>> {
         piece.get_item(name)?.ok_or_else(|| PyKeyError::new_err(name.to_string()))

@@ -10,6 +10,7 @@ mod grid;
 mod measurements;
 mod memory;
 mod pipeline;
+mod reader;
 mod state;
 mod value;
 
@@ -31,6 +32,8 @@ mod _native {
     use super::pipeline::Pipeline;
     #[pymodule_export]
     use super::pipeline::Report;
+    #[pymodule_export]
+    use super::reader::register_reader;
 
     /// The version of the program.
     #[pymodule_export]

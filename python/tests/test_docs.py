@@ -11,7 +11,7 @@ from conftest import ROOT
 
 import voltet
 
-MODULES = ["voltet", "voltet._grid", "voltet._pipeline", "voltet._filters", "voltet._scene", "voltet.nodes", "voltet.widgets", "voltet.vtk", "voltet.pyvista"]
+MODULES = ["voltet", "voltet._grid", "voltet._pipeline", "voltet._filters", "voltet._readers", "voltet._scene", "voltet.nodes", "voltet.widgets", "voltet.vtk", "voltet.pyvista"]
 
 
 @pytest.mark.parametrize("name", MODULES)

@@ -13,6 +13,7 @@ and its gradient magnitude.
 `scene`               a pipeline about a grid of yours, to begin with
 `nodes`, `widgets`    what can be stated, with signatures made from the program's own declarations
 `gradient_filter`     gradient filters that are Python functions
+`grid_reader`         readers of file formats that are Python functions
 `gradient_test`       how right a gradient filter is, and what it costs
 `Error`               what everything here raises, with place and remedy
 `VoltetWarning`       the category of warnings: of an empty picture, of cells that are left out
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from . import nodes as nodes, widgets as widgets
     from ._filters import Parameter as Parameter, gradient_filter as gradient_filter
     from ._grid import Grid as Grid
+    from ._readers import grid_reader as grid_reader
     from ._picture import Picture as Picture, Result as Result
     from ._node import Node as Node
     from ._pipeline import Pipeline as Pipeline
@@ -59,6 +61,7 @@ _HOMES = {
     "Shown": "_shown",
     "gradient_filter": "_filters",
     "gradient_test": "_gradient_test",
+    "grid_reader": "_readers",
     "nodes": "",
     "run": "_run",
     "scene": "_scene",

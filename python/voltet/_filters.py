@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from tokenize import TokenError
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from ._errors import usage
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of a gradient filter.
+    """A parameter of a gradient filter or a reader.
 
     Attributes
     ----------
@@ -91,35 +92,54 @@ def gradient_filter(
         return gradient_filter(None)(name)
 
     def register(function: Callable[..., Any]) -> Callable[..., Any]:
-        own = name or getattr(function, "__name__", "filter").replace("_", "-")
-        text = summary or (inspect.getdoc(function) or "A Python function.").splitlines()[0]
-        declared = [
-            (given if isinstance(given, Parameter) else Parameter(given)).declared(key)
-            for key, given in (_keywords(function) if parameters is None else parameters).items()
-        ]
-        file, source = _source(function)
-        call = _Filter(function, bool(arrays))
-        _native.register_filter(own, text, declared, list(arrays), call, file, source)
+        about = declaration(function, name, summary, parameters, "arrays")
+        _native.register_filter(*about, list(arrays), _Filter(function, bool(arrays)))
         return function
 
     return register
 
 
-def _keywords(function: Callable[..., Any]) -> dict[str, Any]:
-    """The keyword-only arguments, but that for arrays."""
-    try:
-        known = inspect.signature(function).parameters.values()
-    except (TypeError, ValueError):
-        return {}
-    keywords = [p for p in known if p.kind is p.KEYWORD_ONLY and p.name != "arrays"]
+def declaration(
+    function: Callable[..., Any],
+    name: str | None,
+    summary: str | None,
+    parameters: Mapping[str, Parameter | bool | int | float | str] | None,
+    other: str,
+) -> tuple[str, str, list[dict[str, Any]], str, str]:
+    """What the program is told of a function: name, summary, parameters, file, text. `other`: the keyword that is no parameter."""
+    own = name or getattr(function, "__name__", "function").replace("_", "-")
+    text = summary or (inspect.getdoc(function) or "A Python function.").splitlines()[0]
+    declared = [
+        (given if isinstance(given, Parameter) else Parameter(given)).declared(key)
+        for key, given in (_keywords(function, other) if parameters is None else parameters).items()
+    ]
+    return own, text, declared, *_source(function)
+
+
+def _keywords(function: Callable[..., Any], other: str) -> dict[str, Any]:
+    """The keyword-only arguments, but one."""
+    keywords = [p for p in _arguments(function) if p.kind is p.KEYWORD_ONLY and p.name != other]
     return {p.name: None if p.default is p.empty else p.default for p in keywords}
+
+
+def _arguments(function: Callable[..., Any]) -> list[inspect.Parameter]:
+    try:
+        return list(inspect.signature(function).parameters.values())
+    except (TypeError, ValueError):
+        return []
+
+
+def takes(function: Callable[..., Any], name: str) -> bool:
+    """Whether a function takes an argument of this name."""
+    return any(p.name == name or p.kind is p.VAR_KEYWORD for p in _arguments(function))
 
 
 def _source(function: Callable[..., Any]) -> tuple[str, str]:
     """The file of a function and its text, as far as they are known."""
     try:
         return inspect.getsourcefile(function) or "Python", inspect.getsource(function)
-    except (OSError, TypeError):
+    except (OSError, TypeError, SyntaxError, TokenError):
+        # No file, or one of another language that the text of the function stands in.
         code = getattr(function, "__code__", None)
         return getattr(code, "co_filename", "Python"), repr(getattr(code, "co_code", function))
 

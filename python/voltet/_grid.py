@@ -234,10 +234,7 @@ def _piece(given: Mapping[str, Any], taken: _Taken) -> dict[str, Any]:
     for key, count, what in (("point_data", len(points), "point"), ("cell_data", cell_count, "cell")):
         for name, values in (given.get(key) or {}).items():
             array = taken.floats(str(name), values)
-            if array.ndim not in (1, 2) or len(array) != count or array.ndim == 2 and array.shape[1] == 0:
-                expected = f"({count},) or ({count}, k), a row a {what}"
-                raise usage("an array has the wrong shape", f"shape {array.shape}", expected, str(name))
-            arrays.append((str(name), array, array.shape[1] if array.ndim == 2 else 1, what == "cell"))
+            arrays.append((str(name), array, components(str(name), array.shape, count, what), what == "cell"))
     piece: dict[str, Any] = {"points": points, "cells": cells, "arrays": arrays, "block": whole("block", given.get("block", 0))}
     piece["cell_count"] = cell_count
     for name, shape in (("ghost", (cell_count,)), ("degrees", (cell_count, 3))):
@@ -249,6 +246,13 @@ def _piece(given: Mapping[str, Any], taken: _Taken) -> dict[str, Any]:
         found = f"shape {piece['global_ids'].shape}"
         raise usage("an array has the wrong shape", found, f"({len(points)},), one a point", "global_ids")
     return piece
+
+
+def components(name: str, shape: tuple[int, ...], count: int, what: str) -> int:
+    """Numbers of a tuple of an array of this shape, with one at each of `count` points or cells."""
+    if len(shape) not in (1, 2) or shape[0] != count or shape[-1] == 0 and len(shape) == 2:
+        raise usage("an array has the wrong shape", f"shape {tuple(shape)}", f"({count},) or ({count}, k), a row a {what}", name)
+    return shape[1] if len(shape) == 2 else 1
 
 
 def _check_same_arrays(given: Sequence[Mapping[str, Any]], pieces: Sequence[Mapping[str, Any]]) -> None:

@@ -6,7 +6,7 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Grid", "Pipeline", "Report", "VERSION", "declarations", "encode", "gradient_test", "register_filter"]
+__all__ = ["Grid", "Pipeline", "Report", "VERSION", "declarations", "encode", "gradient_test", "register_filter", "register_reader"]
 
 VERSION: str
 
@@ -32,10 +32,20 @@ def register_filter(
     name: str,
     summary: str,
     parameters: list[dict[str, Any]],
-    arrays: list[str],
-    call: Callable[..., NDArray[np.float64]],
     file: str | PathLike[str],
     source: str,
+    arrays: list[str],
+    call: Callable[..., NDArray[np.float64]],
+) -> None: ...
+def register_reader(
+    name: str,
+    summary: str,
+    parameters: list[dict[str, Any]],
+    file: str | PathLike[str],
+    source: str,
+    extensions: list[str],
+    magic: bytes,
+    call: Callable[..., Any],
 ) -> None: ...
 @final
 class Grid:

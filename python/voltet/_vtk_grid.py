@@ -203,6 +203,14 @@ def grid(
     **options
         As of `voltet.Grid`: `subdivision`, `constant_cells`.
     """
+    pieces, notes = pieces_of(data, arrays, association)
+    return Grid._of_pieces(pieces, scalar=scalar, watch=watch, warnings=notes, **options)
+
+
+def pieces_of(
+    data: vtkDataObject, arrays: Iterable[str] | None = None, association: int | None = None
+) -> tuple[list[dict[str, Any]], list[str]]:
+    """The arguments of `Grid.from_pieces` for a data set, and what was left out, in sentences."""
     if not isinstance(data, (vtkDataSet, vtkCompositeDataSet)):
         found = "nothing" if data is None else f"a {data.GetClassName()}"
         raise usage("this is no data set with cells", found, "a vtkDataSet, or a composite one of these")
@@ -222,8 +230,7 @@ def grid(
             notes.append(f"left out, as not all parts have them: {of_all} ({_listed(others)})")
     else:
         places = {name: find_array(drawn, name, (first, POINT + CELL - first)) for name in arrays}
-    pieces = [_piece(part, places) for part in drawn]
-    return Grid._of_pieces(pieces, scalar=scalar, watch=watch, warnings=notes, **options)
+    return [_piece(part, places) for part in drawn], notes
 
 
 def _listed(names: Iterable[str]) -> str:
