@@ -189,23 +189,17 @@ fn the_users_own_file_of_plug_ins_serves_the_node_reader() {
     folder.voltet_where(home, &["check", "own.toml", "--set", "grid.path=box.vtk"]).ok();
 }
 
-/// The reader in Fortran gives what that in C gives, also where nothing asks for the grid anew, and its faults are messages.
-#[test]
-fn a_reader_in_fortran_reads_what_one_in_c_does() {
+/// Asserts that a reader gives what that in C gives, and that damaged files are messages: pairs of what is replaced in a file, by
+/// what, and the message.
+fn reads_what_the_reader_in_c_does(name: &str, plugin: &str, sources: &[&str], damages: &[[&str; 3]]) {
     let Some(folder) = folder() else { return };
-    let sources = [
-        "include/voltet_plugin.f90",
-        "include/voltet_reader.f90",
-        "examples/plugin_fortran/reader.f90",
-        "include/voltet_plugin_fortran.c",
-    ]
-    .map(compilers::source);
-    if compilers::library(folder.path(), "fortran.so", &sources, &[]).is_none() {
+    let sources: Vec<_> = sources.iter().map(|source| compilers::source(source)).collect();
+    if compilers::library(folder.path(), "own.so", &sources, &[]).is_none() {
         return;
     }
     let scene = std::fs::read_to_string(folder.join("scene.toml")).unwrap();
-    folder.write("fortran.toml", scene.replace("simple-cells", "fortran-cells"));
-    let with = ["run", "fortran.toml", "--plugin", "fortran.so", "--plugin", "filters.so", "--set"];
+    folder.write("own.toml", scene.replace("simple-cells", name));
+    let with = ["run", "own.toml", "--plugin", "own.so", "--plugin", "filters.so", "--set"];
     for option in ["grid.scale=1.5", "grid.time=0", "grid.scalar=material"] {
         let wanted = picture(&folder, &[option]);
         for own_process in [&[][..], &["--plugin-process"]] {
@@ -213,24 +207,48 @@ fn a_reader_in_fortran_reads_what_one_in_c_does() {
             assert!(folder.floats("nodes.exr").1 == wanted, "{option} {own_process:?}");
         }
     }
-    let info = |file: &str| folder.voltet(&["info", file, "--plugin", "fortran.so"]);
+    let info = |file: &str| folder.voltet(&["info", file, "--plugin", "own.so"]);
     let shown = info("box.cells").ok().stdout;
-    assert!(
-        shown.contains("2 time steps, times 0 to 0.5") && shown.contains("material  Float64  [0, 1]"),
-        "{shown}"
-    );
-    let text = std::fs::read_to_string(folder.join("box.cells")).unwrap();
-    for (damaged, wanted) in [
-        (text[..text.len() / 2].to_string(), "End of file"),
-        (text.replacen("12 8 ", "12 9 ", 1), "says: found"),
-        (text.replacen("points 125", "points many", 1), "Bad integer"),
-        (text.replacen("steps 2", "steps -2", 1), "there are no or more than 1024 steps"),
-        (text.replacen("cells 64 512", "cells 64 500", 1), "the cells have more points than the header says"),
-    ] {
-        folder.write("damaged.cells", damaged);
-        info("damaged.cells")
-            .fails(1, &[wanted, "'fortran-cells'", "simple cells in Fortran", "damaged.cells"]);
+    for text in ["2 time steps, times 0 to 0.5", "material  Float64  [0, 1]"] {
+        assert!(shown.contains(text), "{shown}");
     }
+    let text = std::fs::read_to_string(folder.join("box.cells")).unwrap();
+    for [from, to, wanted] in damages {
+        assert!(text.contains(from));
+        folder.write("damaged.cells", text.replacen(from, to, 1));
+        info("damaged.cells").fails(1, &[wanted, "says: found", name, plugin, "damaged.cells"]);
+    }
+    folder.write("damaged.cells", &text[..text.len() / 2]);
+    info("damaged.cells").fails(1, &["says: found", name, "damaged.cells"]);
+}
+
+#[test]
+fn a_reader_in_fortran_reads_what_one_in_c_does() {
+    let sources = [
+        "include/voltet_plugin.f90",
+        "include/voltet_reader.f90",
+        "examples/plugin_fortran/reader.f90",
+        "include/voltet_plugin_fortran.c",
+    ];
+    let damages = [
+        ["points 125", "points many", "Bad integer"],
+        ["steps 2", "steps -2", "there are no or more than 1024 steps"],
+        ["cells 64 512", "cells 64 500", "the cells have more points than the header says"],
+        ["12 8 ", "12 9 ", ""],
+    ];
+    reads_what_the_reader_in_c_does("fortran-cells", "simple cells in Fortran", &sources, &damages);
+}
+
+#[test]
+fn a_reader_in_cpp_reads_what_one_in_c_does() {
+    let damages = [
+        ["points 125", "points many", "the header is not 'cells 1', points, cells, steps, arrays"],
+        ["arrays 3", "arrays 4097", "there are more than 4096 arrays"],
+        ["cells 64 512", "cells 64 500", "the cells have more points than the header says"],
+        ["12 8 ", "12 x ", "a cell is missing"],
+    ];
+    let sources = ["examples/plugin_cpp/reader.cpp"];
+    reads_what_the_reader_in_c_does("cpp-cells", "simple cells in C++", &sources, &damages);
 }
 
 fn without_filters(scene: &str) -> String {
