@@ -131,7 +131,7 @@ fn mapped(
     let paint = Paint::Mapped { values, range: range(own)?, curve, bad: None };
     let surface = Surface { points, triangles, paint, opacity: 1.0, light: None, normals: Vec::new() };
     surface.check()?;
-    let color = |triangle, weights| surface.color(triangle, weights, DVec3::ZERO);
+    let color = |triangle, weights| surface.color(triangle, weights, 0.0);
     call.stage("draw", |progress| flat_picture(camera, &surface.points, &surface.triangles, color, progress))
 }
 

@@ -159,21 +159,39 @@ fn within(o: DVec3, d: DVec3, radius: f64) -> [f64; 2] {
     if half > 0.0 { [middle - half.sqrt(), middle + half.sqrt()] } else { EMPTY_RANGE }
 }
 
-/// The parts of a ray that every clip keeps, from t = `near` on: ranges of t, rising.
-pub fn kept(clips: &[Clip], origin: DVec3, direction: DVec3, near: f64) -> Vec<[f64; 2]> {
-    let mut kept = vec![[near, f64::INFINITY]];
-    for clip in clips {
-        let inside = clip.shape.inside(origin, direction);
-        let parts = match (clip.invert, inside) {
-            (false, Some(range)) => vec![range],
-            (false, None) => vec![],
-            (true, Some([from, to])) => vec![[f64::NEG_INFINITY, from], [to, f64::INFINITY]],
-            (true, None) => continue,
-        };
-        kept = kept.iter().flat_map(|&range| parts.iter().map(move |&part| both(range, part))).collect();
-        kept.retain(|[from, to]| from < to);
+/// Memory for the parts of one ray after another.
+#[derive(Debug, Default)]
+pub struct KeptRanges {
+    kept: Vec<[f64; 2]>,
+    before: Vec<[f64; 2]>,
+}
+
+impl KeptRanges {
+    /// The parts of a ray that every clip keeps, from t = `near` on: ranges of t, rising.
+    pub fn find(&mut self, clips: &[Clip], origin: DVec3, direction: DVec3, near: f64) -> &[[f64; 2]] {
+        let KeptRanges { kept, before } = self;
+        kept.clear();
+        kept.push([near, f64::INFINITY]);
+        for clip in clips {
+            let inside = clip.shape.inside(origin, direction);
+            let parts = match (clip.invert, inside) {
+                (false, range) => [range, None],
+                (true, Some([from, to])) => [Some([f64::NEG_INFINITY, from]), Some([to, f64::INFINITY])],
+                (true, None) => continue,
+            };
+            std::mem::swap(kept, before);
+            kept.clear();
+            for range in &*before {
+                for part in parts.into_iter().flatten() {
+                    let [from, to] = both(*range, part);
+                    if from < to {
+                        kept.push([from, to]);
+                    }
+                }
+            }
+        }
+        kept
     }
-    kept
 }
 
 #[cfg(test)]
@@ -205,7 +223,8 @@ mod tests {
                 .filter(|k| number >> k & 1 == 1)
                 .map(|k| Clip { shape: shapes[k], invert: number >> (k + 4) & 1 == 1 })
                 .collect();
-            let kept = kept(&clips, origin, direction, 0.0);
+            let mut ranges = KeptRanges::default();
+            let kept = ranges.find(&clips, origin, direction, 0.0);
             for step in 0..300 {
                 let t = 0.01 * f64::from(step) + 0.003;
                 let p = origin + t * direction;

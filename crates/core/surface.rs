@@ -4,6 +4,7 @@ use crate::arithmetic::unit_vector;
 use crate::colormap::ColorCurve;
 use crate::{Error, Result};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Triangles, drawn from both sides.
 #[derive(Debug, Clone, PartialEq)]
@@ -88,7 +89,7 @@ impl Surface {
                 .got(format!("{:?}", colors[point]))
                 .expected("red, green and blue of at least 0, and an opacity from 0 to 1"));
         }
-        for (number, corners) in self.triangles.iter().enumerate() {
+        let check = |(number, corners): (usize, &[u32; 3])| {
             let is_placed = |&p: &u32| self.points.get(p as usize).is_some_and(|at| at.is_finite());
             if let Some(&point) = corners.iter().find(|point| !is_placed(point)) {
                 return Err(Error::run("a surface has a point that does not exist or is not finite")
@@ -100,47 +101,56 @@ impl Surface {
                 let error = error.got(format!("{} at point {point}", values[*point as usize]));
                 return Err(error.expected("a colour 'bad' for places without a value"));
             }
-        }
-        Ok(())
+            Ok(())
+        };
+        let all = self.triangles.par_iter().enumerate().with_min_len(1 << 14);
+        all.find_map_first(|triangle| check(triangle).err()).map_or(Ok(()), Err)
     }
 
-    /// Premultiplied linear colour and opacity where a ray of this unit direction crosses a triangle at these weights of its corners.
-    pub fn color(&self, triangle: usize, weights: [f64; 3], direction: DVec3) -> [f64; 4] {
-        let corners = self.triangles[triangle].map(|p| p as usize);
+    /// Premultiplied linear colour and opacity where a ray crosses a triangle at these weights of its corners. `facing`: |n · v|, where
+    /// there is light.
+    pub fn color(&self, triangle: usize, weights: [f64; 3], facing: f64) -> [f64; 4] {
+        let [a, b, c] = self.triangles[triangle].map(|p| p as usize);
+        let [u, v, w] = weights;
         let mut opacity = self.opacity;
-        let color = match &self.paint {
+        let [red, green, blue] = match &self.paint {
             Paint::Uniform(color) => *color,
             Paint::Points(colors) => {
-                let component =
-                    |k: usize| weights.iter().zip(corners).map(|(w, p)| w * colors[p][k]).sum::<f64>();
+                let component = |k: usize| u * colors[a][k] + v * colors[b][k] + w * colors[c][k];
                 opacity *= component(3);
-                [0, 1, 2].map(component)
+                [component(0), component(1), component(2)]
             }
             Paint::Mapped { values, bad: Some(bad), .. }
-                if corners.iter().any(|&p| !values[p].is_finite()) =>
+                if [a, b, c].iter().any(|&p| !values[p].is_finite()) =>
             {
                 *bad
             }
             Paint::Mapped { values, range: [low, high], curve, .. } => {
                 // From one corner, so that equal values stay what they are.
-                let base = values[corners[0]];
-                let above = weights.iter().zip(corners).map(|(w, p)| w * (values[p] - base)).sum::<f64>();
+                let base = values[a];
+                let above = v * (values[b] - base) + w * (values[c] - base);
                 let level = if high > low { (base + above - low) / (high - low) } else { 0.5 };
                 curve.at(level.clamp(0.0, 1.0))
             }
         };
-        let lit = self.light.map_or(1.0, |EyeLight { ambient, diffuse }| {
-            let normal = match self.normals.is_empty() {
-                true => {
-                    let [a, b, c] = corners.map(|p| self.points[p]);
-                    (b - a).cross(c - a)
-                }
-                false => weights.iter().zip(corners).map(|(w, p)| *w * unit_vector(self.normals[p])).sum(),
-            };
-            ambient + diffuse * unit_vector(normal).dot(direction).abs()
-        });
-        let [r, g, b] = color.map(|c| c * lit * opacity);
-        [r, g, b, opacity]
+        let lit = self.light.map_or(1.0, |EyeLight { ambient, diffuse }| ambient + diffuse * facing);
+        let share = lit * opacity;
+        [red * share, green * share, blue * share, opacity]
+    }
+
+    /// Unit normal at these weights of a triangle's corners: that of its points, where they have one.
+    pub fn normal(&self, triangle: usize, [u, v, w]: [f64; 3]) -> DVec3 {
+        if self.normals.is_empty() {
+            return self.flat_normal(triangle);
+        }
+        let [a, b, c] = self.triangles[triangle].map(|p| unit_vector(self.normals[p as usize]));
+        unit_vector(u * a + v * b + w * c)
+    }
+
+    /// Unit normal of a triangle by its corners.
+    pub fn flat_normal(&self, triangle: usize) -> DVec3 {
+        let [a, b, c] = self.triangles[triangle].map(|p| self.points[p as usize]);
+        unit_vector((b - a).cross(c - a))
     }
 }
 
@@ -159,8 +169,8 @@ mod tests {
     fn colours_of_points_are_linear_between_them() {
         let one = surface(vec![[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 0.5], [0.0, 0.0, 2.0, 0.0]]);
         one.check().unwrap();
-        assert_eq!(one.color(0, [0.0, 1.0, 0.0], DVec3::Z), [0.0, 0.25, 0.0, 0.25]);
-        assert_eq!(one.color(0, [0.25, 0.25, 0.5], DVec3::Z), [0.25 * 0.1875, 0.25 * 0.1875, 0.1875, 0.1875]);
+        assert_eq!(one.color(0, [0.0, 1.0, 0.0], 1.0), [0.0, 0.25, 0.0, 0.25]);
+        assert_eq!(one.color(0, [0.25, 0.25, 0.5], 1.0), [0.25 * 0.1875, 0.25 * 0.1875, 0.1875, 0.1875]);
     }
 
     #[test]
@@ -196,8 +206,8 @@ mod tests {
         let surface = surface(Some([1.0, 0.0, 1.0]));
         surface.check().unwrap();
         // Also where the corner without a value counts for nothing.
-        assert_eq!(surface.color(1, [0.5, 0.5, 0.0], DVec3::Z), [0.5, 0.0, 0.5, 0.5]);
+        assert_eq!(surface.color(1, [0.5, 0.5, 0.0], 1.0), [0.5, 0.0, 0.5, 0.5]);
         let [r, g, b] = Colormap::Viridis.curve().at(0.5).map(|c| 0.5 * c);
-        assert_eq!(surface.color(0, [0.5, 0.25, 0.25], DVec3::Z), [r, g, b, 0.5]);
+        assert_eq!(surface.color(0, [0.5, 0.25, 0.25], 1.0), [r, g, b, 0.5]);
     }
 }

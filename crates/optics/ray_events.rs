@@ -4,8 +4,9 @@
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
+use voltet_core::arithmetic::unit_vector;
 use voltet_core::camera::{Camera, Frame, Projection};
-use voltet_core::clip::{Clip, kept};
+use voltet_core::clip::{Clip, KeptRanges};
 use voltet_core::progress::Progress;
 use voltet_core::surface::Surface;
 use voltet_core::{Error, Result};
@@ -33,22 +34,36 @@ pub enum RayEventKind {
 /// The events of every pixel's ray, by depth; of one sample a pixel.
 #[derive(Debug)]
 pub struct RayEvents {
-    size: [usize; 2],
-    /// First event of each pixel, row by row, and the end of the last one's.
-    first: Vec<u32>,
-    events: Vec<RayEvent>,
+    width: usize,
+    bands: Vec<Band>,
 }
 
-/// Rows of pixels that a thread takes at a time.
-const BAND: usize = 16;
+/// Rows of pixels whose events lie together; a thread finds those of one band at a time.
+pub const BAND: usize = 16;
 
 /// Surfaces and clips as a camera sees them, for the events of each of its samples.
 pub struct RayEventSource<'a> {
     frame: Frame,
     camera: &'a Camera,
     clips: &'a [Clip],
-    /// With their points from the eye: right, up, forward.
-    surfaces: Vec<(&'a Surface, Vec<DVec3>)>,
+    surfaces: Vec<SeenSurface<'a>>,
+}
+
+/// A surface as a camera sees it, wherever its samples are.
+struct SeenSurface<'a> {
+    surface: &'a Surface,
+    /// Points from the eye: right, up, forward.
+    points: Vec<DVec3>,
+    /// Unit normals of the points, where light reads them.
+    normals: Vec<DVec3>,
+}
+
+/// The events of a band of rows.
+#[derive(Debug)]
+struct Band {
+    /// First of each pixel's, row by row, and the end of the last one's.
+    first: Vec<u32>,
+    events: Vec<RayEvent>,
 }
 
 impl<'a> RayEventSource<'a> {
@@ -72,8 +87,14 @@ impl<'a> RayEventSource<'a> {
             let q = *p - camera.eye;
             DVec3::new(q.dot(right), q.dot(up), q.dot(forward))
         };
-        let surfaces =
-            surfaces.iter().map(|surface| (&**surface, surface.points.par_iter().map(seen).collect()));
+        let surfaces = surfaces.iter().map(|surface| SeenSurface {
+            surface,
+            points: surface.points.par_iter().map(seen).collect(),
+            normals: match surface.light {
+                Some(_) => surface.normals.par_iter().map(|&normal| unit_vector(normal)).collect(),
+                None => Vec::new(),
+            },
+        });
         Ok(Some(RayEventSource { frame, camera, clips, surfaces: surfaces.collect() }))
     }
 
@@ -85,84 +106,106 @@ impl<'a> RayEventSource<'a> {
         let RayEventSource { frame, camera, clips, surfaces } = self;
         let rays = Rays { frame: *frame, camera, offset };
         let seen: Vec<ScreenSurface<'_>> =
-            surfaces.iter().map(|(surface, points)| ScreenSurface::new(surface, points, &rays)).collect();
+            surfaces.iter().map(|surface| ScreenSurface::new(surface, &rays)).collect();
         let [width, height] = camera.size.map(|n| n as usize);
+        let is_lit = surfaces.iter().any(|seen| seen.surface.light.is_some());
         let band = |number: usize| {
             let rows = number * BAND..((number + 1) * BAND).min(height);
+            let pixel_count = rows.len() * width;
             let mut found: Vec<(u32, RayEvent)> = Vec::new();
             if !clips.is_empty() {
-                for j in rows.clone() {
+                let mut scratch = KeptRanges::default();
+                for (pixel, j) in (0..).step_by(width).zip(rows.clone()) {
                     for i in 0..width {
-                        let pixel = ((j - rows.start) * width + i) as u32;
-                        found.extend(rays.clipped(clips, [i, j]).into_iter().map(|event| (pixel, event)));
+                        rays.clip(clips, [i, j], &mut scratch, |event| found.push((pixel + i as u32, event)));
                     }
                 }
             }
+            let direction = |pixel: usize| {
+                let [_, direction] = rays.ray(rays.across([pixel % width, rows.start + pixel / width]));
+                direction.normalize()
+            };
+            let directions: Vec<DVec3> =
+                if is_lit { (0..pixel_count).map(direction).collect() } else { Vec::new() };
             for surface in &seen {
                 progress.check_cancelled()?;
-                surface.cross(&rays, number, &mut found);
+                surface.cross(&rays, number, &directions, &mut found);
             }
-            found.sort_by(|(pixel, a), (other, b)| pixel.cmp(other).then(a.depth.total_cmp(&b.depth)));
-            Ok(found)
+            Ok(Band::new(&found, pixel_count))
         };
-        let bands: Vec<Vec<(u32, RayEvent)>> =
-            (0..height.div_ceil(BAND)).into_par_iter().map(band).collect::<Result<_>>()?;
-        let count = bands.iter().map(Vec::len).sum::<usize>();
+        let bands: Vec<Band> = (0..height.div_ceil(BAND)).into_par_iter().map(band).collect::<Result<_>>()?;
+        let count = bands.iter().map(|band| band.events.len()).sum::<usize>();
         if u32::try_from(count).is_err() {
             return Err(Error::run("rays meet too many surfaces")
                 .got(count)
                 .expected("at most 4,294,967,295"));
         }
-        let mut first = Vec::with_capacity(width * height + 1);
-        let mut events = Vec::with_capacity(count);
-        for (number, found) in bands.iter().enumerate() {
-            let pixels = (BAND.min(height - number * BAND) * width) as u32;
-            let mut next = found.iter().peekable();
-            for pixel in 0..pixels {
-                first.push(events.len() as u32);
-                while let Some((_, event)) = next.next_if(|(of, _)| *of == pixel) {
-                    events.push(*event);
-                }
-            }
+        Ok(RayEvents { width, bands })
+    }
+}
+
+impl Band {
+    /// Puts events, each with its pixel, in order: by pixel, then by depth, then as they were found.
+    fn new(found: &[(u32, RayEvent)], pixel_count: usize) -> Band {
+        let mut first = vec![0; pixel_count + 1];
+        for (pixel, _) in found {
+            first[*pixel as usize + 1] += 1;
         }
-        first.push(events.len() as u32);
-        Ok(RayEvents { size: [width, height], first, events })
+        for pixel in 0..pixel_count {
+            first[pixel + 1] += first[pixel];
+        }
+        let mut next = first.clone();
+        let mut events = vec![RayEvent { depth: 0.0, kind: RayEventKind::Show }; found.len()];
+        for (pixel, event) in found {
+            let at = &mut next[*pixel as usize];
+            events[*at as usize] = *event;
+            *at += 1;
+        }
+        for ends in first.windows(2).filter(|ends| ends[1] - ends[0] > 1) {
+            events[ends[0] as usize..ends[1] as usize].sort_by(|a, b| a.depth.total_cmp(&b.depth));
+        }
+        Band { first, events }
     }
 }
 
 impl RayEvents {
-    /// Range of a pixel's events among [`RayEvents::all`].
+    /// All events of the band of rows that holds row `j`.
+    pub fn of_band(&self, j: usize) -> &[RayEvent] {
+        &self.bands[j / BAND].events
+    }
+
+    /// Range of a pixel's events among [`RayEvents::of_band`].
     pub fn range_of(&self, i: usize, j: usize) -> [u32; 2] {
-        let pixel = j * self.size[0] + i;
-        [self.first[pixel], self.first[pixel + 1]]
+        let pixel = j % BAND * self.width + i;
+        let first = &self.bands[j / BAND].first;
+        [first[pixel], first[pixel + 1]]
     }
 
     /// The events of a pixel's ray.
     pub fn of_pixel(&self, i: usize, j: usize) -> &[RayEvent] {
         let [first, end] = self.range_of(i, j).map(|at| at as usize);
-        &self.events[first..end]
+        &self.of_band(j)[first..end]
     }
 
-    /// First of each pixel's events among [`RayEvents::all`], row by row, and the end of the last one's.
-    pub fn first(&self) -> &[u32] {
-        &self.first
-    }
-
-    /// All events, pixel by pixel.
-    pub fn all(&self) -> &[RayEvent] {
-        &self.events
+    /// The events of each pixel's ray, row by row.
+    pub fn by_pixel(&self) -> impl Iterator<Item = &[RayEvent]> {
+        self.bands.iter().flat_map(|band| {
+            band.first.windows(2).map(move |ends| &band.events[ends[0] as usize..ends[1] as usize])
+        })
     }
 
     /// Takes away what lies behind the end of each pixel's ray. `limits`: depths along the view direction, row by row.
     pub fn end_at(&mut self, limits: &[f32]) {
-        let (mut events, mut first) = (Vec::with_capacity(self.events.len()), Vec::new());
-        for (ends, limit) in self.first.windows(2).zip(limits) {
+        for (Band { first, events }, limits) in self.bands.iter_mut().zip(limits.chunks(BAND * self.width)) {
+            let all = std::mem::take(events);
+            let ends = std::mem::take(first);
+            for (ends, limit) in ends.windows(2).zip(limits) {
+                first.push(events.len() as u32);
+                let own = &all[ends[0] as usize..ends[1] as usize];
+                events.extend(own.iter().filter(|event| event.depth < f64::from(*limit)));
+            }
             first.push(events.len() as u32);
-            let own = &self.events[ends[0] as usize..ends[1] as usize];
-            events.extend(own.iter().filter(|event| event.depth < f64::from(*limit)));
         }
-        first.push(events.len() as u32);
-        (self.events, self.first) = (events, first);
     }
 }
 
@@ -189,6 +232,7 @@ impl Rays<'_> {
     }
 
     /// To the right and up of the axis: slopes, or world units.
+    #[inline]
     fn across(&self, [i, j]: [usize; 2]) -> [f64; 2] {
         let [width, height] = self.camera.size.map(f64::from);
         let x = i as f64 + 0.5 + self.offset[0] - 0.5 * width;
@@ -206,39 +250,47 @@ impl Rays<'_> {
         }
     }
 
-    fn clipped(&self, clips: &[Clip], pixel: [usize; 2]) -> Vec<RayEvent> {
+    /// Finds the events of a pixel's clips.
+    fn clip(
+        &self,
+        clips: &[Clip],
+        pixel: [usize; 2],
+        scratch: &mut KeptRanges,
+        mut put: impl FnMut(RayEvent),
+    ) {
         let [origin, direction] = self.ray(self.across(pixel));
-        let hide = |depth: f64| RayEvent { depth, kind: RayEventKind::Hide };
         let near = self.camera.near;
-        let kept = kept(clips, origin, direction, near);
-        let is_shown_first = kept.first().is_some_and(|[from, _]| *from <= near);
-        let mut events = Vec::with_capacity(2 * kept.len() + 1);
-        if !is_shown_first {
-            events.push(hide(near));
-        }
-        for (k, [from, to]) in kept.into_iter().enumerate() {
-            if k > 0 || !is_shown_first {
-                events.push(RayEvent { depth: from, kind: RayEventKind::Show });
+        let mut event = |depth: f64, kind: RayEventKind| put(RayEvent { depth, kind });
+        let mut is_shown = true;
+        for &[from, to] in scratch.find(clips, origin, direction, near) {
+            if from > near {
+                if is_shown {
+                    event(near, RayEventKind::Hide);
+                }
+                event(from, RayEventKind::Show);
             }
-            if to < f64::INFINITY {
-                events.push(hide(to));
+            if to == f64::INFINITY {
+                return;
             }
+            event(to, RayEventKind::Hide);
+            is_shown = false;
         }
-        events
+        if is_shown {
+            event(near, RayEventKind::Hide);
+        }
     }
 }
 
-/// A surface as a view sees it.
+/// A surface as the rays of a view meet it.
 struct ScreenSurface<'a> {
-    surface: &'a Surface,
-    /// Points from the eye: right, up, forward.
-    points: &'a [DVec3],
+    seen: &'a SeenSurface<'a>,
     /// Triangles that may be met in each band, with the pixels that they may cover: columns and rows from … to before.
     bands: Vec<Vec<(u32, [u16; 4])>>,
 }
 
 impl<'a> ScreenSurface<'a> {
-    fn new(surface: &'a Surface, points: &'a [DVec3], rays: &Rays<'_>) -> ScreenSurface<'a> {
+    fn new(seen: &'a SeenSurface<'a>, rays: &Rays<'_>) -> ScreenSurface<'a> {
+        let SeenSurface { surface, points, .. } = seen;
         let bounds: Vec<_> = surface
             .triangles
             .par_iter()
@@ -251,35 +303,49 @@ impl<'a> ScreenSurface<'a> {
                 band.push((number as u32, covered));
             }
         }
-        ScreenSurface { surface, points, bands }
+        ScreenSurface { seen, bands }
     }
 
-    /// Finds the surface's events in a band, as pixels from its first one on.
-    fn cross(&self, rays: &Rays<'_>, band: usize, found: &mut Vec<(u32, RayEvent)>) {
+    /// Finds the surface's events in a band, each with its pixel from the band's first one on. `directions`: unit vectors of the band's
+    /// rays, where there is light.
+    fn cross(&self, rays: &Rays<'_>, band: usize, directions: &[DVec3], found: &mut Vec<(u32, RayEvent)>) {
         let (width, top) = (rays.camera.size[0] as usize, band * BAND);
+        let SeenSurface { surface, points, normals } = self.seen;
         for &(number, [left, right, from, to]) in &self.bands[band] {
-            let corners = self.surface.triangles[number as usize].map(|p| self.points[p as usize]);
-            let edges = [[1, 2], [2, 0], [0, 1]].map(|[a, b]| rays.edge(corners[a], corners[b]));
+            let numbers = surface.triangles[number as usize].map(|p| p as usize);
+            let [a, b, c] = numbers.map(|p| points[p]);
+            let edges = [rays.edge(b, c), rays.edge(c, a), rays.edge(a, b)];
+            let flat =
+                (surface.light.is_some() && normals.is_empty()).then(|| surface.flat_normal(number as usize));
             for j in (from as usize).max(top)..(to as usize).min(top + BAND) {
                 for i in left as usize..right as usize {
-                    let across @ [x, y] = rays.across([i, j]);
-                    let sides = edges.map(|edge| edge.x * x + edge.y * y + edge.z);
-                    let is_right = |k: usize| is_positive(sides[k], edges[k]);
-                    let first = is_right(0);
-                    if first != is_right(1) || first != is_right(2) {
+                    let [x, y] = rays.across([i, j]);
+                    let side = |edge: DVec3| edge.x * x + edge.y * y + edge.z;
+                    let [u, v, w] = [side(edges[0]), side(edges[1]), side(edges[2])];
+                    let first = is_positive(u, edges[0]);
+                    if first != is_positive(v, edges[1]) || first != is_positive(w, edges[2]) {
                         continue;
                     }
-                    let sum: f64 = sides.iter().sum();
-                    let weights = sides.map(|side| side / sum);
-                    let depth: f64 =
-                        weights.iter().zip(corners).map(|(weight, corner)| weight * corner.z).sum();
+                    let sum = u + v + w;
+                    let weights @ [u, v, w] = [u / sum, v / sum, w / sum];
+                    let depth = u * a.z + v * b.z + w * c.z;
                     if !(depth >= rays.camera.near && depth > 0.0) {
                         continue;
                     }
-                    let [_, direction] = rays.ray(across);
-                    let rgba = self.surface.color(number as usize, weights, direction.normalize());
-                    let kind = RayEventKind::Surface(rgba.map(|value| value as f32));
-                    found.push((((j - top) * width + i) as u32, RayEvent { depth, kind }));
+                    let pixel = (j - top) * width + i;
+                    let facing = match surface.light {
+                        None => 1.0,
+                        Some(_) => {
+                            let normal = flat.unwrap_or_else(|| {
+                                let [a, b, c] = numbers;
+                                unit_vector(u * normals[a] + v * normals[b] + w * normals[c])
+                            });
+                            normal.dot(directions[pixel]).abs()
+                        }
+                    };
+                    let [red, green, blue, opacity] = surface.color(number as usize, weights, facing);
+                    let rgba = [red as f32, green as f32, blue as f32, opacity as f32];
+                    found.push((pixel as u32, RayEvent { depth, kind: RayEventKind::Surface(rgba) }));
                 }
             }
         }
@@ -326,7 +392,11 @@ impl Rays<'_> {
 }
 
 /// True if a product is positive; where it is zero, as if the ray were moved by (ε, ε²).
+#[inline]
 fn is_positive(side: f64, edge: DVec3) -> bool {
-    let first = [side, edge.x, edge.y].into_iter().find(|x| *x != 0.0);
-    first.is_some_and(|x| x > 0.0)
+    match side {
+        0.0 if edge.x != 0.0 => edge.x > 0.0,
+        0.0 => edge.y > 0.0,
+        _ => side > 0.0,
+    }
 }

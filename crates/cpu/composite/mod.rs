@@ -6,6 +6,7 @@ pub(crate) mod fragment_lists;
 #[cfg(test)]
 mod fragment_lists_tests;
 pub(crate) mod frame;
+mod illumination;
 pub(crate) mod lane_axes;
 pub(crate) mod projected_cells;
 pub(crate) mod row_shader;

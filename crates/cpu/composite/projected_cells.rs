@@ -6,7 +6,8 @@ use crate::composite::accumulators::Sink;
 
 use crate::composite::fragment_lists::{FragmentLists, Overflow};
 use crate::composite::frame::FrameContext;
-use crate::composite::row_shader::{Illuminate, PartShader, RowShader, Scratch};
+use crate::composite::illumination::Illuminate;
+use crate::composite::row_shader::{RowShader, Scratch};
 use crate::composite::segment_parts::copy_part;
 use crate::fragments::batch::{BATCH, Batch, MAX_LANES, clip_to_depth};
 use crate::fragments::crossing::CellPacket;
@@ -74,7 +75,8 @@ pub(crate) fn walk<S: Sink>(
     sink: &mut S,
 ) {
     let Scratch { fragments, edges, packet, length_per_depth, row_shader, counts, .. } = scratch;
-    let RowShader { batch, shaded, rays, depth_limits, parts: own, .. } = row_shader;
+    let RowShader { batch, shaded, rays, depth_limits, cutter, .. } = row_shader;
+    let mut parts = cutter.is_some().then(|| Batch::new(frame.attribute_count(), frame.scalar_count));
     let mut shade = |sink: &mut S, batch: &Batch, count: usize| {
         integrate(frame.shader, frame.lanes, batch, count, shaded);
         if frame.shader.surface.is_some() {
@@ -86,21 +88,22 @@ pub(crate) fn walk<S: Sink>(
         if frame.depth_limit.is_some() {
             clip_to_depth(batch, count, frame.attribute_count(), depth_limits);
         }
-        let Some(own) = own.as_deref_mut() else { return shade(sink, batch, count) };
-        let mut filled = 0;
-        for k in (0..count).filter(|&k| batch.length[k] > 0.0) {
-            let within = batch.pixel[k] as usize % PIXELS;
-            let pixel = [rect.left + within % TILE, rect.top + within / TILE];
-            let PartShader { cutter, batch: parts, .. } = &mut *own;
-            cutter.cut_alone(frame, pixel, batch, k, |part| {
-                copy_part(&part, batch, frame, filled, parts);
-                filled += 1;
-                if filled == BATCH {
-                    shade(sink, parts, std::mem::take(&mut filled));
-                }
-            });
+        if let Some((cutter, parts)) = cutter.as_deref_mut().zip(parts.as_mut()) {
+            let mut filled = 0;
+            for k in 0..count {
+                let within = batch.pixel[k] as usize % PIXELS;
+                let pixel = [rect.left + within % TILE, rect.top + within / TILE];
+                cutter.cut_alone(frame, pixel, batch, k, |part, batch| {
+                    copy_part(&part, batch, frame, filled, parts);
+                    filled += 1;
+                    if filled == BATCH {
+                        shade(sink, parts, std::mem::take(&mut filled));
+                    }
+                });
+            }
+            shade(sink, parts, filled);
         }
-        shade(sink, &own.batch, filled);
+        shade(sink, batch, count);
     };
 
     let width = frame.lanes.width();

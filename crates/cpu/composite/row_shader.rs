@@ -6,6 +6,7 @@ use crate::composite::accumulators::{TileAccumulator, TilePixels};
 use crate::composite::deferred_shading::{DeferredFragments, DeferredShading};
 use crate::composite::fragment_lists::{Arrange, Fill, FragmentLists};
 use crate::composite::frame::FrameContext;
+use crate::composite::illumination::Illuminate;
 use crate::composite::segment_parts::SegmentCutter;
 use crate::counts::Counts;
 use crate::fragments::batch::{BATCH, Batch, DepthLimits, MAX_LANES, clip_to_depth};
@@ -16,8 +17,7 @@ use crate::shade::shaded_batch::ShadedBatch;
 use crate::shade::shader::{finish, integrate_first};
 use crate::tile::{PIXELS, TILE, TilePicture, TileRect};
 use std::ops::Range;
-use voltet_simd::optics::elementary::one_minus_exp;
-use voltet_simd::{Float, Kernel, LaneSet, Lanes, dispatch};
+use voltet_simd::{LaneSet, dispatch};
 
 /// Slices of a row of sorted lists.
 pub(crate) struct ListedSlices<'a> {
@@ -60,17 +60,8 @@ pub(crate) struct RowShader {
     /// Directions of the tile's rays, where light reads them.
     pub rays: Rays,
     pub depth_limits: DepthLimits,
-    /// Scratch memory for parts of segments: among surfaces and clips, and along curved axes.
-    pub parts: Option<Box<PartShader>>,
-}
-
-/// Scratch memory of [`RowShader`] for parts of segments.
-pub(crate) struct PartShader {
-    pub cutter: SegmentCutter,
-    /// Parts of a batch's segments.
-    pub batch: Batch,
-    /// Colours of those that are surfaces.
-    surfaces: Vec<(usize, [f32; 4])>,
+    /// Cutter of segments: at surfaces and clips, and along curved axes.
+    pub cutter: Option<Box<SegmentCutter>>,
 }
 
 impl RowShader {
@@ -82,10 +73,8 @@ impl RowShader {
             deferred: DeferredFragments::default(),
             rays: [[0.0; PIXELS]; 3],
             depth_limits: [f32::INFINITY; PIXELS],
-            parts: (frame.events.is_some() || frame.axes.is_some()).then(|| {
-                let batch = Batch::new(frame.attribute_count(), frame.scalar_count);
-                Box::new(PartShader { cutter: SegmentCutter::new(), batch, surfaces: Vec::new() })
-            }),
+            cutter: (frame.events.is_some() || frame.axes.is_some())
+                .then(|| Box::new(SegmentCutter::new(frame))),
         }
     }
 
@@ -126,30 +115,21 @@ impl RowShader {
         if frame.depth_limit.is_some() {
             clip_to_depth(&mut self.batch, count, frame.attribute_count(), &self.depth_limits);
         }
-        let Some(mut own) = self.parts.take() else {
+        let Some(mut cutter) = self.cutter.take() else {
             return self.blend_slices(frame, row, count, &[], pixels);
         };
-        own.cutter.take_slices(frame, &self.batch, count);
-        std::mem::swap(&mut self.batch, &mut own.batch);
-        for first in (0..).step_by(BATCH / TILE) {
-            let PartShader { cutter, batch: whole, surfaces } = &mut *own;
-            let count = cutter.fill(first, whole, frame, &mut self.batch, surfaces);
-            if count == 0 {
-                break;
-            }
-            self.blend_slices(frame, row, count, surfaces, pixels);
-        }
-        std::mem::swap(&mut self.batch, &mut own.batch);
-        self.parts = Some(own);
+        let cut = cutter.cut_row(frame, &mut self.batch, count, &self.rays);
+        self.blend_slices(frame, row, count, cut, pixels);
+        self.cutter = Some(cutter);
     }
 
-    /// Blends the first `count` segments of the batch; `surfaces`: colours of some that are none.
+    /// Blends the first `count` segments of the batch; `cut`: slots and colours of those that were cut.
     fn blend_slices(
         &mut self,
         frame: &FrameContext<'_>,
         row: usize,
         count: usize,
-        surfaces: &[(usize, [f32; 4])],
+        cut: &[(usize, [f32; 4])],
         pixels: &mut TilePixels,
     ) {
         let RowShader { batch, shaded, deferred_shading, deferred, .. } = self;
@@ -159,6 +139,9 @@ impl RowShader {
             TilePixels::OneColor(_, depths) => {
                 finish(frame.shader, frame.lanes, batch, shaded);
                 self.light(frame, count);
+                for (k, [.., depth]) in cut {
+                    self.shaded.depth[*k] = *depth;
+                }
                 return depths.take_row(frame.lanes, row, &self.shaded, count);
             }
         };
@@ -171,17 +154,17 @@ impl RowShader {
             }
             deferred_shading.mark_deferred(shaded);
             self.light(frame, count);
-            self.put_surfaces(surfaces);
+            self.put_colors(cut);
             let RowShader { batch, shaded, deferred_shading, deferred, .. } = self;
             return deferred_shading.take(frame, (row, batch), shaded, count, deferred);
         }
         self.light(frame, count);
-        self.put_surfaces(surfaces);
+        self.put_colors(cut);
         pixels.take(frame.lanes, row, &self.batch, &self.shaded, count);
     }
 
-    fn put_surfaces(&mut self, surfaces: &[(usize, [f32; 4])]) {
-        for (k, rgba) in surfaces {
+    fn put_colors(&mut self, cut: &[(usize, [f32; 4])]) {
+        for (k, rgba) in cut {
             self.batch.length[*k] = 1.0;
             self.shaded.rgba.iter_mut().zip(rgba).for_each(|(column, value)| column[*k] = *value);
         }
@@ -189,8 +172,8 @@ impl RowShader {
 
     /// Composites the surfaces behind the last segments of a tile's pixels.
     pub fn end_events(&mut self, frame: &FrameContext<'_>, picture: &mut TilePicture) {
-        if let (Some(events), Some(own)) = (frame.events, &mut self.parts) {
-            own.cutter.end(events, picture);
+        if let (Some(events), Some(cutter)) = (frame.events, &mut self.cutter) {
+            cutter.end(events, picture);
         }
     }
 
@@ -275,37 +258,9 @@ impl Scratch {
             rays(frame.view, rect.left, rect.top, of_tile);
         }
         frame.depth_limits_of(rect, depth_limits);
-        if let (Some(events), Some(own)) = (frame.events, &mut self.row_shader.parts) {
-            own.cutter.begin(events, rect);
+        if let Some(cutter) = &mut self.row_shader.cutter {
+            cutter.begin(frame, rect);
         }
         rect
-    }
-}
-
-/// Applies silhouettes and light to shaded segments.
-pub(crate) struct Illuminate<'a> {
-    pub frame: &'a FrameContext<'a>,
-    pub batch: &'a Batch,
-    pub count: usize,
-    pub rays: &'a Rays,
-    pub shaded: &'a mut ShadedBatch,
-}
-
-impl Kernel for Illuminate<'_> {
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Illuminate { frame, batch, count, rays, shaded } = self;
-        let Some(surface) = &frame.shader.surface else { return };
-        for at in (0..count).step_by(L::WIDTH) {
-            let (opacity, color) = surface.factors::<L>(batch, at, rays);
-            if frame.shader.one_color.is_some() {
-                let value = one_minus_exp::<L>(L::F::load(&shaded.depth[at..])) * opacity;
-                value.store(&mut shaded.depth[at..]);
-            } else {
-                for (column, factor) in shaded.rgba.iter_mut().zip([color, color, color, opacity]) {
-                    (L::F::load(&column[at..]) * factor).store(&mut column[at..]);
-                }
-            }
-        }
     }
 }

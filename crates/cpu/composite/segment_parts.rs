@@ -1,28 +1,59 @@
 //! Parts of segments, in place of the whole: between surfaces and clips of their rays ([`voltet_optics::ray_events`]), whose colours take
 //! their places among them; and, where an axis is logarithmic, straight pieces along it ([`voltet_optics::curved_axes`]).
+//!
+//! Segments that nothing cuts, by far the most, stay in their batch. The parts of the others are shaded in a batch of their own, and
+//! composited to one colour that takes the segment's place.
 
 use crate::composite::frame::FrameContext;
+use crate::composite::illumination::Illuminate;
 use crate::composite::lane_axes::LaneAxes;
-use crate::fragments::batch::{BATCH, Batch};
+use crate::fragments::batch::{BATCH, Batch, Column};
+use crate::shade::light::Rays;
+use crate::shade::shaded_batch::ShadedBatch;
+use crate::shade::shader::integrate;
 use crate::tile::{PIXELS, TILE, TilePicture, TileRect};
 use voltet_optics::curved_axes::{AxisCut, StraightPiece};
-use voltet_optics::ray_events::{RayEvent, RayEventKind, RayEvents, composite_behind};
+use voltet_optics::ray_events::{BAND, RayEvent, RayEventKind, RayEvents, composite_behind};
+use voltet_simd::dispatch;
+
+/// The rows of a tile are those of one band of events.
+const _: () = assert!(BAND.is_multiple_of(TILE));
 
 /// Cutter of a tile's segments.
 pub(crate) struct SegmentCutter {
     pixels: [Cursor; PIXELS],
-    /// Parts of each lane of the batch's slices, front to back.
-    lanes: [Vec<Part>; TILE],
+    /// First row of the tile.
+    top: usize,
     scratch: Vec<AxisCut>,
+    /// Parts that are not shaded yet.
+    parts: Batch,
+    count: usize,
+    /// Parts and surfaces, segment by segment, front to back.
+    layers: Vec<CutFragment>,
+    /// Colours of the segments that were cut, in order of their slots: premultiplied, with opacities; where the scene has one colour, the
+    /// last is the optical depth, or the opacity after light.
+    colors: Vec<(usize, [f32; 4])>,
+    /// Results of shading parts.
+    pub shaded: ShadedBatch,
 }
 
 /// Cursor of a pixel among its events.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Cursor {
-    /// The next, and the end, among all of the view.
+    /// The next, and the end, among those of its band of rows.
     next: u32,
     end: u32,
+    /// Depth of the next; infinite at the end.
+    depth: f32,
     hidden: bool,
+}
+
+/// A part of a segment that is cut, or a surface among its parts.
+struct CutFragment {
+    /// Index of the segment in its batch.
+    of: usize,
+    /// A surface's colour, or none for the next part.
+    surface: Option<[f32; 4]>,
 }
 
 /// A part of a segment, or a surface.
@@ -75,22 +106,42 @@ impl Part {
 }
 
 impl Cursor {
-    /// Cuts a segment at its pixel's events, and takes these and those before it. `of`: its index in the batch.
-    fn cut(&mut self, frame: &FrameContext<'_>, (of, whole): (usize, [f32; 2]), mut put: impl FnMut(Part)) {
-        let events = frame.events.map_or(&[][..], RayEvents::all);
+    /// Past the end of all events.
+    const END: Cursor = Cursor { next: 0, end: 0, depth: f32::INFINITY, hidden: false };
+
+    /// At the first event of a pixel.
+    fn new(frame: &FrameContext<'_>, [i, j]: [usize; 2]) -> Cursor {
+        let Some(events) = frame.events else { return Cursor::END };
+        let [next, end] = events.range_of(i, j);
+        let mut cursor = Cursor { next, end, ..Cursor::END };
+        cursor.find_depth(frame, events.of_band(j));
+        cursor
+    }
+
+    fn find_depth(&mut self, frame: &FrameContext<'_>, events: &[RayEvent]) {
+        let next = events[..self.end as usize].get(self.next as usize);
+        self.depth = next.map_or(f32::INFINITY, |event| depth_of(event, frame));
+    }
+
+    /// Cuts a segment at its pixel's events, and takes these and those before it. `row`: one of its band; `of`: its index in the batch.
+    fn cut(
+        &mut self,
+        frame: &FrameContext<'_>,
+        row: usize,
+        (of, whole): (usize, [f32; 2]),
+        mut put: impl FnMut(Part),
+    ) {
+        let events = frame.events.map_or(&[][..], |events| events.of_band(row));
         let [mut entry, exit] = whole;
-        for event in &events[self.next as usize..self.end as usize] {
-            let depth = depth_of(event, frame);
-            if depth >= exit {
-                break;
-            }
+        while self.depth < exit {
+            let depth = self.depth;
             if entry < depth {
                 if !self.hidden {
                     put(Part::between(of, whole, [entry, depth]));
                 }
                 entry = depth;
             }
-            match event.kind {
+            match events[self.next as usize].kind {
                 RayEventKind::Surface(rgba) => {
                     put(Part { surface: Some(rgba), ..Part::between(of, whole, [depth; 2]) });
                 }
@@ -98,6 +149,7 @@ impl Cursor {
                 RayEventKind::Show => self.hidden = false,
             }
             self.next += 1;
+            self.find_depth(frame, events);
         }
         if !self.hidden {
             put(Part::between(of, whole, [entry, exit]));
@@ -106,90 +158,149 @@ impl Cursor {
 }
 
 impl SegmentCutter {
-    pub fn new() -> SegmentCutter {
+    pub fn new(frame: &FrameContext<'_>) -> SegmentCutter {
         SegmentCutter {
-            pixels: [Cursor::default(); PIXELS],
-            lanes: std::array::from_fn(|_| Vec::new()),
+            pixels: [Cursor::END; PIXELS],
+            top: 0,
             scratch: Vec::new(),
+            parts: Batch::new(frame.attribute_count(), frame.scalar_count),
+            count: 0,
+            layers: Vec::new(),
+            colors: Vec::new(),
+            shaded: ShadedBatch::new(),
         }
     }
 
     /// Goes to the beginning of a tile's rays.
-    pub fn begin(&mut self, events: &RayEvents, rect: TileRect) {
-        self.pixels = [Cursor::default(); PIXELS];
+    pub fn begin(&mut self, frame: &FrameContext<'_>, rect: TileRect) {
+        self.pixels = [Cursor::END; PIXELS];
+        self.top = rect.top;
         for j in 0..rect.size[1] {
             for i in 0..rect.size[0] {
-                let [next, end] = events.range_of(rect.left + i, rect.top + j);
-                self.pixels[j * TILE + i] = Cursor { next, end, hidden: false };
+                self.pixels[j * TILE + i] = Cursor::new(frame, [rect.left + i, rect.top + j]);
             }
         }
     }
 
-    /// Takes the first `count` fragments of a batch, slices of a row, for [`SegmentCutter::fill`].
-    pub fn take_slices(&mut self, frame: &FrameContext<'_>, batch: &Batch, count: usize) {
-        let SegmentCutter { pixels, lanes, scratch } = self;
-        for (lane, parts) in lanes.iter_mut().enumerate() {
-            parts.clear();
-            for k in (lane..count).step_by(TILE).filter(|&k| batch.length[k] > 0.0) {
-                let cursor = &mut pixels[batch.pixel[k] as usize % PIXELS];
-                cursor.cut(frame, (k, [batch.entry[k], batch.exit[k]]), |part| {
-                    part.straighten(frame.axes, batch, scratch, &mut |piece| parts.push(piece));
-                });
-            }
-        }
-    }
-
-    /// Fills a batch with the slices of parts from `first` on; returns its fragments, none at the end, and puts the colours of those that
-    /// are surfaces into a list.
-    pub fn fill(
-        &self,
-        first: usize,
-        from: &Batch,
+    /// Takes the segments that are cut, and those that are hidden, out of the first `count` of a batch, slices of a row. Returns the
+    /// slots and colours of the former.
+    pub fn cut_row(
+        &mut self,
         frame: &FrameContext<'_>,
-        to: &mut Batch,
-        surfaces: &mut Vec<(usize, [f32; 4])>,
-    ) -> usize {
-        surfaces.clear();
-        let longest = self.lanes.iter().map(Vec::len).max().unwrap_or(0);
-        let slices = first.min(longest)..(first + BATCH / TILE).min(longest);
-        for (k, slice) in slices.clone().enumerate() {
-            for (lane, parts) in self.lanes.iter().enumerate() {
-                let at = k * TILE + lane;
-                match parts.get(slice) {
-                    Some(part) => {
-                        copy_part(part, from, frame, at, to);
-                        surfaces.extend(part.surface.map(|rgba| (at, rgba)));
-                    }
-                    None => clear(at, frame.attribute_count(), to),
+        batch: &mut Batch,
+        count: usize,
+        rays: &Rays,
+    ) -> &[(usize, [f32; 4])] {
+        self.colors.clear();
+        // A lane's segments are of one pixel, which slots without a segment need not name.
+        let pixels: [usize; TILE] = std::array::from_fn(|lane| {
+            let first = (lane..count).step_by(TILE).find(|&k| batch.length[k] > 0.0);
+            first.map_or(0, |k| batch.pixel[k] as usize % PIXELS)
+        });
+        let mut depth = pixels.map(|pixel| self.pixels[pixel].depth);
+        let mut shown = pixels.map(|pixel| f32::from(!self.pixels[pixel].hidden));
+        for first in (0..count).step_by(TILE) {
+            let row = |column: &Column| -> [f32; TILE] { *column[first..].first_chunk().expect("a slice") };
+            let (length, exit) = (row(&batch.length), row(&batch.exit));
+            let is_curved = frame.axes.is_some();
+            let meets: [bool; TILE] =
+                std::array::from_fn(|lane| (length[lane] > 0.0) & (is_curved | (depth[lane] < exit[lane])));
+            if meets.iter().fold(false, |any, meets| any | meets) {
+                for lane in (0..TILE).filter(|&lane| meets[lane]) {
+                    let pixel = pixels[lane];
+                    self.cut(frame, batch, first + lane, pixel, rays);
+                    depth[lane] = self.pixels[pixel].depth;
+                    shown[lane] = f32::from(!self.pixels[pixel].hidden);
                 }
             }
+            // The slots of those that were cut are empty.
+            batch.length[first..][..TILE].iter_mut().zip(&shown).for_each(|(length, shown)| *length *= shown);
         }
-        slices.len() * TILE
+        self.shade(frame, rays);
+        &self.colors
     }
 
-    /// Cuts segment `k` of a batch whatever was cut before, and hands on the parts that are drawn.
+    /// Cuts segment `k` of a batch, of a pixel, and takes it out.
+    fn cut(&mut self, frame: &FrameContext<'_>, batch: &mut Batch, k: usize, pixel: usize, rays: &Rays) {
+        let mut cursor = self.pixels[pixel];
+        let mut scratch = std::mem::take(&mut self.scratch);
+        cursor.cut(frame, self.top, (k, [batch.entry[k], batch.exit[k]]), |part| {
+            part.straighten(frame.axes, batch, &mut scratch, &mut |piece| {
+                if piece.surface.is_none() {
+                    if self.count == BATCH {
+                        self.shade(frame, rays);
+                    }
+                    copy_part(&piece, batch, frame, self.count, &mut self.parts);
+                    self.count += 1;
+                }
+                self.layers.push(CutFragment { of: k, surface: piece.surface });
+            });
+        });
+        self.scratch = scratch;
+        self.pixels[pixel] = cursor;
+        batch.length[k] = 0.0;
+    }
+
+    /// Shades the parts, and composites the layers of each segment.
+    fn shade(&mut self, frame: &FrameContext<'_>, rays: &Rays) {
+        let SegmentCutter { parts: batch, layers, colors, shaded, .. } = self;
+        let count = std::mem::take(&mut self.count);
+        let adds = frame.shader.one_color.is_some() && frame.shader.surface.is_none();
+        if count > 0 {
+            integrate(frame.shader, frame.lanes, batch, count, shaded);
+            if frame.shader.surface.is_some() {
+                dispatch(frame.lanes, Illuminate { frame, batch, count, rays, shaded });
+            }
+        }
+        let mut next = 0..count;
+        for CutFragment { of, surface } in layers.drain(..) {
+            let rgba = match surface {
+                Some(rgba) => rgba,
+                None => match next.next() {
+                    Some(k) if batch.length[k] > 0.0 => match frame.shader.one_color {
+                        Some(_) => [0.0, 0.0, 0.0, shaded.depth[k]],
+                        None => shaded.rgba.each_ref().map(|column| column[k]),
+                    },
+                    _ => [0.0; 4],
+                },
+            };
+            match colors.last_mut() {
+                Some((slot, front)) if *slot == of => {
+                    let transmittance = if adds { 1.0 } else { 1.0 - front[3] };
+                    front.iter_mut().zip(rgba).for_each(|(front, behind)| *front += transmittance * behind);
+                }
+                _ => colors.push((of, rgba)),
+            }
+        }
+    }
+
+    /// Takes segment `k` of a batch out of it, whatever was cut before, if it is cut or hidden, and hands on the parts that are drawn.
     pub fn cut_alone(
         &mut self,
         frame: &FrameContext<'_>,
         pixel: [usize; 2],
-        from: &Batch,
+        batch: &mut Batch,
         k: usize,
-        mut put: impl FnMut(Part),
+        mut put: impl FnMut(Part, &Batch),
     ) {
-        let [next, end] = frame.events.map_or([0; 2], |events| events.range_of(pixel[0], pixel[1]));
-        let mut alone = Cursor { next, end, hidden: false };
-        alone.cut(frame, (k, [from.entry[k], from.exit[k]]), |part| {
+        let mut alone = Cursor::new(frame, pixel);
+        if frame.axes.is_none() && batch.exit[k] <= alone.depth {
+            return;
+        }
+        alone.cut(frame, pixel[1], (k, [batch.entry[k], batch.exit[k]]), |part| {
             if part.surface.is_none() {
-                part.straighten(frame.axes, from, &mut self.scratch, &mut put);
+                part.straighten(frame.axes, batch, &mut self.scratch, &mut |piece| put(piece, batch));
             }
         });
+        batch.length[k] = 0.0;
     }
 
     /// Composites the surfaces that are left behind a tile's pixels; none is left.
     pub fn end(&mut self, events: &RayEvents, picture: &mut TilePicture) {
+        let events = events.of_band(self.top);
         for (cursor, pixel) in self.pixels.iter_mut().zip(picture) {
-            composite_behind(&events.all()[cursor.next as usize..cursor.end as usize], pixel);
-            cursor.next = cursor.end;
+            composite_behind(&events[cursor.next as usize..cursor.end as usize], pixel);
+            *cursor = Cursor::END;
         }
     }
 }
@@ -211,20 +322,12 @@ fn depth_of(event: &RayEvent, frame: &FrameContext<'_>) -> f32 {
     (event.depth / frame.view.length - frame.input.distance_origin) as f32
 }
 
-fn clear(at: usize, attribute_count: usize, to: &mut Batch) {
-    to.length[at] = 0.0;
-    (to.entry[at], to.exit[at]) = (0.0, 0.0);
-    for a in 0..attribute_count {
-        (to.front[a][at], to.back[a][at]) = (0.0, 0.0);
-    }
-}
-
 /// Puts a part in slot `at` of a batch.
 pub(crate) fn copy_part(part: &Part, from: &Batch, frame: &FrameContext<'_>, at: usize, to: &mut Batch) {
     let Part { of: k, depths: [entry, exit], shares, .. } = *part;
     to.pixel[at] = from.pixel[k];
     (to.entry[at], to.exit[at]) = (entry, exit);
-    to.length[at] = if part.surface.is_some() { 0.0 } else { from.length[k] * (shares[1] - shares[0]) };
+    to.length[at] = from.length[k] * (shares[1] - shares[0]);
     for a in 0..frame.attribute_count() {
         // A piece has the gradient of all of its part.
         let [start, end] = if a < frame.scalar_count { shares } else { part.whole };

@@ -79,11 +79,13 @@ impl Worker<'_> {
         }
         let WorkerState { scratch, lists, mut output } = state;
         frame.buffers.lists.put(lists);
-        let RowShader { shaded, deferred_shading, .. } = &scratch.row_shader;
+        let RowShader { shaded, deferred_shading, cutter, .. } = &scratch.row_shader;
+        let of_parts = cutter.as_ref().map(|cutter| &cutter.shaded);
+        let all = || [shaded, &deferred_shading.shaded].into_iter().chain(of_parts);
         output.counts = Counts {
-            segments_exact: shaded.exact_count + deferred_shading.shaded.exact_count,
-            evaluations: shaded.evaluation_count + deferred_shading.shaded.evaluation_count,
-            segments_overlapping: shaded.overlap_count,
+            segments_exact: all().map(|shaded| shaded.exact_count).sum(),
+            evaluations: all().map(|shaded| shaded.evaluation_count).sum(),
+            segments_overlapping: all().map(|shaded| shaded.overlap_count).sum(),
             ..scratch.counts
         };
         Ok(output)

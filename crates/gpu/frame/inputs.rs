@@ -173,8 +173,14 @@ pub(crate) fn inputs<'a>(
 
 /// Events as the device reads them. `length`: world units in a scene length; `distance`: depth of the view's base.
 fn stored(events: &RayEvents, length: f64, distance: f32) -> Vec<[u32; 2]> {
-    let ranges = events.first().windows(2).map(|ends| [ends[0], ends[1]]);
-    let pairs = events.all().iter().flat_map(|event| {
+    let mut end = 0;
+    let ranges = events.by_pixel().map(|own| {
+        let first = end;
+        end += own.len() as u32;
+        [first, end]
+    });
+    let mut stored: Vec<[u32; 2]> = ranges.collect();
+    stored.extend(events.by_pixel().flatten().flat_map(|event| {
         let [r, g, b, a] = match event.kind {
             RayEventKind::Surface(rgba) => rgba,
             RayEventKind::Hide => [0.0, 0.0, 0.0, -1.0],
@@ -182,8 +188,8 @@ fn stored(events: &RayEvents, length: f64, distance: f32) -> Vec<[u32; 2]> {
         };
         let depth = (event.depth / length - f64::from(distance)) as f32;
         [[depth, r], [g, b], [a, 0.0]].map(|pair| pair.map(f32::to_bits))
-    });
-    ranges.chain(pairs).collect()
+    }));
+    stored
 }
 
 /// The compositor; tiles where none is requested, or one that does not make the scene's order.

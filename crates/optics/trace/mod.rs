@@ -27,7 +27,7 @@ use rayon::prelude::*;
 use std::ops::ControlFlow;
 use voltet_core::arithmetic::unit_vector;
 use voltet_core::camera::{Camera, Frame, Projection};
-use voltet_core::clip::{Clip, kept};
+use voltet_core::clip::{Clip, KeptRanges};
 use voltet_core::surface::Surface;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
@@ -348,14 +348,16 @@ impl<'a> Tracer<'a> {
                 else {
                     continue;
                 };
-                let rgba = surface.color(number, weights, direction.normalize());
+                let facing = surface.normal(number, weights).dot(direction.normalize()).abs();
+                let rgba = surface.color(number, weights, facing);
                 events.push(Event { depth, kind: EventKind::Surface(rgba) });
             }
         }
         if !self.clips.is_empty() {
             let [origin, _] = self.world(ray);
             let mut hidden_from = f64::NEG_INFINITY;
-            for [from, to] in kept(self.clips, origin.into(), direction, self.camera.near) {
+            let mut ranges = KeptRanges::default();
+            for &[from, to] in ranges.find(self.clips, origin.into(), direction, self.camera.near) {
                 if hidden_from < from {
                     events.push(Event { depth: hidden_from / self.unit, kind: EventKind::Hide });
                     events.push(Event { depth: from / self.unit, kind: EventKind::Show });
