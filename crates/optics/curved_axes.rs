@@ -27,6 +27,9 @@ const SLIGHT_BEND: f64 = 0.2;
 /// Share of a widget's peak that is not drawn: less than what optical depths of 1e12 show.
 const FAINT: f64 = 1e-20;
 
+/// Share of a segment's largest value below which none has a position on a logarithmic axis: 10^−[`DECADES`].
+const LEAST_SHARE: f64 = 1e-30;
+
 /// The widest that counts as a width, and the narrowest, in decades.
 const WIDTHS: [f64; 2] = [1e-6, 3.0];
 
@@ -136,28 +139,27 @@ impl CurvedAxes {
         }
         cuts.clear();
         let line = |share: f64, axis: usize| front[axis] + share * (back[axis] - front[axis]);
-        for (number, axis) in self.axes.iter().enumerate() {
-            axis.add_cuts(number, [front[number], back[number]], range, cuts);
-        }
-        cuts.sort_by(|a, b| a.share.total_cmp(&b.share));
         // Where a range begins or ends at the least position, its value may have been rounded below.
-        let least = [0, 1].map(|axis| self.axes[axis].least_position(front[axis].max(back[axis])));
+        let least = [0, 1].map(|axis| self.axes[axis].least_position([front[axis], back[axis]]));
         let end_at = |share: f64| {
             [0, 1].map(|axis| self.axes[axis].scale.position(line(share, axis)).max(least[axis]))
         };
-        let mut begin = AxisCut { share: from, axis: 2, position: 0.0 };
-        let mut first = end_at(from);
-        cuts.push(AxisCut { share: to, axis: 2, position: 0.0 });
+        let (mut first, end) = (end_at(from), end_at(to));
+        for (number, axis) in self.axes.iter().enumerate() {
+            let positions = [first[number], end[number]];
+            axis.add_cuts(number, [front[number], back[number]], range, positions, cuts);
+        }
+        cuts.sort_by(|a, b| a.share.total_cmp(&b.share));
+        let mut begin = from;
         for &cut in cuts.iter() {
             let mut last = end_at(cut.share);
-            if let Some(position) = last.get_mut(cut.axis) {
-                *position = cut.position;
+            last[cut.axis] = cut.position;
+            if begin < cut.share {
+                self.pair([begin, cut.share], [first, last], line, &mut put);
             }
-            if begin.share < cut.share {
-                self.pair([begin.share, cut.share], [first, last], line, &mut put);
-            }
-            (begin, first) = (cut, last);
+            (begin, first) = (cut.share, last);
         }
+        self.pair([begin, to], [first, end], line, &mut put);
     }
 
     /// One straight piece, or two.
@@ -231,16 +233,20 @@ pub(super) fn each_segment(axes: Option<&CurvedAxes>, crossing: &Segment, mut ea
 #[derive(Debug, Clone, Copy)]
 pub struct AxisCut {
     share: f64,
-    /// The axis of the position; another number: none.
+    /// The axis of the position.
     axis: usize,
     position: f64,
 }
 
 impl CurvedAxis {
-    /// The least position that counts beside a value.
-    fn least_position(&self, largest: f64) -> f64 {
+    /// The least position that counts between two values.
+    fn least_position(&self, [front, back]: [f64; 2]) -> f64 {
+        let largest = front.max(back);
         match self.scale {
-            AxisScale::Log => self.scale.position(largest) - DECADES,
+            // Only values so small reach it.
+            AxisScale::Log if front.min(back) < 10.0 * LEAST_SHARE * largest => {
+                self.scale.position(largest) - DECADES
+            }
             _ => f64::NEG_INFINITY,
         }
     }
@@ -250,7 +256,7 @@ impl CurvedAxis {
         let [mut low, high] = self.drawn;
         match self.scale {
             AxisScale::Linear => return,
-            AxisScale::Log => low = low.max(10f64.powf(-DECADES) * front.max(back)).max(f64::MIN_POSITIVE),
+            AxisScale::Log => low = low.max(LEAST_SHARE * front.max(back)).max(f64::MIN_POSITIVE),
             AxisScale::SymLog { .. } => {}
         }
         if !(front.max(back) >= low && front.min(back) <= high) {
@@ -268,33 +274,40 @@ impl CurvedAxis {
         cut(high, [front, back].map(|value| value > high));
     }
 
-    /// Adds the cuts within a range of shares: at jumps, and so that no step is longer than allowed.
-    fn add_cuts(&self, axis: usize, [front, back]: [f64; 2], [from, to]: [f64; 2], cuts: &mut Vec<AxisCut>) {
-        let share_at = |value: f64| (value - front) / (back - front);
+    /// Adds the cuts within a range of shares: at jumps, and so that no step is longer than allowed. `ends`: values at the segment's front
+    /// and back; `positions`: those at the range's.
+    fn add_cuts(
+        &self,
+        axis: usize,
+        [front, back]: [f64; 2],
+        [from, to]: [f64; 2],
+        positions: [f64; 2],
+        cuts: &mut Vec<AxisCut>,
+    ) {
+        if self.scale == AxisScale::Linear {
+            return;
+        }
         let mut add = |value: f64, position: f64| {
-            let share = share_at(value);
+            let share = (value - front) / (back - front);
             if from < share && share < to {
                 cuts.push(AxisCut { share, axis, position });
             }
         };
-        if self.scale == AxisScale::Linear {
-            return;
-        }
         let (low, high) = (front.min(back), front.max(back));
         let first = self.jumps.partition_point(|jump| jump[0] <= low);
         for [value, position] in self.jumps[first..].iter().take_while(|jump| jump[0] < high) {
             add(*value, *position);
         }
-        let least = self.least_position(high);
         let [first, last] = self.changing;
         if first > last {
             return;
         }
-        let ends = [from, to]
-            .map(|share| self.scale.position(front + share * (back - front)).max(least).clamp(first, last));
-        let count = ((ends[1] - ends[0]).abs() / self.step).ceil().max(1.0);
-        for k in 0..=count as usize {
-            let position = ends[0] + (ends[1] - ends[0]) * (k as f64 / count);
+        let [begin, end] = positions.map(|position| position.clamp(first, last));
+        let count = ((end - begin).abs() / self.step).ceil().max(1.0);
+        // The range ends where it does.
+        let inner = [begin == positions[0], end == positions[1]].map(usize::from);
+        for k in inner[0]..=count as usize - inner[1] {
+            let position = begin + (end - begin) * (k as f64 / count);
             add(self.scale.value(position), position);
         }
     }
