@@ -55,6 +55,6 @@ fn kinds_of_vtk_without_a_volume_are_refused() {
     let folder = Folder::new();
     folder.write("a.vtp", "<VTKFile type=\"PolyData\"><PolyData/></VTKFile>");
     refused(&folder, "a.vtp", &["type 'PolyData'", "a surface has to be filled"]);
-    folder.write("a.htg", "<VTKFile type=\"HyperTreeGrid\"><HyperTreeGrid/></VTKFile>");
-    refused(&folder, "a.htg", &["type 'HyperTreeGrid'", "ParaView"]);
+    folder.write("a.phtg", "<VTKFile type=\"PHyperTreeGrid\"><PHyperTreeGrid/></VTKFile>");
+    refused(&folder, "a.phtg", &["type 'PHyperTreeGrid'", "a file of which it names"]);
 }

@@ -6,7 +6,8 @@ use super::adjacency::split_lengths;
 use super::cell_types::{CellType, code, describe_counts};
 use super::overlap::{faces, within};
 use super::parts::{
-    Association, CellValues, Cells, FileCells, Options, RawGrid, UNUSED, as_given, is_ghost, number,
+    Association, CellValues, Cells, FileCells, HangingPoint, Options, RawGrid, UNUSED, as_given, is_ghost,
+    number,
 };
 use super::polyhedra::Polyhedra;
 use super::source::{CellStatus, Source};
@@ -30,7 +31,7 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
     let cell_not_finite = not_finite(&parts, Association::Cell);
     let cells = std::mem::replace(&mut parts.cells, Cells::Tetrahedra(SharedSlice::default()));
     let (ghost, degrees) = (parts.ghost.take(), parts.degrees.take());
-    let joined_points = parts.joined_points.take();
+    let (joined_points, hanging) = (parts.joined_points.take(), parts.hanging.take());
     let mut source = Source {
         cells: &cells,
         point_count: parts.points.len(),
@@ -114,6 +115,7 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
         cell_arrays: parts.kept_cell_arrays.into_iter().map(|(name, a)| (name, Arc::new(a))).collect(),
         ghosts: None,
         file_cells: None,
+        hanging: hanging.map(|hanging| Arc::new(renumbered(hanging, numbers.as_deref()))),
         origin: Arc::default(),
     };
     if let Some(scalar) = parts.scalar {
@@ -129,6 +131,8 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
     };
     if tally.without_owner > 0 {
         let order = set_ghosts_apart(&mut grid, ghost.as_deref().unwrap_or_default());
+        let hanging = grid.hanging.take();
+        grid.hanging = hanging.map(|own| Arc::new(renumbered(Arc::unwrap_or_clone(own), Some(&order))));
         numbers = match numbers {
             None => Some(order),
             Some(mut numbers) => {
@@ -151,6 +155,13 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
     grid.origin = Arc::new(origin);
     progress.report("tetrahedra", 1.0);
     Ok(grid)
+}
+
+/// Hanging points by the new numbers of points, without those that lie in cells left out.
+fn renumbered(hanging: Vec<HangingPoint>, numbers: Option<&[u32]>) -> Vec<HangingPoint> {
+    let Some(numbers) = numbers else { return hanging };
+    let hanging = hanging.iter().map(|own| own.renumbered(|point| numbers[point as usize]));
+    hanging.filter(|own| !own.numbers().contains(&UNUSED)).collect()
 }
 
 /// Takes the ghost cells from among those that are drawn, and gives each point its new number: those that ghosts alone use come last.

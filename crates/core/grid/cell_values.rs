@@ -41,13 +41,19 @@ pub(super) fn take(parts: &mut RawGrid) -> CellArrays {
 }
 
 /// Gives every point the mean over the cells of the file that use it, weighted by their volume (the sum of their
-/// tetrahedra's); where all these volumes are zero, the plain mean.
+/// tetrahedra's); where all these volumes are zero, the plain mean. In an adaptive grid the weight is one over the size of the cell,
+/// and hanging points have what is interpolated in the larger cell: both is exact for linear fields
+/// (docs/src/explanation/optics.md, section 3).
 pub(super) fn average(grid: &mut Grid, cells: CellArrays) {
     if cells.is_empty() {
         return;
     }
     let volumes = volumes_of_cells(grid);
     let rows = cells_of_points(grid);
+    let weight_of = |cell: usize| match &grid.hanging {
+        Some(_) if volumes[cell] > 0.0 => volumes[cell].cbrt().recip(),
+        _ => volumes[cell],
+    };
     let average = |values: &[f64], component_count: usize| {
         let n = component_count.max(1);
         let mut means = vec![0.0; grid.points.len() * n];
@@ -70,10 +76,16 @@ pub(super) fn average(grid: &mut Grid, cells: CellArrays) {
                 mean.iter_mut().for_each(|m| *m /= total);
                 total > 0.0
             };
-            if !sum(&|cell| volumes[cell]) {
+            if !sum(&weight_of) {
                 sum(&|_| 1.0);
             }
         });
+        for own in grid.hanging.iter().flat_map(|hanging| hanging.iter()) {
+            for k in 0..n {
+                let terms = own.corners.iter().zip(own.weights).map(|(&p, w)| w * means[p as usize * n + k]);
+                means[own.point as usize * n + k] = terms.sum();
+            }
+        }
         means
     };
     let converted = cells.converted(average);
@@ -146,7 +158,7 @@ pub(super) fn keep_constant(grid: &mut Grid, cells: CellArrays) -> Result<()> {
     }
     let what = "cells that keep constant values need too many points";
     number(old_points.len(), what, " (or values averaged to the points)")?;
-    (grid.file_cells, grid.ghosts) = (None, None);
+    (grid.file_cells, grid.ghosts, grid.hanging) = (None, None, None);
     grid.points = old_points.par_iter().map(|&p| grid.points[p as usize]).collect::<Vec<_>>().into();
     grid.tetrahedra = tetrahedra.into();
     let scalar_on_points = grid.scalar.take();

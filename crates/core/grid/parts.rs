@@ -126,6 +126,8 @@ pub struct RawGrid {
     /// Degrees along the three axes of every cell, for Lagrange and Bezier cells whose degrees differ between axes;
     /// `None`: the same along all, found from the number of points.
     pub degrees: Option<Vec<[u8; 3]>>,
+    /// Hanging points of an adaptive grid, see [`super::Grid::hanging`]; `None`: the grid is none.
+    pub hanging: Option<Vec<HangingPoint>>,
     /// The reader's counts of arrays, and its warnings; [`super::build()`] adds those of the cells.
     pub origin: ImportStats,
 }
@@ -145,6 +147,7 @@ impl RawGrid {
             cell_arrays: BTreeMap::new(),
             kept_cell_arrays: BTreeMap::new(),
             degrees: None,
+            hanging: None,
             origin: ImportStats::default(),
         }
     }
@@ -202,6 +205,11 @@ impl RawGrid {
         }
         if let Some(degrees) = &self.degrees {
             expect("degrees", degrees.len(), cell_count)?;
+        }
+        let numbers = self.hanging.iter().flatten().flat_map(HangingPoint::numbers);
+        if let Some(wrong) = numbers.into_iter().find(|&number| number as usize >= point_count) {
+            let error = Error::run("a hanging point names a point that does not exist").got(wrong);
+            return Err(error.expected(format!("a point number below {point_count}")));
         }
         Ok(())
     }
@@ -331,6 +339,30 @@ impl From<Vec<f32>> for Array {
 impl From<Vec<[f64; 3]>> for Array {
     fn from(vectors: Vec<[f64; 3]>) -> Self {
         Array { component_count: 3, values: vectors.into_flattened().into() }
+    }
+}
+
+/// A point within a face or an edge of a larger cell: corners of one of its tetrahedra, and their weights at the point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HangingPoint {
+    /// Number of the point.
+    pub point: u32,
+    /// Corners; those of weight 0 repeat others.
+    pub corners: [u32; 4],
+    /// Weights, whose sum is 1.
+    pub weights: [f64; 4],
+}
+
+impl HangingPoint {
+    /// The numbers of all points.
+    pub(super) fn numbers(&self) -> [u32; 5] {
+        let [a, b, c, d] = self.corners;
+        [self.point, a, b, c, d]
+    }
+
+    /// Copy by other numbers of the points.
+    pub(super) fn renumbered(&self, number: impl Fn(u32) -> u32) -> HangingPoint {
+        HangingPoint { point: number(self.point), corners: self.corners.map(number), ..*self }
     }
 }
 

@@ -4,8 +4,8 @@
 //! The rule: docs/src/explanation/optics.md, section 2.
 
 use super::parts::{
-    Array, Association, CellSet, Cells, DUPLICATE, OWNED, RawGrid, Scalar, is_drawn, is_ghost, number,
-    structured_corners,
+    Array, Association, CellSet, Cells, DUPLICATE, HangingPoint, OWNED, RawGrid, Scalar, is_drawn, is_ghost,
+    number, structured_corners,
 };
 use super::{CellType, code, extent};
 use crate::{Error, Result, SharedSlice, counted};
@@ -56,6 +56,7 @@ pub fn join(mut pieces: Vec<RawGrid>) -> Result<RawGrid> {
 
     let mut ghost = of_all_cells(&pieces, |piece| piece.ghost.as_ref(), 0);
     let degrees = of_all_cells(&pieces, |piece| piece.degrees.as_ref(), [0; 3]);
+    let hanging = join_hanging(&pieces, &starts, &numbers);
     let cells = join_cells(&mut pieces, &starts, &numbers);
     if let Some(ghost) = &mut ghost {
         mark_spare_ghosts(&cells, ghost, count);
@@ -64,7 +65,7 @@ pub fn join(mut pieces: Vec<RawGrid>) -> Result<RawGrid> {
     let mut joined = RawGrid::new(scatter(positions, 1, &targets, count), cells);
     joined.origin.warnings =
         pieces.iter_mut().flat_map(|piece| std::mem::take(&mut piece.origin.warnings)).collect();
-    (joined.ghost, joined.degrees) = (ghost, degrees);
+    (joined.ghost, joined.degrees, joined.hanging) = (ghost, degrees, hanging);
     join_arrays(&mut joined, pieces, &targets, count)?;
     joined.origin.points_joined = (targets.len() - count) as u64;
     joined.joined_points = Some(numbers);
@@ -335,6 +336,15 @@ fn of_all_cells<T: Copy>(
         let own = |piece| of(piece).cloned().unwrap_or_else(|| vec![blank; piece.cells.count()]);
         pieces.iter().flat_map(own).collect()
     })
+}
+
+/// Hanging points of all pieces by the numbers of the joined points; `None` where no piece is an adaptive grid.
+fn join_hanging(pieces: &[RawGrid], starts: &[usize], numbers: &[u32]) -> Option<Vec<HangingPoint>> {
+    let of_piece = |(piece, &start): (&RawGrid, &usize)| {
+        let number = move |point: u32| numbers[start + point as usize];
+        piece.hanging.as_ref().map(|own| own.iter().map(|own| own.renumbered(number)).collect::<Vec<_>>())
+    };
+    pieces.iter().zip(starts).filter_map(of_piece).reduce(|all, own| [all, own].concat())
 }
 
 fn take_cells(piece: &mut RawGrid) -> Cells {

@@ -139,6 +139,7 @@ impl Subset {
             cell_arrays: whole.cell_arrays.clone(),
             ghosts: None,
             file_cells: None,
+            hanging: None,
             origin: whole.origin.clone(),
         }
     }

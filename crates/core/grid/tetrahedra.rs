@@ -1,7 +1,7 @@
 //! A grid of tetrahedra with its arrays, and what it was made from.
 
 use super::extent;
-use super::parts::{Array, FileCells, ImportStats};
+use super::parts::{Array, FileCells, HangingPoint, ImportStats};
 use crate::error::ErrorKind;
 use crate::parameters::suggest;
 use crate::{Error, Result, SharedSlice, counted};
@@ -34,6 +34,9 @@ pub struct Grid {
     /// The file's own cells and points, where somebody asked for them and every point of the file is one point here
     /// (cells that keep constant values have points of their own).
     pub file_cells: Option<Arc<FileCells>>,
+    /// For a grid of boxes of several sizes the points within faces and edges of larger boxes, each after those that its corners
+    /// are. Means of cell values look at them; `None`: the grid is of another kind, or nothing is on cells.
+    pub hanging: Option<Arc<Vec<HangingPoint>>>,
     /// Counts of the import.
     pub origin: Arc<ImportStats>,
 }

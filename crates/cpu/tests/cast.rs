@@ -12,7 +12,9 @@ use voltet_cpu::{Cells, Counts, Traversal, VolumeCache, composite, cull, keep_al
 use voltet_optics::shading::Ordering;
 use voltet_simd::LaneSet;
 use voltet_testing::pictures::compare::{NamedScene, SHADING, referee, within};
-use voltet_testing::pictures::grids::{cube, moved, part, smooth, together, two_arms, with_flat_layer};
+use voltet_testing::pictures::grids::{
+    cube, moved, part, refined, smooth, together, two_arms, volume, with_flat_layer,
+};
 use voltet_testing::pictures::looks::{
     gaussian, look, orthographic, outside, overlapping, perspective, ramp,
 };
@@ -131,6 +133,26 @@ fn parts_that_touch_are_passed_one_after_another() {
     ];
     for scene in scenes("two cubes that touch", &smooth(together(&[near, far])), &cameras) {
         assert_eq!(lost(&scene), 0, "{}", scene.name);
+    }
+}
+
+/// Faces between levels have no partner: rays exit by one and enter by another in the same plane. Of a linear field the picture is that of
+/// equal cells.
+#[test]
+fn levels_of_other_cell_sizes_are_passed_one_after_another() {
+    for scene in scenes("levels", &smooth(refined()), &cameras()) {
+        assert_eq!(lost(&scene), 0, "{}", scene.name);
+    }
+    let linear = |grid| volume(grid, |p| p.dot(glam::DVec3::new(0.5, 0.3, 0.2)), |_| 1.5);
+    let (levels, equal) = (linear(refined()), linear(cube([8, 8, 8], 0.0)));
+    for scene in scenes("levels of a linear field", &levels, &cameras()) {
+        let of_equal = NamedScene { volume: equal.clone(), ..scene.clone() };
+        for traversal in [Traversal::Project, Traversal::RayCast] {
+            let (picture, ..) = drawn(&scene, |cells| cells.traversal = traversal);
+            let (expected, ..) = drawn(&of_equal, |cells| cells.traversal = traversal);
+            assert!(expected.rgba.iter().any(|p| p[3] > 0.1), "{} shows nothing", scene.name);
+            within(&scene.name, &picture, &expected, ROUNDING);
+        }
     }
 }
 

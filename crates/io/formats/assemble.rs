@@ -11,7 +11,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use voltet_core::grid::{
-    Array, Association, CellType, Cells, Grid, RawGrid, Scalar, code, structured_corners,
+    Array, Association, CellType, CellValues, Cells, Grid, RawGrid, Scalar, code, structured_corners,
 };
 use voltet_core::parameters::SourceSpan;
 use voltet_core::progress::Progress;
@@ -253,6 +253,14 @@ pub(super) fn load(piece: &Piece, mut cells: Cells, wanted: &PieceRequest, meter
     let warning = hexahedra::restore_order(&mut cells, &points, degrees.as_deref(), piece.is_old_order);
     let mut raw = RawGrid { ghost, degrees, global_ids, ..RawGrid::new(points, cells) };
     raw.origin.warnings.extend(warning);
+    // Means of cell values alone look at hanging points.
+    let is_averaged = wanted.request.options.cell_values == CellValues::Average
+        && wanted.choices.iter().any(|choice| choice.association == Association::Cell);
+    if let Geometry::Adaptive(lattice) = &piece.geometry
+        && is_averaged
+    {
+        raw.hanging = Some(lattice.hanging());
+    }
     if !wanted.request.without_scalar
         && let Some((choice, values)) = columns.next()
     {
@@ -407,6 +415,7 @@ pub(super) fn load_points(piece: &Piece, meter: &Meter) -> Result<Vec<DVec3>> {
             points.load_tuples::<f64, _>(meter)
         }
         Geometry::Added(external) => external.take(None, |read| read.points.take(), meter.progress()),
+        Geometry::Adaptive(lattice) => Ok(lattice.positions()),
         Geometry::Rectilinear { axes, .. } => {
             let [x, y, z] = &**axes;
             let (x, y, z): (Vec<f64>, Vec<f64>, Vec<f64>) = (x.load(meter)?, y.load(meter)?, z.load(meter)?);

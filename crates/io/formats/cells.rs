@@ -21,6 +21,7 @@ pub(super) fn load(piece: &Piece, meter: &Meter) -> Result<Cells> {
             StoredCells::Converted(convert) => convert(meter),
         },
         Geometry::Added(external) => external.take(None, |read| read.cells.take(), meter.progress()),
+        Geometry::Adaptive(lattice) => Ok(lattice.cells()),
         Geometry::Curvilinear { dimensions, .. }
         | Geometry::Rectilinear { dimensions, .. }
         | Geometry::Uniform { dimensions, .. } => Ok(Cells::Structured(dimensions.map(|n| n as usize))),

@@ -125,11 +125,13 @@ impl Base64Text<'_> {
         Ok(bytes)
     }
 
-    /// True if the text begins with a run of exactly `count` bytes that ends with padding.
+    /// True if the text begins with a run of exactly `count` bytes that ends with padding. A run of one byte more may have less of it.
     pub fn begins_with_padded_run(&self, count: u64) -> Result<bool> {
+        let padding = (count.next_multiple_of(3) - count) as usize;
         let character_count = (count.div_ceil(3) * 4) as usize;
         let text = self.clone().characters(character_count)?;
-        Ok(!count.is_multiple_of(3) && text.len() == character_count && text.ends_with(b"="))
+        let found = text.iter().rev().take_while(|&&letter| letter == b'=').count();
+        Ok(padding > 0 && text.len() == character_count && found == padding)
     }
 
     /// The next `count` characters that are not white space, or as many as there are.

@@ -1,6 +1,7 @@
 //! The table of contents of a data set: what lies in which file, before anything is decoded.
 
 use super::codec::Codec;
+use super::lattice::Lattice;
 use super::numbers::{ByteOrder, NumberType};
 use super::source::Source;
 use glam::{DMat3, DVec3};
@@ -103,6 +104,7 @@ impl Default for CellBlocks {
 }
 
 /// An array of a piece.
+#[derive(Clone)]
 pub(super) struct PieceArray {
     pub association: Association,
     pub stored: Stored,
@@ -120,6 +122,8 @@ pub(super) enum Geometry {
     Curvilinear { dimensions: [u64; 3], points: Stored },
     /// Grid of a reader from outside.
     Added(Arc<ExternalFormat>),
+    /// Boxes of several sizes.
+    Adaptive(Arc<Lattice>),
     /// Axis-parallel boxes between coordinates.
     Rectilinear { dimensions: [u64; 3], axes: Box<[Stored; 3]> },
     /// Equal boxes: point (i, j, k) lies at `origin + direction · (spacing · (first + (i, j, k)))`.
@@ -291,6 +295,38 @@ impl Stored {
             component_count,
             tuple_count: Some(tuple_count),
             encoding,
+        }
+    }
+
+    /// That its file may hold as many values as the headers promise: with compression, as many as the codec can make of the whole file.
+    pub fn check_backing(&self) -> Result<()> {
+        let greatest = match &self.encoding {
+            // A value takes a letter, and a space before the next.
+            Encoding::Text(parts) => {
+                parts.iter().map(|part| (part.end - part.start).div_ceil(2)).fold(0, u64::saturating_add)
+            }
+            Encoding::Xml { at, end, codec, .. } => {
+                let len = end.saturating_sub(*at);
+                let bytes = codec.map_or(len, |codec| codec.greatest_size(len));
+                bytes.saturating_mul(8) / self.number_type.byte_count(8).unwrap_or(8)
+            }
+            Encoding::Bytes(at) => {
+                let bytes = self.promised()?.and_then(|count| self.number_type.byte_count(count));
+                return self
+                    .source
+                    .check(*at, bytes.unwrap_or(u64::MAX))
+                    .map_err(|error| error.at_item(&self.name));
+            }
+            // Chunks were compared with their file when they were found.
+            Encoding::Gathered(_) | Encoding::Computed(_) => return Ok(()),
+        };
+        match self.promised()? {
+            Some(count) if count > greatest => {
+                let error =
+                    Error::run("the array is larger than the file can hold").got(counted(count, "value"));
+                Err(error.expected(format_args!("at most {greatest}")).at_item(&self.name))
+            }
+            _ => Ok(()),
         }
     }
 

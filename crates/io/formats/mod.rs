@@ -2,7 +2,7 @@
 //!
 //! | format | module |
 //! | --- | --- |
-//! | .vtu .vts .vtr .vti, .pvtu .pvts .pvtr .pvti, .vtm .vtpc .vtpd, .pvd | [`xml`] |
+//! | .vtu .vts .vtr .vti, .pvtu .pvts .pvtr .pvti, .vtm .vtpc .vtpd .vthb, .htg, .pvd | [`xml`] |
 //! | .vtk (legacy 2.0 to 5.1, ASCII and binary) | [`legacy`] |
 //! | .vtu.series, .vtk.series | [`series`] |
 //! | .vtkhdf, .hdf | [`vtkhdf`], by [`hdf5`] |
@@ -32,6 +32,8 @@
 //! the tests as an independent writer.
 
 mod abaqus;
+mod adaptive;
+mod amr;
 mod assemble;
 mod blocks;
 mod cells;
@@ -47,7 +49,9 @@ mod foam;
 mod gmsh;
 mod hdf5;
 mod hexahedra;
+mod hyper_tree;
 mod inspect;
+mod lattice;
 mod lazy;
 mod legacy;
 mod nastran;

@@ -79,6 +79,13 @@ pub fn with_flat_layer(thickness: f64) -> Grid {
     })
 }
 
+/// The unit cube in cells of two sizes, those in the middle half as large: each face between them is one on one side and four on the other.
+pub fn refined() -> Grid {
+    let is_middle = |p: DVec3| ((p - 0.5).abs().max_element()) < 0.25;
+    let around = part(&cube([4, 4, 4], 0.0), |p| !is_middle(p));
+    together(&[around, moved(&cube([4, 4, 4], 0.0), |p| 0.25 + 0.5 * p)])
+}
+
 /// s and g at every point.
 pub fn volume(grid: Grid, s: impl Fn(DVec3) -> f64, g: impl Fn(DVec3) -> f64) -> Arc<Volume> {
     let scalar = grid.points.iter().map(|&p| s(p)).collect();

@@ -35,6 +35,79 @@ fn cell_values_are_averaged_by_the_volume_of_the_cells() {
     assert_eq!(grid.scalar_name, "c");
 }
 
+/// A cube of edge 2, at whose face x = 2 four of edge 1 lie; the five points that hang there. `cells`: which are in the piece.
+fn two_sizes(cells: std::ops::Range<usize>) -> RawGrid {
+    let low = [[0, 0, 0], [2, 0, 0], [2, 1, 0], [2, 0, 1], [2, 1, 1]];
+    let mut places: Vec<[u32; 3]> = Vec::new();
+    let mut set = CellSet { offsets: vec![0], ..CellSet::default() };
+    let number = |place: [u32; 3], places: &mut Vec<[u32; 3]>| {
+        let known = places.iter().position(|own| *own == place);
+        known.unwrap_or_else(|| {
+            places.push(place);
+            places.len() - 1
+        }) as u32
+    };
+    for cell in cells.clone() {
+        let size = if cell == 0 { 2 } else { 1 };
+        for corner in 0..8_u32 {
+            let place = std::array::from_fn(|axis| low[cell][axis] + size * (corner >> axis & 1));
+            set.connectivity.push(number(place, &mut places));
+        }
+        set.types.push(code::VOXEL);
+        set.offsets.push(set.connectivity.len() as u64);
+    }
+    let mut hanging = Vec::new();
+    if cells.len() == 5 {
+        for (place, [a, b]) in [
+            ([2, 1, 0], [[2, 0, 0], [2, 2, 0]]),
+            ([2, 0, 1], [[2, 0, 0], [2, 0, 2]]),
+            ([2, 2, 1], [[2, 2, 0], [2, 2, 2]]),
+            ([2, 1, 2], [[2, 0, 2], [2, 2, 2]]),
+            ([2, 1, 1], [[2, 0, 0], [2, 2, 2]]),
+        ] {
+            let [point, a, b] = [place, a, b].map(|place| number(place, &mut places));
+            hanging.push(HangingPoint { point, corners: [a, a, a, b], weights: [0.5, 0.0, 0.0, 0.5] });
+        }
+    }
+    let points: Vec<DVec3> = places.iter().map(|place| DVec3::from_array(place.map(f64::from))).collect();
+    let values = cells.map(|cell| if cell == 0 { 1.0 } else { 2.5 }).collect();
+    on_cells(RawGrid { hanging: Some(hanging), ..RawGrid::new(points, Cells::Mixed(set)) }, values)
+}
+
+/// The field x at the centres of cells of two sizes: with weights of one over the edge it is exact between them.
+#[test]
+fn cell_values_of_an_adaptive_grid_are_exact_between_levels() {
+    let mut apart = two_sizes(0..5);
+    // A point that nothing uses moves the numbers of the others.
+    apart.points.make_mut().insert(0, DVec3::splat(9.0));
+    let Cells::Mixed(set) = &mut apart.cells else { panic!() };
+    set.connectivity.iter_mut().for_each(|corner| *corner += 1);
+    let moved = |own: &HangingPoint| HangingPoint {
+        point: own.point + 1,
+        corners: own.corners.map(|corner| corner + 1),
+        ..*own
+    };
+    apart.hanging = apart.hanging.map(|own| own.iter().map(moved).collect());
+    let far = |mut parts: RawGrid| {
+        parts.points.make_mut().iter_mut().for_each(|point| point.y += 7.0);
+        parts
+    };
+    let joined = join(vec![far(two_sizes(0..1)), two_sizes(0..5)]).unwrap();
+    for grid in [two_sizes(0..5), apart, joined].map(|parts| built(parts).unwrap()) {
+        let scalar = grid.scalar.as_ref().unwrap();
+        let between: Vec<f64> = (0..grid.points.len())
+            .filter(|&p| grid.points[p].x == 2.0 && grid.points[p].y < 5.0)
+            .map(|p| scalar[p])
+            .collect();
+        assert_eq!(between.len(), 9);
+        assert!(between.iter().all(|value| (value - 2.0).abs() < 1e-12), "{between:?}");
+    }
+    let mut beyond = two_sizes(0..5);
+    beyond.hanging.as_mut().unwrap()[0].corners[0] = 99;
+    let message = built(beyond).unwrap_err().to_string();
+    assert!(message.contains("hanging point") && message.contains("99"), "{message}");
+}
+
 #[test]
 fn cells_without_volume_take_part_only_where_nothing_else_does() {
     let mut parts = on_cells(two_bars(), vec![10.0, 2.0]);

@@ -1,7 +1,8 @@
-//! The VTK XML formats: .vtu .vts .vtr .vti, and the files that name others: their parallel forms, trees of blocks, and .pvd, a
-//! series of time steps.
+//! The VTK XML formats: .vtu .vts .vtr .vti .htg, and the files that name others: their parallel forms, trees of blocks and of
+//! patches, and .pvd, a series of time steps.
 
 pub(super) mod header;
+mod hyper_tree;
 mod named;
 mod parallel;
 pub(super) mod poly_data;
@@ -24,7 +25,7 @@ use voltet_core::{Error, Result, counted};
 
 /// The declaration.
 pub(super) const FORMAT: Format = Format {
-    files: "a VTK XML file (.vtu, .vts, .vtr, .vti, their parallel forms, .vtm, .pvd)",
+    files: "a VTK XML file (.vtu, .vts, .vtr, .vti, their parallel forms, .vtm, .vthb, .htg, .pvd)",
     matches: |head, _, _| head.starts_with(b"<"),
     open,
     has_solution: false,
@@ -105,10 +106,18 @@ fn step<'a>(root: &'a Element, request: &Request) -> Result<Step<'a>> {
 }
 
 /// The types that name others, as every writer spells them: series, trees, parallel files. Each may name those after it.
-const MARKS: [&str; 4] = ["type=\"Collection\"", "type=\"vtkMultiBlock", "type=\"vtkPartitioned", "type=\"P"];
+const MARKS: [&str; 7] = [
+    "type=\"Collection\"",
+    "type=\"vtkMultiBlock",
+    "type=\"vtkPartitioned",
+    "type=\"vtkOverlappingAMR",
+    "type=\"vtkNonOverlappingAMR",
+    "type=\"vtkHierarchicalBox",
+    "type=\"P",
+];
 
 /// Number of those that stand before parallel files.
-const ABOVE_PARALLEL: usize = 3;
+const ABOVE_PARALLEL: usize = MARKS.len() - 1;
 
 /// The files that a series (of every step, or of that asked for), a tree or a parallel file names, and those that these name; none
 /// for files of other kinds, of which no more than the head is read.

@@ -1,6 +1,7 @@
 //! Grids in pieces, each a file: .pvtu .pvts .pvtr .pvti; and tables of contents put together.
 
 use super::header::{self, Appended, Element};
+use super::hyper_tree;
 use super::named::{beside, open_named};
 use super::serial::{grid, marked, open_serial, refusal};
 use crate::formats::contents::Dataset;
@@ -12,8 +13,16 @@ use voltet_core::{Error, Result, counted};
 /// Type of the files that name the files of time steps.
 pub(super) const SERIES: &str = "Collection";
 /// Types of files whose root is a tree of data sets.
-pub(super) const TREES: [&str; 3] =
-    ["vtkMultiBlockDataSet", "vtkPartitionedDataSetCollection", "vtkPartitionedDataSet"];
+pub(super) const TREES: [&str; 6] = [
+    "vtkMultiBlockDataSet",
+    "vtkPartitionedDataSetCollection",
+    "vtkPartitionedDataSet",
+    "vtkOverlappingAMR",
+    "vtkNonOverlappingAMR",
+    "vtkHierarchicalBoxDataSet",
+];
+/// Types whose leaves are patches of an adaptive grid.
+pub(super) const PATCHES: &[&str] = TREES.split_at(3).1;
 
 /// True if a file of this type names the files of its pieces.
 pub(super) fn names_pieces(kind: &str) -> bool {
@@ -35,6 +44,7 @@ pub(super) fn open_step(
             Err(error.expected(expected))
         }
         kind if names_pieces(kind) => open_parallel(&source, root, request),
+        hyper_tree::KIND => hyper_tree::open(source, root, appended),
         _ => open_serial(source, root, appended, request),
     }
 }

@@ -241,7 +241,7 @@ impl Context {
     }
 
     /// Format and encoding of the file, for people.
-    fn describe(&self) -> String {
+    pub(super) fn describe(&self) -> String {
         format!(
             "{}{}, {} headers",
             self.codec.map_or(String::new(), |codec| format!("{}, ", codec.name())),
@@ -377,8 +377,7 @@ pub(super) fn refusal(kind: &str, root: &Element) -> Error {
             "cells with a volume: a surface has to be filled with them by a mesher (Gmsh, TetGen) first; a node of type \
              surface-reader draws it as it is",
         ),
-        ("HyperTreeGrid" | "vtkOverlappingAMR" | "vtkHierarchicalBoxDataSet" | "vtkNonOverlappingAMR", _) => error
-            .expected("a .vtu file: ParaView makes one of it (Resample or Clip with everything kept) and saves it"),
+        ("PHyperTreeGrid", _) => error.expected("HyperTreeGrid, a file of which it names"),
         _ => error.expected(
             "UnstructuredGrid, StructuredGrid, RectilinearGrid, ImageData, their parallel forms or Collection",
         ),

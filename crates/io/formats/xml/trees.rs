@@ -1,13 +1,16 @@
-//! Trees of data sets: .vtm (vtkMultiBlockDataSet), .vtpc and .vtpd (partitioned data sets), and the named parts of a step of a .pvd.
+//! Trees of data sets: .vtm (vtkMultiBlockDataSet), .vtpc and .vtpd (partitioned data sets), .vthb (adaptive mesh refinement in
+//! patches), and the named parts of a step of a .pvd.
 //!
 //! A leaf is a file. Its block bears the names of the groups above it and its own with `/` between, where one has none its
-//! number. The files of a partitioned data set are pieces of one block.
+//! number. The files of a partitioned data set are pieces of one block. The patches of a .vthb are blocks named by level and number.
 
 use super::header::{self, Element};
 use super::named::{HEAD, beside, has_mark, open_named};
-use super::parallel::{TREES, open_step};
+use super::parallel::{PATCHES, TREES, open_step};
+use crate::formats::amr::{self, Patch};
 use crate::formats::blocks;
-use crate::formats::contents::{CellBlocks, Dataset};
+use crate::formats::contents::{CellBlocks, Dataset, Geometry, Piece, extent_dimensions};
+
 use crate::formats::request::{Request, list};
 use crate::formats::source::Source;
 use rayon::prelude::*;
@@ -26,6 +29,8 @@ pub(super) struct Tree {
     leaves: Vec<Leaf>,
     /// Files of trees within.
     files: Vec<PathBuf>,
+    /// Number of adaptive grids.
+    adaptive_count: usize,
 }
 
 /// A file that is a block or a piece of one.
@@ -34,6 +39,8 @@ struct Leaf {
     path: PathBuf,
     /// The file that names it.
     by: PathBuf,
+    /// Number of the adaptive grid that it is a patch of, and the extent of its cells where the tree has that.
+    patch_of: Option<(usize, Option<[i64; 6]>)>,
 }
 
 impl Tree {
@@ -51,6 +58,7 @@ impl Tree {
             Error::run(format!("the file holds no <{kind}>")).expected("what its type says")
         })?;
         match kind {
+            _ if PATCHES.contains(&kind) => self.add_levels(by, top, prefix),
             "vtkPartitionedDataSet" => {
                 let name = if prefix.is_empty() { "block 0" } else { prefix };
                 self.add_pieces(by, top, name)
@@ -79,6 +87,26 @@ impl Tree {
         Ok(())
     }
 
+    /// Adds the patches of an adaptive grid.
+    fn add_levels(&mut self, by: &Path, element: &Element, prefix: &str) -> Result<()> {
+        let prefix = if prefix.is_empty() { String::new() } else { format!("{prefix}/") };
+        for (place, level) in element.children_of("Block").enumerate() {
+            let number = level.attribute("level").map_or(place.to_string(), str::to_owned);
+            for (place, child) in level.children_of("DataSet").enumerate() {
+                let patch = child.attribute("index").map_or(place.to_string(), str::to_owned);
+                let block = self.add_block(format!("{prefix}level{number}/box{patch}"));
+                let first = self.leaves.len();
+                self.add_leaf(by, child, block);
+                let extent = child.numbers("amr_box")?;
+                self.leaves[first..]
+                    .iter_mut()
+                    .for_each(|leaf| leaf.patch_of = Some((self.adaptive_count, extent)));
+            }
+        }
+        self.adaptive_count += 1;
+        Ok(())
+    }
+
     /// Adds a block of pieces.
     fn add_pieces(&mut self, by: &Path, element: &Element, name: &str) -> Result<()> {
         let block = self.add_block(name.to_owned());
@@ -94,7 +122,7 @@ impl Tree {
     /// Adds the file of an element; one without a file is an empty place in the tree.
     fn add_leaf(&mut self, by: &Path, element: &Element, block: usize) {
         if let Some(file) = element.attribute("file").filter(|file| !file.trim().is_empty()) {
-            self.leaves.push(Leaf { block, path: beside(by, file), by: by.to_owned() });
+            self.leaves.push(Leaf { block, path: beside(by, file), by: by.to_owned(), patch_of: None });
         }
     }
 
@@ -107,7 +135,7 @@ impl Tree {
             return Ok(true);
         }
         let block = if name.is_empty() { 0 } else { self.add_block(name.to_owned()) };
-        self.leaves.push(Leaf { block, path, by: by.to_owned() });
+        self.leaves.push(Leaf { block, path, by: by.to_owned(), patch_of: None });
         Ok(false)
     }
 
@@ -129,17 +157,28 @@ impl Tree {
             let mut part = Dataset::default();
             let opened =
                 is_read(leaf.block) && open_leaf(leaf, place, self.leaves.len() > 1, &inner, &mut part)?;
-            Ok(opened.then_some((leaf.block, part)))
+            Ok(opened.then_some((place, part)))
         };
         // The error is that of the first leaf that has one.
         let parts: Vec<Result<_>> = self.leaves.par_iter().enumerate().map(read).collect();
         let mut dataset = Dataset { has_blocks, ..Dataset::default() };
         let mut is_given = vec![false; self.blocks.len().max(1)];
         let parts: Result<Vec<_>> = parts.into_iter().collect();
-        for (block, mut part) in parts?.into_iter().flatten() {
-            is_given[block] = true;
-            part.pieces.iter_mut().for_each(|piece| piece.blocks = CellBlocks::One(block));
+        let mut patches: Vec<Vec<Patch>> = (0..self.adaptive_count).map(|_| Vec::new()).collect();
+        for (place, mut part) in parts?.into_iter().flatten() {
+            let leaf = &self.leaves[place];
+            is_given[leaf.block] = true;
+            if let Some((grid, extent)) = leaf.patch_of {
+                for piece in part.pieces.drain(..) {
+                    let patch = patch(piece, leaf.block, &self.blocks, extent);
+                    patches[grid].push(patch.map_err(|error| error.in_file(&leaf.path))?);
+                }
+            }
+            part.pieces.iter_mut().for_each(|piece| piece.blocks = CellBlocks::One(leaf.block));
             dataset.merge(part);
+        }
+        for patches in patches.into_iter().filter(|patches| !patches.is_empty()) {
+            amr::add(&mut dataset, patches, !selected.contains(&false))?;
         }
         let flat =
             self.leaves.iter().map(|leaf| leaf.block).filter(|&block| is_read(block) && !is_given[block]);
@@ -158,6 +197,29 @@ impl Tree {
         dataset.blocks = self.blocks;
         Ok(dataset)
     }
+}
+
+/// A patch from the piece of its file, an image. `extent`: of its cells, as the tree says.
+fn patch(piece: Piece, block: usize, blocks: &[String], extent: Option<[i64; 6]>) -> Result<Patch> {
+    let wrong = || Error::run("the file of a patch holds no image");
+    let Geometry::Uniform { dimensions, first, origin, spacing, direction } = piece.geometry else {
+        return Err(wrong().expected("ImageData"));
+    };
+    if direction != glam::DMat3::IDENTITY {
+        return Err(wrong().got("an image with a Direction").expected("an image along the axes"));
+    }
+    // Of one with a single point along an axis as many cells as the tree says: none.
+    let cells = dimensions.map(|n| n.saturating_sub(1));
+    if let Some(extent) =
+        extent.map(extent_dimensions).filter(|extent| *extent != cells && !cells.contains(&0))
+    {
+        let error = Error::run("a patch has other cells than the file that names it says");
+        return Err(error
+            .got(format_args!("{cells:?}"))
+            .expected(format_args!("{extent:?}, by its amr_box")));
+    }
+    let (origin, name) = (origin + spacing * first, blocks.get(block).cloned().unwrap_or_default());
+    Patch { block, name, origin, spacing, cells, arrays: piece.arrays }.checked()
 }
 
 /// Reads the table of contents of a leaf; false where it is one of several and is of surfaces or a table. `place`: its number.

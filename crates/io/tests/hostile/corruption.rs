@@ -294,3 +294,37 @@ fn damaged_cases_of_ensight_are_errors_or_other_grids() {
         corrupt_case("ensight", files[0], scalar, &files, case_count().max(200));
     }
 }
+
+#[test]
+fn damaged_adaptive_grids_are_errors_or_other_grids() {
+    for name in ["trees_1_ascii.htg", "trees_1_appended.htg", "trees_2_binary.htg", "trees_2_appended.htg"] {
+        corrupt(name, "c", &packed(name), case_count().max(200));
+    }
+    for (name, scalar) in
+        [("vtkhdf_trees.vtkhdf", "c"), ("vtkhdf_patches.vtkhdf", "c"), ("vtkhdf_patches.vtkhdf", "p")]
+    {
+        corrupt(name, scalar, &packed(name), case_count());
+    }
+    let image = |extent: &str, spacing: &str, count: usize| {
+        let values = "1 ".repeat(count);
+        format!(
+            "<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"{extent}\" Origin=\"0 0 0\" Spacing=\"{spacing}\"><Piece \
+             Extent=\"{extent}\"><CellData><DataArray type=\"Int8\" Name=\"c\" format=\"ascii\">{values}</DataArray></CellData>\
+             </Piece></ImageData></VTKFile>"
+        )
+    };
+    let tree = "<VTKFile type=\"vtkOverlappingAMR\"><vtkOverlappingAMR origin=\"0 0 0\" grid_description=\"XYZ\">\
+        <Block level=\"0\"><DataSet index=\"0\" amr_box=\"0 1 0 1 0 1\" file=\"0.vti\"/></Block>\
+        <Block level=\"1\"><DataSet index=\"0\" amr_box=\"0 1 0 1 0 1\" file=\"1.vti\"/></Block></vtkOverlappingAMR></VTKFile>";
+    let folder = tempfile::tempdir().unwrap();
+    let files = [
+        ("a.vthb", tree.to_owned()),
+        ("0.vti", image("0 2 0 2 0 2", "1 1 1", 8)),
+        ("1.vti", image("0 2 0 2 0 2", "0.5 0.5 0.5", 8)),
+    ];
+    files.iter().for_each(|(name, text)| drop(file(&folder, name, text.as_bytes())));
+    for (name, text) in &files {
+        corrupt_in(&folder, [name, "a.vthb"], "c", text.as_bytes(), case_count().max(200));
+        file(&folder, name, text.as_bytes());
+    }
+}

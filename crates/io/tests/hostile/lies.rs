@@ -92,6 +92,40 @@ fn a_uniform_grid_without_arrays_allocates_nothing() {
     expect(&message("huge.vti", huge, &Request::default()), &["cannot be that large"]);
 }
 
+/// A folder of one patch of an image with these attributes and the message about it, which comes without more memory than a file.
+fn message_of_patch(extent: &str, spacing: &str, array: &str) -> String {
+    let image = format!(
+        "<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"{extent}\" Spacing=\"{spacing}\"><Piece Extent=\"{extent}\">\
+         <CellData>{array}</CellData></Piece></ImageData></VTKFile>"
+    );
+    let tree = "<VTKFile type=\"vtkNonOverlappingAMR\"><vtkNonOverlappingAMR><Block level=\"0\"><DataSet index=\"0\" file=\"0.vti\"/>\
+        </Block></vtkNonOverlappingAMR></VTKFile>";
+    let folder = tempfile::tempdir().unwrap();
+    file(&folder, "0.vti", image.as_bytes());
+    let path = file(&folder, "a.vthb", tree.as_bytes());
+    let (result, peak) = peak_of(|| read(&path, &scalar("c"), &NoProgress));
+    assert!(peak < 8 << 20, "{peak} bytes");
+    result.expect_err(extent).to_string()
+}
+
+#[test]
+fn patches_and_trees_beyond_the_file_are_errors() {
+    let array = "<DataArray type=\"UInt8\" Name=\"c\" format=\"ascii\">1 2 3</DataArray>";
+    let max = i64::MAX;
+    for (extent, parts) in [
+        ("0 500 0 500 0 500".to_owned(), &["larger than the file", "0.vti", "'c'"][..]),
+        (format!("0 {max} 0 1 0 1"), &["cannot be that large"]),
+        (format!("0 {max} 0 {max} 0 {max}"), &["cannot be that large"]),
+        (format!("-{max} {max} 0 1 0 1"), &["cannot be that large"]),
+    ] {
+        expect(&message_of_patch(&extent, "1 1 1", array), parts);
+    }
+    expect(&message_of_patch("0 500 0 500 0 500", "1 1 1", ""), &["holds no arrays", "0.vti", "level0/box0"]);
+    for spacing in ["1 1 0", "1 1 nan", "1 inf 1"] {
+        expect(&message_of_patch("0 1 0 1 0 3", spacing, array), &["size of the cells is damaged"]);
+    }
+}
+
 #[test]
 fn offsets_connectivity_and_types_are_checked() {
     let ascii = Encoding { mode: Mode::Ascii, ..RAW };

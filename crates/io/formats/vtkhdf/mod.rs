@@ -4,14 +4,18 @@
 //! All partitions of all steps lie one after the other in the same arrays; counts of each partition (`NumberOf…`) and, for
 //! steps, offsets (`Steps`) say where each begins. A list of offsets of n cells holds n + 1 numbers.
 
-use super::blocks;
-use super::contents::{
-    CellBlocks, DEGREES, Dataset, Geometry, Piece, PieceArray, Stored, StoredCells, StoredFaces, TIME,
+mod adaptive;
+mod shared;
+
+use crate::formats::blocks;
+use crate::formats::contents::{
+    CellBlocks, Dataset, Geometry, Piece, PieceArray, Stored, StoredCells, StoredFaces, TIME,
     extent_dimensions, structured_counts,
 };
-use super::hdf5::{Array, Extent, Group};
-use super::request::{Request, list};
+use crate::formats::hdf5::{Array, Extent, Group};
+use crate::formats::request::{Request, list};
 use glam::{DMat3, DVec3};
+use shared::{GridArray, GridStep, attributes, components, span};
 use std::collections::HashMap;
 use voltet_core::grid::Association;
 use voltet_core::{Error, Result, agreeing};
@@ -70,7 +74,8 @@ fn kind(group: &Group) -> Result<String> {
 /// Adds the pieces of a grid, which may be a block; false where that has no volume that is read.
 fn add(group: &Group, block: Option<usize>, request: &Request, dataset: &mut Dataset) -> Result<bool> {
     let kind = kind(group)?;
-    let pieces = match kind.as_str() {
+    let pieces: fn(&StepGrid) -> Result<Vec<Piece>> = match kind.as_str() {
+        adaptive::PATCHES | adaptive::TREES if block.is_none() => |_| Ok(Vec::new()),
         "UnstructuredGrid" => unstructured,
         "ImageData" => uniform,
         "StructuredGrid" => curvilinear,
@@ -81,6 +86,11 @@ fn add(group: &Group, block: Option<usize>, request: &Request, dataset: &mut Dat
     let step = GridStep::of_grid(group, request, dataset)?;
     if step.group.is_none() && dataset.time.is_none() {
         dataset.time = time(group)?;
+    }
+    match kind.as_str() {
+        adaptive::PATCHES => adaptive::add_patches(group, &step, request, dataset)?,
+        adaptive::TREES => adaptive::add_trees(group, &step, dataset)?,
+        _ => {}
     }
     let source = StepGrid { group, step, attributes: attributes(group, dataset)? };
     let blocks = CellBlocks::One(block.unwrap_or(0));
@@ -96,7 +106,7 @@ fn refusal(kind: &str) -> Error {
     match kind {
         "PolyData" => error.expected("cells with a volume: a surface has to be filled with them by a mesher (Gmsh, TetGen) first"),
         _ => error.expected(
-            "UnstructuredGrid, ImageData, StructuredGrid, RectilinearGrid, PartitionedDataSetCollection or MultiBlockDataSet",
+            "UnstructuredGrid, ImageData, StructuredGrid, RectilinearGrid, OverlappingAMR, HyperTreeGrid, PartitionedDataSetCollection or MultiBlockDataSet",
         ),
     }
 }
@@ -159,88 +169,11 @@ fn named_blocks(group: &Group) -> Result<Vec<(String, Group)>> {
     Ok(blocks.into_iter().map(named).collect())
 }
 
-/// The step of a grid that is read.
-struct GridStep {
-    /// `Steps`; `None` where the grid has none.
-    group: Option<Group>,
-    index: usize,
-}
-
-impl GridStep {
-    /// Notes the times of the first grid that has some as those of the data set.
-    fn of_grid(group: &Group, request: &Request, dataset: &mut Dataset) -> Result<GridStep> {
-        let Some(steps) = group.group("Steps")? else { return Ok(GridStep { group: None, index: 0 }) };
-        let times: Vec<f64> = steps.required_array("Values")?.numbers()?;
-        dataset.note_times(&times, "blocks").map_err(|error| error.at_item(steps.path()))?;
-        Ok(GridStep { index: request.step_index(&times)?, group: Some(steps) })
-    }
-
-    /// The number of this step in an array of one a step, or `otherwise`; `path`: of the array.
-    fn number(&self, path: &[&str], otherwise: u64) -> Result<u64> {
-        let (Some(mut group), Some((name, above))) = (self.group.clone(), path.split_last()) else {
-            return Ok(otherwise);
-        };
-        for name in above {
-            match group.group(name)? {
-                Some(below) => group = below,
-                None => return Ok(otherwise),
-            }
-        }
-        let Some(array) = group.array(name)? else { return Ok(otherwise) };
-        let numbers: Vec<u64> = array.numbers()?;
-        // Of several numbers a step the first is that of the grid's own cells.
-        let width = array.shape().get(1).map_or(1, |&width| width as usize);
-        let missing =
-            || Error::run("the array has no number for the step").got(numbers.len()).at_item(array.path());
-        self.index.checked_mul(width).and_then(|place| numbers.get(place)).copied().ok_or_else(missing)
-    }
-}
-
 /// A grid, its step and the arrays on it.
 struct StepGrid<'a> {
     group: &'a Group,
     step: GridStep,
     attributes: Vec<GridArray>,
-}
-
-/// An array of points or cells, and the name that the assembly of grids knows it by.
-type GridArray = (Association, Array, String);
-
-/// The arrays of points and cells. Notes which are marked as scalars and as global ids.
-fn attributes(group: &Group, dataset: &mut Dataset) -> Result<Vec<GridArray>> {
-    let mut attributes = Vec::new();
-    for (section, association) in [("PointData", Association::Point), ("CellData", Association::Cell)] {
-        let Some(section) = group.group(section)? else { continue };
-        let marked = |mark: &str| section.text(mark);
-        let (scalars, ids) = (marked("Scalars")?, marked("GlobalIds")?);
-        for array in section.arrays()? {
-            if !array.has_numbers() {
-                if !array.is_text() {
-                    dataset
-                        .warnings
-                        .push(format!("The array '{}' is left out: its type is not read.", array.name()));
-                }
-                continue;
-            }
-            // Since version 2.6 arrays bear the mark themselves.
-            let mark = array.text_attribute("Attribute")?;
-            let is_marked = |name: &str, of_section: &Option<String>| {
-                mark.as_deref() == Some(name) || of_section.as_deref() == Some(array.name())
-            };
-            if dataset.active_scalars.is_none() && is_marked("Scalars", &scalars) {
-                dataset.active_scalars = Some(array.name().to_owned());
-            }
-            if association == Association::Point
-                && dataset.global_ids.is_none()
-                && is_marked("GlobalIds", &ids)
-            {
-                dataset.global_ids = Some(array.name().to_owned());
-            }
-            let name = if mark.as_deref() == Some(DEGREES) { DEGREES } else { array.name() }.to_owned();
-            attributes.push((association, array, name));
-        }
-    }
-    Ok(attributes)
 }
 
 /// Numbers of each partition.
@@ -254,11 +187,6 @@ struct Counts {
 fn sum(counts: &[u64]) -> Result<u64> {
     let sum = counts.iter().try_fold(0_u64, |sum, &count| sum.checked_add(count));
     sum.ok_or_else(|| Error::run("the numbers of the partitions are damaged").got("a sum beyond 64 bits"))
-}
-
-/// Numbers from `from` on, `count` of them.
-fn span(from: u64, count: u64) -> std::ops::Range<u64> {
-    from..from.saturating_add(count)
 }
 
 fn unstructured(source: &StepGrid) -> Result<Vec<Piece>> {
@@ -343,21 +271,6 @@ fn unstructured(source: &StepGrid) -> Result<Vec<Piece>> {
         }
     }
     Ok(pieces)
-}
-
-/// Numbers of an array beyond its first axes.
-fn components(array: &Array, axes: usize) -> Result<usize> {
-    let count = array
-        .shape()
-        .get(axes..)
-        .unwrap_or(&[])
-        .iter()
-        .try_fold(1_usize, |product, &n| product.checked_mul(usize::try_from(n).ok()?));
-    count.filter(|&count| count > 0).ok_or_else(|| {
-        Error::run("the dataset has the wrong shape")
-            .got(format_args!("{:?}", array.shape()))
-            .at_item(array.path())
-    })
 }
 
 /// Faces of polyhedra: the points of each face, and the faces of each cell.

@@ -1,0 +1,249 @@
+//! Adaptive mesh refinement in patches: boxes of equal cells, of several levels, of which the finer ones lie over the coarser.
+//!
+//! The size of its cells tells the level of a box. Cells of a box that lie under a finer box are left out, so that each place belongs to
+//! one cell. Finer boxes begin and end with cells of the coarser levels.
+
+use super::adaptive::{self, BoxPoints, Part};
+use super::contents::{Compute, Dataset, Encoding, GHOST_TYPE, PieceArray, Stored};
+use super::lattice::{Axis, LatticeBox};
+use glam::DVec3;
+use std::sync::Arc;
+use voltet_core::grid::Association;
+use voltet_core::{Error, Result, counted};
+
+/// A box of equal cells.
+pub(super) struct Patch {
+    /// Number and name of its block.
+    pub block: usize,
+    pub name: String,
+    /// Low corner, world units.
+    pub origin: DVec3,
+    pub spacing: DVec3,
+    /// Cells along each axis.
+    pub cells: [u64; 3],
+    pub arrays: Vec<PieceArray>,
+}
+
+impl Patch {
+    /// Errors: it has no volume, is of a damaged size, or larger than its file can hold.
+    pub fn checked(self) -> Result<Patch> {
+        self.check().map_err(|error| error.at_item(&self.name))?;
+        Ok(self)
+    }
+
+    fn has_flags(&self) -> bool {
+        self.arrays.iter().any(is_flags)
+    }
+
+    fn check(&self) -> Result<()> {
+        let Patch { origin, spacing, cells, arrays, .. } = self;
+        if cells.contains(&0) {
+            let error =
+                Error::run("the file holds no three-dimensional cells, so there is no volume to draw");
+            return Err(error.got("a patch without thickness").expected("patches of cells with a volume"));
+        }
+        if !(spacing.is_finite() && spacing.min_element() > 0.0 && origin.is_finite()) {
+            let error = Error::run("the place or the size of the cells is damaged");
+            return Err(error
+                .got(format_args!("origin {origin}, spacing {spacing}"))
+                .expected("a positive spacing"));
+        }
+        let count = cells.iter().try_fold(1_u64, |product, &n| product.checked_mul(n));
+        if count.is_none_or(|count| count > u64::from(u32::MAX / 8)) {
+            return Err(Error::run("the patch cannot be that large").got(format_args!("{cells:?} cells")));
+        }
+        // The cells are believed once an array may have values for them.
+        if arrays.is_empty() {
+            return Err(Error::run("the patch holds no arrays").expected("values of its cells or points"));
+        }
+        arrays.iter().try_for_each(|array| array.stored.check_backing())
+    }
+}
+
+/// A patch on the lattice of the finest cells.
+struct LatticePatch {
+    low: [u32; 3],
+    end: [u32; 3],
+    size: u32,
+}
+
+/// Part of a cell by which the cells of patches may differ in place or size: positions of 32 bits, over thousands of cells.
+const MAX_OFFSET: f64 = 1e-3;
+
+/// Cell flags of ghosts, of cells under finer ones, and of hidden cells (vtkDataSetAttributes).
+const DUPLICATE_CELL: u8 = 1;
+const REFINED_CELL: u8 = 8;
+const HIDDEN_CELL: u8 = 32;
+
+/// Use of the flags of cells.
+#[derive(Clone, Copy)]
+struct FlagOptions {
+    /// True if all patches of the file are read.
+    is_whole: bool,
+    /// True if a patch has flags.
+    has_flags: bool,
+}
+
+/// Adds the cells of patches as a piece. `is_whole`: the patches are all of the file; else its flags of cells under finer ones, which may
+/// not be read, are passed over.
+pub(super) fn add(dataset: &mut Dataset, patches: Vec<Patch>, is_whole: bool) -> Result<()> {
+    let (placed, axes) = place(&patches)?;
+    let options = FlagOptions { is_whole, has_flags: patches.iter().any(Patch::has_flags) };
+    let mut covered_count = 0;
+    let mut parts = Vec::new();
+    for (patch, own) in patches.iter().zip(&placed) {
+        let covered = covered(own, &placed).map_err(|error| error.at_item(&patch.name))?;
+        let before = parts.len();
+        parts.extend(part(patch, own, &covered, options));
+        let left: usize = parts[before..].iter().map(|part| part.tuples.len()).sum();
+        covered_count += patch.cells.iter().product::<u64>() - left as u64;
+    }
+    if covered_count > 0 {
+        dataset.notes.push(format!("{} under finer ones, left out", counted(covered_count, "cell")));
+    }
+    adaptive::add(dataset, axes, parts)
+}
+
+/// Places patches on the lattice of the finest cells, and makes its axes.
+fn place(patches: &[Patch]) -> Result<(Vec<LatticePatch>, [Axis; 3])> {
+    let by_size = |a: &&Patch, b: &&Patch| a.spacing.x.total_cmp(&b.spacing.x);
+    let (finest, coarsest) = (patches.iter().min_by(by_size), patches.iter().max_by(by_size));
+    let Some((finest, coarsest)) = finest.zip(coarsest) else {
+        return Err(Error::run("the adaptive grid holds no patches"));
+    };
+    let step = finest.spacing;
+    // Low corner in lattice cells from that of a coarsest patch, and the size of the cells.
+    let on_lattice = |patch: &Patch| -> Option<([i64; 3], i64)> {
+        let (size, low) = (patch.spacing / step, (patch.origin - coarsest.origin) / step);
+        let is_near = |exact: DVec3| (exact - exact.round()).abs().max_element() < MAX_OFFSET * size.x;
+        let fits = is_near(size) && is_near(low) && low.abs().max_element() < f64::from(u32::MAX);
+        let size = size.round();
+        let low = low.round().to_array().map(|low| low as i64);
+        let is_level = size == DVec3::splat(size.x) && low.iter().all(|low| low % size.x as i64 == 0);
+        (fits && size.x < f64::from(u32::MAX) && is_level).then_some((low, size.x as i64))
+    };
+    let mut lows = Vec::new();
+    for patch in patches {
+        let off = || {
+            let error = Error::run("the patches do not lie on one lattice").at_item(&patch.name);
+            error
+                .got(format_args!("a corner at {} and cells of {}", patch.origin, patch.spacing))
+                .expected(format_args!(
+                    "whole multiples of the finest cells, {step}, and of its own, from the corner {} of '{}' on",
+                    coarsest.origin, coarsest.name
+                ))
+        };
+        lows.push(on_lattice(patch).ok_or_else(off)?);
+    }
+    let greatest = lows.iter().map(|own| own.1).max().unwrap_or(1);
+    let first: [i64; 3] = std::array::from_fn(|axis| {
+        let low = lows.iter().map(|own| own.0[axis]).min().unwrap_or(0);
+        low.div_euclid(greatest) * greatest
+    });
+    let mut placed = Vec::new();
+    for (patch, (low, size)) in patches.iter().zip(&lows) {
+        let low: [i64; 3] = std::array::from_fn(|axis| low[axis] - first[axis]);
+        let end =
+            |axis: usize| i64::try_from(patch.cells[axis]).ok()?.checked_mul(*size)?.checked_add(low[axis]);
+        let end = [end(0), end(1), end(2)].map(|end| end.and_then(|end| u32::try_from(end).ok()));
+        let ([Some(x), Some(y), Some(z)], Ok(size)) = (end, u32::try_from(*size)) else {
+            let error =
+                Error::run("the lattice of the finest cells cannot be that large").at_item(&patch.name);
+            return Err(error.expected(format_args!("at most {} along an axis", u32::MAX)));
+        };
+        placed.push(LatticePatch { low: low.map(|low| low as u32), end: [x, y, z], size });
+    }
+    let axis = |axis: usize| {
+        let parts = placed.iter().map(|own| own.end[axis]).max().unwrap_or(1);
+        let at = |index: i64| coarsest.origin[axis] + step[axis] * index as f64;
+        Axis { coordinates: vec![at(first[axis]), at(first[axis] + i64::from(parts))], parts }
+    };
+    let axes = [axis(0), axis(1), axis(2)];
+    Ok((placed, axes))
+}
+
+/// For each cell of a patch: true where a finer patch lies over it; empty where none does.
+///
+/// Errors: a finer patch begins or ends within a cell.
+fn covered(own: &LatticePatch, all: &[LatticePatch]) -> Result<Vec<bool>> {
+    let cells: [usize; 3] = std::array::from_fn(|axis| ((own.end[axis] - own.low[axis]) / own.size) as usize);
+    let mut covered = Vec::new();
+    for finer in all.iter().filter(|other| other.size < own.size) {
+        let low: [u32; 3] = std::array::from_fn(|axis| finer.low[axis].max(own.low[axis]));
+        let end: [u32; 3] = std::array::from_fn(|axis| finer.end[axis].min(own.end[axis]));
+        if (0..3).any(|axis| low[axis] >= end[axis]) {
+            continue;
+        }
+        if low.iter().chain(&end).any(|index| index % own.size != 0) {
+            let error = Error::run("a finer patch begins or ends within a cell of a coarser one");
+            return Err(error.expected("finer patches over whole cells"));
+        }
+        covered.resize(cells.iter().product(), false);
+        let range = |axis: usize| {
+            let of_cells = |index: u32| ((index - own.low[axis]) / own.size) as usize;
+            of_cells(low[axis])..of_cells(end[axis])
+        };
+        for k in range(2) {
+            for j in range(1) {
+                let row = cells[0] * (j + cells[1] * k);
+                covered[row..][range(0)].fill(true);
+            }
+        }
+    }
+    Ok(covered)
+}
+
+/// The cells of a patch that are not covered; `None` where all are.
+fn part(patch: &Patch, own: &LatticePatch, covered: &[bool], options: FlagOptions) -> Option<Part> {
+    let [nx, ny, nz] = patch.cells.map(|n| n as u32);
+    let count = nx * ny * nz;
+    let is_own = |&cell: &u32| covered.get(cell as usize) != Some(&true);
+    let tuples: Vec<u32> = (0..count).filter(is_own).collect();
+    if tuples.is_empty() {
+        return None;
+    }
+    let lattice_box = |&cell: &u32| {
+        let index = [cell % nx, cell / nx % ny, cell / nx / ny];
+        LatticeBox { low: std::array::from_fn(|axis| own.low[axis] + own.size * index[axis]), size: own.size }
+    };
+    let mut arrays: Vec<PieceArray> =
+        patch.arrays.iter().map(|array| shown(array, options.is_whole)).collect();
+    if options.has_flags && !patch.has_flags() {
+        arrays.extend(patch.arrays.first().map(|array| no_flags(&array.stored, count as usize)));
+    }
+    Some(Part {
+        block: patch.block,
+        boxes: tuples.iter().map(lattice_box).collect(),
+        tuples,
+        points: BoxPoints { low: own.low, size: own.size, dimensions: [nx + 1, ny + 1, nz + 1] },
+        arrays,
+    })
+}
+
+/// True for the flags of cells.
+fn is_flags(array: &PieceArray) -> bool {
+    array.association == Association::Cell && array.stored.name == GHOST_TYPE
+}
+
+/// Flags of a patch of a file in which others have some; `other`: an array of the patch.
+fn no_flags(other: &Stored, count: usize) -> PieceArray {
+    let compute: Compute = Arc::new(move |_| Ok(vec![0.0; count]));
+    let stored = Stored::of_f64(&other.source, GHOST_TYPE, 1, count as u64, Encoding::Computed(compute));
+    PieceArray::new(Association::Cell, stored)
+}
+
+/// An array; flags of cells as they hold for patches: ghosts are hidden, for another patch has their originals.
+fn shown(array: &PieceArray, is_whole: bool) -> PieceArray {
+    if !is_flags(array) {
+        return array.clone();
+    }
+    let (stored, flags) = (array.stored.clone(), array.stored.clone());
+    let compute: Compute = Arc::new(move |meter| {
+        let flag = |flags: u8| {
+            let hidden = if flags & DUPLICATE_CELL != 0 { HIDDEN_CELL } else { 0 };
+            f64::from(hidden | flags & if is_whole { u8::MAX } else { !REFINED_CELL })
+        };
+        Ok(flags.load::<u8>(meter)?.into_iter().map(flag).collect())
+    });
+    PieceArray::new(Association::Cell, Stored { encoding: Encoding::Computed(compute), ..stored })
+}
