@@ -216,6 +216,41 @@ fn an_array_whose_name_a_format_does_not_take_is_renamed_and_said() {
 }
 
 #[test]
+fn cells_that_several_pieces_hold_are_written_once() {
+    let folder = Folder::new();
+    // Two tetrahedra with a common face; each piece has the other's as a ghost.
+    for (name, ghosts, value) in [("a.vtu", "0 1", "5 9"), ("b.vtu", "1 0", "9 6")] {
+        let cells = format!(
+            "<CellData><DataArray type=\"UInt8\" Name=\"vtkGhostType\">{ghosts}</DataArray>\
+             <DataArray type=\"Float32\" Name=\"c\">{value}</DataArray></CellData>"
+        );
+        folder.write(
+            name,
+            format!(
+                "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece NumberOfPoints=\"5\" NumberOfCells=\"2\">{cells}\
+                 <Points><DataArray type=\"Float64\" NumberOfComponents=\"3\">0 0 0 1 0 0 0 1 0 0 0 1 1 1 1</DataArray></Points>\
+                 <Cells><DataArray type=\"Int64\" Name=\"connectivity\">0 1 2 3 1 2 3 4</DataArray>\
+                 <DataArray type=\"Int64\" Name=\"offsets\">4 8</DataArray>\
+                 <DataArray type=\"UInt8\" Name=\"types\">10 10</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>"
+            ),
+        );
+    }
+    folder.write(
+        "all.pvtu",
+        "<VTKFile type=\"PUnstructuredGrid\"><PUnstructuredGrid GhostLevel=\"1\"><PCellData>\
+         <PDataArray type=\"UInt8\" Name=\"vtkGhostType\"/><PDataArray type=\"Float32\" Name=\"c\"/></PCellData>\
+         <PPoints><PDataArray type=\"Float64\" NumberOfComponents=\"3\"/></PPoints>\
+         <Piece Source=\"a.vtu\"/><Piece Source=\"b.vtu\"/></PUnstructuredGrid></VTKFile>",
+    );
+    let ran = folder.voltet(&["convert", "all.pvtu", "all.vtkhdf"]).ok();
+    assert!(ran.stdout.contains("5 points, 2 cells, 1 array"), "{}", ran.stdout);
+    assert!(ran.stdout.contains("  2 ghost cells of pieces, whose originals are written"), "{}", ran.stdout);
+    assert_eq!(*grid(&folder, "all.vtkhdf", &[], &["c"]).cell_arrays["c"].values, [5.0, 6.0]);
+    let shown = folder.voltet(&["info", "all.vtkhdf"]).ok().stdout;
+    assert!(!shown.contains("ghost"), "{shown}");
+}
+
+#[test]
 fn damaged_cells_are_refused_also_those_that_no_picture_shows() {
     let folder = Folder::new();
     for (from, to, wanted) in [

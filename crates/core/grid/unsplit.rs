@@ -1,7 +1,9 @@
 //! Grids of a file's own cells alone, to write them in another format: no tetrahedra are made, and every point and value stays as it is.
+//! Of cells that several pieces hold, the owner's is left.
 
 use super::cell_types::code;
-use super::parts::{CellSet, Cells, FileCells, RawGrid};
+use super::cell_values::gather;
+use super::parts::{CellSet, Cells, FileCells, OWNED, Polyhedron, RawGrid, as_given};
 use super::polyhedra::Polyhedra;
 use super::source::Source;
 use super::{Array, Grid};
@@ -38,7 +40,9 @@ pub(super) fn unsplit(mut parts: RawGrid) -> Result<Grid> {
     if let Cells::Mixed(set) = &parts.cells {
         check_polyhedra(set, &source.polyhedra)?;
     }
+    drop(source);
     let mut origin = std::mem::take(&mut parts.origin);
+    origin.cells_ghost = drop_owned_ghosts(&mut parts);
     origin.cells_by_type = counts(&parts.cells);
     let shared = |arrays: BTreeMap<String, Array>| {
         arrays.into_iter().map(|(name, array)| (name, Arc::new(array))).collect()
@@ -52,12 +56,59 @@ pub(super) fn unsplit(mut parts: RawGrid) -> Result<Grid> {
             points: parts.points,
             numbers: None,
             joined_points: parts.joined_points,
-            ghost: parts.ghost.map(|flags| flags.into_iter().map(super::parts::as_given).collect()),
+            ghost: parts.ghost.map(|flags| flags.into_iter().map(as_given).collect()),
             degrees: parts.degrees,
         })),
         origin: Arc::new(origin),
         ..Grid::default()
     })
+}
+
+/// Leaves out the ghost cells whose originals are there; gives their number.
+fn drop_owned_ghosts(parts: &mut RawGrid) -> u64 {
+    let Some(ghost) = &mut parts.ghost else { return 0 };
+    let kept: Vec<u32> = (0..ghost.len() as u32).filter(|&cell| ghost[cell as usize] & OWNED == 0).collect();
+    let count = (ghost.len() - kept.len()) as u64;
+    if count == 0 {
+        return 0;
+    }
+    *ghost = kept.iter().map(|&cell| ghost[cell as usize]).collect();
+    if ghost.iter().all(|&flags| flags == 0) {
+        parts.ghost = None;
+    }
+    match &mut parts.cells {
+        Cells::Tetrahedra(own) => *own = kept.iter().map(|&cell| own[cell as usize]).collect(),
+        Cells::Mixed(set) => *set = subset(set, &kept),
+        // Pieces of structured grids have become sets.
+        Cells::Structured(_) => {}
+    }
+    if let Some(degrees) = &mut parts.degrees {
+        *degrees = kept.iter().map(|&cell| degrees[cell as usize]).collect();
+    }
+    for Array { component_count, values } in parts.kept_cell_arrays.values_mut() {
+        *values = gather(values, *component_count, &kept).into();
+    }
+    count
+}
+
+/// Some of the cells, by their numbers in ascending order.
+fn subset(set: &CellSet, kept: &[u32]) -> CellSet {
+    let mut some = CellSet { offsets: vec![0], ..CellSet::default() };
+    for cell in kept.iter().map(|&cell| cell as usize) {
+        let corners = set.offsets[cell] as usize..set.offsets[cell + 1] as usize;
+        some.connectivity.extend_from_slice(&set.connectivity[corners]);
+        some.types.push(set.types[cell]);
+        some.offsets.push(some.connectivity.len() as u64);
+    }
+    some.polyhedra = set
+        .polyhedra
+        .iter()
+        .filter_map(|polyhedron| {
+            let cell = kept.binary_search(&polyhedron.cell).ok()? as u32;
+            Some(Polyhedron { cell, faces: polyhedron.faces.clone() })
+        })
+        .collect();
+    some
 }
 
 /// Refuses polyhedra without faces, and faces of cells that are none.

@@ -31,18 +31,27 @@ pub fn convert(arguments: &Convert, registry: &Registry) -> Outcome {
     refuse_losses(arguments, &outputs)?;
     let streams = outputs.iter().any(|output| is_standard_output(&output.path));
     let bar = Bar::new(arguments.quiet);
+    let mut ghost_count = 0;
     for output in &outputs {
         let pipeline = pipeline(arguments, &request, &written, output);
         let report = run(&pipeline, registry, &bar);
         bar.clear();
         let report = report?;
+        ghost_count = ghost_count.max(report.counts.get("cells_ghost").copied().unwrap_or(0));
         if !arguments.quiet {
             say(&warnings(&without_nodes(&report.warnings), 0));
             tell(&summary(&report, output, &outline), streams)?;
         }
     }
     if !arguments.quiet {
-        tell(&not_written(arguments, &outline, &written, &left, &outputs), streams)?;
+        let mut lines = not_written(arguments, &outline, &written, &left, &outputs);
+        if ghost_count > 0 {
+            lines.push(format!(
+                "{} of pieces, whose originals are written",
+                grouped(ghost_count, "ghost cell")
+            ));
+        }
+        tell(&listed(&lines, outputs.len()), streams)?;
     }
     Ok(DONE)
 }
@@ -219,13 +228,22 @@ fn summary(report: &RunReport, output: &Output, outline: &Outline) -> String {
 }
 
 /// A list of what the written files do not hold; nothing where they hold everything.
+fn listed(lines: &[String], file_count: usize) -> String {
+    if lines.is_empty() {
+        return String::new();
+    }
+    let lines: String = lines.iter().map(|line| format!("  {}\n", name(line))).collect();
+    format!("not in {}\n{lines}", agreeing(&file_count, "the new file", "the new files"))
+}
+
+/// Lines about contents of the data file that the written files do not hold.
 fn not_written(
     arguments: &Convert,
     outline: &Outline,
     written: &[&FileArray],
     left: &[&FileArray],
     outputs: &[Output],
-) -> String {
+) -> Vec<String> {
     let mut lines = Vec::new();
     if !left.is_empty() {
         let (arrays, names) = (counted(left.len(), "array"), names(left.iter().map(|array| &*array.name)));
@@ -264,11 +282,7 @@ fn not_written(
             steps
         ));
     }
-    if lines.is_empty() {
-        return String::new();
-    }
-    let lines: String = lines.iter().map(|line| format!("  {}\n", name(line))).collect();
-    format!("not in {}\n{lines}", agreeing(&outputs.len(), "the new file", "the new files"))
+    lines
 }
 
 /// Names in quotes, each once, shortened where there are many.
