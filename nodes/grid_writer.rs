@@ -1,22 +1,25 @@
-//! `grid-writer`: the grid with what was computed of it, as a VTK file, on the cells of the file that it came from.
+//! `grid-writer`: the grid with what was computed of it, as a file of VTK or VTKHDF, on the cells of the file that it came from.
 
 use crate::drawing::Culled;
 use crate::files::{self, PATH};
+use std::io::{self, Write};
 use std::path::Path;
-use voltet_core::grid::Array;
-use voltet_core::progress::refuse_beyond_memory;
+use std::sync::Arc;
+use std::time::Instant;
+use voltet_core::grid::{Array, Grid};
+use voltet_core::progress::{Progress, refuse_beyond_memory};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result, agreeing, counted};
 use voltet_graph::{
     DefaultValue, Demand, DemandContext, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType,
     RunContext, suggest,
 };
-use voltet_io::vtu::{self, Contents, Precision, Role};
+use voltet_io::grids::{Contents, GridFormat, Precision, Role};
 
 /// The declaration.
 pub const NODE: Node = Node {
     name: "grid-writer",
-    summary: "Writes the grid with what was computed of it as .vtu: gradient, culled cells, bands, arrays of the file.",
+    summary: "Writes the grid with what was computed of it as .vtu or .vtkhdf: gradient, culled cells, bands, arrays of the file.",
     inputs: &[Port { name: "volume", port_type: PortType::Volume, summary: "the points and their values" }],
     optional_inputs: &[
         Port {
@@ -31,7 +34,7 @@ pub const NODE: Node = Node {
         },
     ],
     parameters: &[
-        Parameter { help: "the file, .vtu; \"-\": the standard output", ..PATH },
+        Parameter { help: "the file, .vtu or .vtkhdf; \"-\": the standard output, as .vtu", ..PATH },
         Parameter {
             name: "arrays",
             parameter_type: ParameterType::Texts,
@@ -79,11 +82,11 @@ pub const NODE: Node = Node {
             parameter_type: ParameterType::Choice(&[("none", "none"), ("zlib", "zlib, as VTK's own writer")]),
             unit: "",
             default: DefaultValue::Text("none"),
-            help: "of the arrays",
+            help: "of the arrays of a .vtu",
         },
     ],
     example: include_str!("examples/grid_writer.toml"),
-    check: &|parameters| wanted(parameters).and_then(|_| refuse_ending(parameters)),
+    check: &|parameters| wanted(parameters).and_then(|_| format(parameters)).map(drop),
     demand: &demand,
     prepare: &files::prepare,
     run: &run,
@@ -117,17 +120,30 @@ fn wanted(p: &Parameters) -> Result<Option<Vec<String>>> {
     }
 }
 
-fn refuse_ending(p: &Parameters) -> Result<()> {
+/// The format that the path's ending means.
+///
+/// Errors: it means none; compression that the format has not.
+fn format(p: &Parameters) -> Result<GridFormat> {
     let path = p.text("path")?;
     let ending = Path::new(path).extension().map(|e| e.to_string_lossy().to_lowercase());
-    match ending.as_deref() {
-        Some("vtu") => Ok(()),
-        None if files::is_stream(path) => Ok(()),
-        _ => Err(p
-            .error("path", "the grid is written as a VTK file of an unstructured grid")
-            .got(path)
-            .expected("a path that ends in .vtu")),
+    let format = match ending.as_deref() {
+        None if files::is_stream(path) => Some(GridFormat::ALL[0]),
+        ending => GridFormat::ALL.into_iter().find(|format| ending == Some(format.ending())),
+    };
+    let Some(format) = format else {
+        let endings = GridFormat::ALL.map(|format| format!(".{}", format.ending())).join(" or ");
+        let error = p.error("path", "the path does not say a format that grids are written in").got(path);
+        return Err(error.expected(format!("a path that ends in {endings}")));
+    };
+    if is_compressed(p)? && !format.can_compress() {
+        let error = p.error("compression", "arrays are not compressed in this format").got(path);
+        return Err(error.expected("a path that ends in .vtu, or compression = \"none\""));
     }
+    Ok(format)
+}
+
+fn is_compressed(p: &Parameters) -> Result<bool> {
+    Ok(p.text("compression")? == "zlib")
 }
 
 /// The names that a parameter lists; none where it is not given.
@@ -154,12 +170,18 @@ fn demand(asking: &mut DemandContext) -> Result<()> {
             }));
         }
     }
+    let file_cells = p.text("cells")? != "tetrahedra";
+    let [gradient_magnitude, gradient] = ["gradient-magnitude", "gradient"].map(|word| wants(word, given));
+    let without_scalar = !(wants("scalar", true) || gradient_magnitude || gradient);
+    let has_tetrahedra_values = asking.fed_by("cells")?.is_some() || asking.fed_by("cell_values")?.is_some();
     let demand = Demand {
         arrays: names(p, "point_arrays")?.into_iter().collect(),
         cell_arrays: names(p, "cell_arrays")?.into_iter().collect(),
-        gradient_magnitude: wants("gradient-magnitude", given),
-        gradient: wants("gradient", given),
-        file_cells: p.text("cells")? != "tetrahedra",
+        gradient_magnitude,
+        gradient,
+        without_scalar,
+        file_cells,
+        without_tetrahedra: file_cells && without_scalar && !has_tetrahedra_values,
         ..Demand::default()
     };
     let cell_values = wants("cell-values", true);
@@ -168,35 +190,85 @@ fn demand(asking: &mut DemandContext) -> Result<()> {
     asking.ask("cell_values", &Demand { cell_values, ..Demand::default() })
 }
 
-fn run(call: &mut RunContext) -> Result<Outputs> {
-    let volume = call.volume("volume")?;
-    let contents = contents(call, &volume)?;
-    let bytes = vtu::encoding_bytes(&contents);
-    let [points, cells] = [contents.points.len(), contents.cells.types.len()];
-    let what = || format!("writing {} and {}", counted(points, "point"), counted(cells, "cell"));
-    refuse_beyond_memory(call.progress(), what, bytes)?;
-    let precision = match call.parameters.text("precision")? {
-        "single" => Precision::Single,
-        "double" => Precision::Double,
-        _ => Precision::Lossless,
-    };
-    let compress = call.parameters.text("compression")? == "zlib";
-    let arrays = contents.point_arrays.len() + contents.cell_arrays.len();
-    call.notes.counts.insert("arrays_written", arrays as u64);
-    let encoded = call.stage("encode", |_| vtu::encode(contents, precision, compress))?;
-    if compress && !encoded.compressed {
-        let why = "not compressed: an array fills whole blocks of 32,768 bytes, which the library that writes gets wrong";
-        call.notes.warnings.push(why.into());
+/// A volume, or a grid without a scalar.
+enum Written {
+    Volume(Arc<Volume>),
+    Grid(Arc<Grid>),
+}
+
+impl Written {
+    fn grid(&self) -> &Grid {
+        match self {
+            Written::Volume(volume) => &volume.grid,
+            Written::Grid(grid) => grid,
+        }
     }
-    files::write(call, &encoded.bytes)?;
+}
+
+fn run(call: &mut RunContext) -> Result<Outputs> {
+    let of_scalar = ["scalar", "gradient-magnitude", "gradient"];
+    let needs_scalar =
+        wanted(call.parameters)?.is_some_and(|words| words.iter().any(|word| of_scalar.contains(&&**word)));
+    let written = match call.volume("volume") {
+        Ok(volume) => Written::Volume(volume),
+        Err(error) if needs_scalar => return Err(error),
+        Err(_) => Written::Grid(call.grid("volume")?),
+    };
+    let contents = contents(call, &written)?;
+    let (format, is_compressed) = (format(call.parameters)?, is_compressed(call.parameters)?);
+    if is_compressed {
+        // Its blocks are written behind their sizes.
+        let bytes = contents.largest_array_bytes();
+        refuse_beyond_memory(call.progress(), || "compressing the largest array".into(), bytes)?;
+    }
+    for name in contents.array_names().filter(|name| format.array_name(name) != *name) {
+        let warning = format!("the array '{name}' is called '{}' in the file", format.array_name(name));
+        call.notes.warnings.push(warning);
+    }
+    for (name, count) in [
+        ("points_written", contents.point_count()),
+        ("cells_written", contents.cell_count()),
+        ("arrays_written", contents.array_count()),
+    ] {
+        call.notes.counts.insert(name, count as u64);
+    }
+    let start = Instant::now();
+    files::write_parts(call, &mut |progress, out| {
+        let byte_count = contents.byte_count() as f64;
+        format.write(&contents, is_compressed, &mut Watched { out, progress, byte_count, written: 0.0 })
+    })?;
+    call.notes.stages.push(("write".into(), start.elapsed().as_secs_f64()));
     Ok(Vec::new())
 }
 
+/// An output whose progress is reported, and that ends with an error where a stop was asked for.
+struct Watched<'a> {
+    out: &'a mut dyn Write,
+    progress: &'a dyn Progress,
+    /// Bytes of the arrays.
+    byte_count: f64,
+    /// Bytes written so far.
+    written: f64,
+}
+
+impl Write for Watched<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.progress.check_cancelled().map_err(io::Error::other)?;
+        let count = self.out.write(bytes)?;
+        self.written += count as f64;
+        self.progress.report("writing", (self.written / self.byte_count).min(1.0));
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
 /// Contents of the file.
-fn contents<'a>(call: &mut RunContext, volume: &'a Volume) -> Result<Contents<'a>> {
+fn contents<'a>(call: &mut RunContext, written: &'a Written) -> Result<Contents<'a>> {
     let p = call.parameters;
-    let wanted = wanted(p)?;
-    let grid = &*volume.grid;
+    let grid = written.grid();
     let file = match (p.text("cells")?, &grid.file_cells) {
         ("tetrahedra", _) | ("auto", None) => None,
         (_, Some(file)) => Some(&**file),
@@ -206,7 +278,30 @@ fn contents<'a>(call: &mut RunContext, volume: &'a Volume) -> Result<Contents<'a
             return Err(p.error("cells", why).expected("cells = \"tetrahedra\", or \"auto\""));
         }
     };
-    let mut contents = Contents::new(grid, file);
+    let precision = match p.text("precision")? {
+        "single" => Precision::Single,
+        "double" => Precision::Double,
+        _ => Precision::Lossless,
+    };
+    let mut contents = Contents::new(grid, file, precision);
+    if let Written::Volume(volume) = written {
+        add_quantities(p, volume, &mut contents)?;
+    }
+    add_arrays(p, grid, &mut contents)?;
+    add_of_tetrahedra(call, grid, &mut contents)?;
+    let without = contents.points_without_values();
+    if without > 0 {
+        let of = counted(contents.point_count(), "point");
+        let (belong, their) = (agreeing(&without, "belongs", "belong"), agreeing(&without, "its", "their"));
+        let why = format!("{belong} to no cell with a volume; {their} values are written as nan");
+        call.notes.warnings.push(format!("{without} of {of} {why}"));
+    }
+    Ok(contents)
+}
+
+/// Adds the scalar and its gradient.
+fn add_quantities<'a>(p: &Parameters, volume: &'a Volume, contents: &mut Contents<'a>) -> Result<()> {
+    let wanted = wanted(p)?;
     let wants = |word: &str| wanted.as_ref().is_none_or(|words| words.iter().any(|w| w == word));
     let missing = |word: &str, what: &str| -> Result<()> {
         match wanted.is_some() && wants(word) {
@@ -216,41 +311,52 @@ fn contents<'a>(call: &mut RunContext, volume: &'a Volume) -> Result<Contents<'a
             false => Ok(()),
         }
     };
-    let name = &grid.scalar_name;
+    let name = &volume.grid.scalar_name;
     if wants("scalar") {
-        contents.add_point_values(name, Role::Scalar, &volume.scalar, 1);
+        contents.add_point_values(name, Role::Scalar, &volume.scalar[..], 1);
     }
     match &volume.gradient_magnitude {
         Some(g) if wants("gradient-magnitude") => {
-            contents.add_point_values(&format!("{name}_gradient_magnitude"), Role::Plain, g, 1);
+            contents.add_point_values(&format!("{name}_gradient_magnitude"), Role::Plain, &g[..], 1);
         }
         Some(_) => {}
         None => missing("gradient-magnitude", "gradient magnitude")?,
     }
     match &volume.gradient {
         Some(gradient) if wants("gradient") => {
-            let vectors: Vec<f64> = gradient.iter().flat_map(|v| v.to_array()).collect();
-            contents.add_point_values(&format!("{name}_gradient"), Role::Vectors, &vectors, 3);
+            let vectors = bytemuck::cast_slice::<_, f64>(gradient.as_slice());
+            contents.add_point_values(&format!("{name}_gradient"), Role::Vectors, vectors, 3);
         }
         Some(_) => {}
         None => missing("gradient", "gradient")?,
     }
+    Ok(())
+}
+
+/// Adds the arrays of points and cells.
+fn add_arrays<'a>(p: &Parameters, grid: &'a Grid, contents: &mut Contents<'a>) -> Result<()> {
     let asked = |parameter: &str| -> Result<Option<Vec<String>>> {
         p.optional(parameter).is_some().then(|| names(p, parameter)).transpose()
     };
     let listed = |names: &Option<Vec<String>>, name: &String| names.as_ref().is_none_or(|n| n.contains(name));
     let points = asked("point_arrays")?;
-    let written: Vec<String> = contents.point_arrays.iter().map(|array| array.name.clone()).collect();
     for (name, array) in grid.point_arrays.iter().filter(|(name, _)| listed(&points, name)) {
         // The scalar may have been asked for twice.
-        if !written.contains(name) {
+        if !contents.has_point_array(name) {
             let Array { component_count, values } = &**array;
-            contents.add_point_values(name, Role::Plain, values, *component_count);
+            contents.add_point_values(name, Role::Plain, &values[..], *component_count);
         }
     }
     let cells = asked("cell_arrays")?;
-    let cell_arrays = grid.cell_arrays.iter().filter(|(name, _)| listed(&cells, name));
-    contents.add_cell_arrays(cell_arrays);
+    contents.add_cell_arrays(grid.cell_arrays.iter().filter(|(name, _)| listed(&cells, name)));
+    Ok(())
+}
+
+/// Adds what other nodes found of the tetrahedra.
+fn add_of_tetrahedra(call: &RunContext, grid: &Grid, contents: &mut Contents) -> Result<()> {
+    let p = call.parameters;
+    let wanted = wanted(p)?;
+    let wants = |word: &str| wanted.as_ref().is_none_or(|words| words.iter().any(|w| w == word));
     if let Some(culled) = call.optional_cells::<Culled>("cells")?.filter(|_| wants("culled")) {
         let mut kept = vec![false; grid.tetrahedra.len()];
         refuse_other(p, "cells", culled.cells.volume.grid.tetrahedra.len(), kept.len())?;
@@ -263,14 +369,7 @@ fn contents<'a>(call: &mut RunContext, volume: &'a Volume) -> Result<Contents<'a
             contents.add_tetrahedra_values(name, numbers);
         }
     }
-    let without = contents.points_without_values();
-    if without > 0 {
-        let of = counted(contents.points.len(), "point");
-        let (belong, their) = (agreeing(&without, "belongs", "belong"), agreeing(&without, "its", "their"));
-        let why = format!("{belong} to no cell with a volume; {their} values are written as nan");
-        call.notes.warnings.push(format!("{without} of {of} {why}"));
-    }
-    Ok(contents)
+    Ok(())
 }
 
 /// An error where an input is of another grid.

@@ -147,6 +147,9 @@ pub(crate) fn run(call: &mut RunContext, chosen: Option<SelectedArrays>) -> Resu
     if !origin.arrays_unread.is_empty() {
         record_unread(&mut call.notes, &origin.arrays_unread, origin.values_unread);
     }
+    if grid.tetrahedra.is_empty() {
+        call.notes.record_skipped("tetrahedra", "the cells are written as they are", None);
+    }
     call.notes.counts.insert("arrays_decoded", origin.arrays_decoded);
     for (name, count) in [
         ("cells_not_finite", origin.cells_not_finite),
@@ -232,6 +235,7 @@ fn asked(
     request.origins = [&demand.arrays, &demand.cell_arrays].map(|arrays| arrays.origins.clone());
     request.without_scalar = demand.without_scalar;
     request.options.keep_cells = demand.file_cells;
+    request.options.without_tetrahedra = demand.file_cells && demand.without_tetrahedra;
     request.every_array = demand.arrays.and_all_others || demand.cell_arrays.and_all_others;
     if p.is_set("solution") {
         request.solution = Some(resolve(p.text("solution")?));

@@ -63,7 +63,7 @@ pub(crate) unsafe fn make(source: *const GridSource) -> Result<GridHandle> {
             0 => CellValues::Average,
             _ => CellValues::Constant,
         },
-        keep_cells: false,
+        ..Options::default()
     };
     let grid = build_grid(pieces, scalar, &options)?;
     if grid.scalar.is_none() {

@@ -7,7 +7,10 @@ mod file_identity;
 mod write;
 
 pub use file_identity::{FileIdentity, STDOUT, Use, collision, folder, is_standard_output, relative_to};
-pub use write::{end_now, is_waiting, refuse_unwritable, standard_output, unwritable_output, write_whole};
+pub use write::{
+    Content, end_now, is_waiting, refuse_unwritable, standard_output, unwritable_output, write_parts,
+    write_whole,
+};
 
 use std::path::{Path, PathBuf};
 

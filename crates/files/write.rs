@@ -5,7 +5,7 @@
 
 use crate::file_identity::{folder, followed, is_standard_output};
 use std::fs::{File, Metadata, OpenOptions};
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError, TryLockError};
@@ -37,14 +37,39 @@ pub fn refuse_unwritable(path: &Path) -> Result<()> {
 /// file that is there gives its permissions, and its owner where that is allowed. Devices and pipes are written as they
 /// are; [`crate::STDOUT`] is the standard output.
 pub fn write_whole(path: &Path, content: &[u8]) -> Result<()> {
+    write_parts(path, &mut |out| out.write_all(content))
+}
+
+/// Bytes that are collected before they are written.
+const BUFFER: usize = 1 << 18;
+
+/// Like [`write_whole`], for content that is made while it is written. What it writes may come in small parts.
+///
+/// Errors: those of writing; an [`Error`] within one of `content` as it is.
+pub fn write_parts(path: &Path, content: Content) -> Result<()> {
+    let mut buffered = |out: &mut dyn Write| {
+        let mut out = BufWriter::with_capacity(BUFFER, out);
+        content(&mut out)?;
+        out.flush()
+    };
+    let failed = |error: io::Error, other: &dyn Fn(&io::Error) -> Error| match error.downcast::<Error>() {
+        Ok(own) => own,
+        Err(error) => other(&error),
+    };
+    let of_path = |error| failed(error, &|error| unwritable(path, error));
     match target(path)? {
-        Target::StandardOutput => standard_output(content).map(drop),
-        Target::Through => write_through(path, content).map(drop).map_err(|error| unwritable(path, &error)),
-        Target::File(there, former) => {
-            replace(&there, former.as_ref(), content).map_err(|error| unwritable(path, &error))
+        Target::StandardOutput => {
+            let _guard = begin();
+            let written = buffered(&mut io::stdout().lock());
+            unless_closed(written).map(drop).map_err(|error| failed(error, &unwritable_output))
         }
+        Target::Through => write_through(path, &mut buffered).map_err(of_path),
+        Target::File(there, former) => replace(&there, former.as_ref(), &mut buffered).map_err(of_path),
     }
 }
+
+/// Writes the content of a file to what it is given.
+pub type Content<'a> = &'a mut dyn FnMut(&mut dyn Write) -> io::Result<()>;
 
 /// Writes to the standard output; gives whether somebody reads on. Where nobody does, that is no error.
 pub fn standard_output(content: &[u8]) -> Result<bool> {
@@ -101,9 +126,9 @@ fn takes_a_stream(_there: &Metadata) -> bool {
 }
 
 /// Writes to a device or a pipe.
-fn write_through(path: &Path, content: &[u8]) -> io::Result<bool> {
+fn write_through(path: &Path, content: Content) -> io::Result<()> {
     let _guard = begin();
-    unless_closed(OpenOptions::new().write(true).open(path)?.write_all(content))
+    unless_closed(content(&mut OpenOptions::new().write(true).open(path)?)).map(drop)
 }
 
 /// True while the reader goes on. A reader that has seen enough closes its end: then nothing more is to be written.
@@ -115,9 +140,9 @@ fn unless_closed(written: io::Result<()>) -> io::Result<bool> {
     }
 }
 
-fn replace(path: &Path, former: Option<&Metadata>, content: &[u8]) -> io::Result<()> {
+fn replace(path: &Path, former: Option<&Metadata>, content: Content) -> io::Result<()> {
     let mut file = Temporary::create_for(path)?;
-    file.file().write_all(content)?;
+    content(file.file())?;
     if let Some(former) = former {
         take_over(former, file.file())?;
     }

@@ -5,13 +5,13 @@
 //! | [`colormaps`] | colour map files |
 //! | [`encode`] | formats of pictures, and the pipelines that pictures carry |
 //! | [`formats`] | data files to grids |
+//! | [`grids`] | grids to files |
 //! | [`memory`] | bytes that a grid takes, and bytes that are left |
 //! | [`provenance`] | records of inputs, written into pictures and reports |
-//! | [`vtu`] | grids to VTK files |
 
 pub mod colormaps;
 pub mod encode;
 pub mod formats;
+pub mod grids;
 pub mod memory;
 pub mod provenance;
-pub mod vtu;

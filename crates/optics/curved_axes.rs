@@ -28,7 +28,7 @@ const SLIGHT_BEND: f64 = 0.2;
 const FAINT: f64 = 1e-20;
 
 /// Share of a segment's largest value below which none has a position on a logarithmic axis: 10^−[`DECADES`].
-const LEAST_SHARE: f64 = 1e-30;
+const MIN_SHARE: f64 = 1e-30;
 
 /// The widest that counts as a width, and the narrowest, in decades.
 const WIDTHS: [f64; 2] = [1e-6, 3.0];
@@ -244,7 +244,7 @@ impl CurvedAxis {
         let largest = front.max(back);
         match self.scale {
             // Only values so small reach it.
-            AxisScale::Log if front.min(back) < 10.0 * LEAST_SHARE * largest => {
+            AxisScale::Log if front.min(back) < 10.0 * MIN_SHARE * largest => {
                 self.scale.position(largest) - DECADES
             }
             _ => f64::NEG_INFINITY,
@@ -256,7 +256,7 @@ impl CurvedAxis {
         let [mut low, high] = self.drawn;
         match self.scale {
             AxisScale::Linear => return,
-            AxisScale::Log => low = low.max(LEAST_SHARE * front.max(back)).max(f64::MIN_POSITIVE),
+            AxisScale::Log => low = low.max(MIN_SHARE * front.max(back)).max(f64::MIN_POSITIVE),
             AxisScale::SymLog { .. } => {}
         }
         if !(front.max(back) >= low && front.min(back) <= high) {

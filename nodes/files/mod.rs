@@ -2,8 +2,10 @@
 
 pub use voltet_files::*;
 
+use std::io::{self, Write};
 use std::path::Path;
 use voltet_core::Result;
+use voltet_core::progress::Progress;
 use voltet_graph::{DefaultValue, Parameter, ParameterType, Parameters, Preparation, RunContext};
 
 /// The word for a format that the path decides.
@@ -53,9 +55,19 @@ pub fn prepare(preparation: &Preparation) -> Result<()> {
 
 /// Writes it whole, and notes it. Errors: also a stop, since encoding takes seconds in which one may have been asked for.
 pub fn write(call: &mut RunContext, content: &[u8]) -> Result<()> {
+    write_parts(call, &mut |_, out| out.write_all(content))
+}
+
+/// Like [`write()`], for content that is made while it is written.
+pub fn write_parts(
+    call: &mut RunContext,
+    content: &mut dyn FnMut(&dyn Progress, &mut dyn Write) -> io::Result<()>,
+) -> Result<()> {
     call.progress().check_cancelled()?;
     let path = call.path(PATH.name)?;
-    write_whole(&path, content).map_err(|error| call.parameters.locate(PATH.name, error))?;
+    let progress = call.progress();
+    voltet_files::write_parts(&path, &mut |out| content(progress, out))
+        .map_err(|error| call.parameters.locate(PATH.name, error))?;
     call.notes.files.push(display_path(&path));
     Ok(())
 }

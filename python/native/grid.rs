@@ -51,7 +51,7 @@ impl Grid {
         let watched = py.detach(|| watched.into_iter().map(Watched::new).collect());
         let pieces = pieces.iter().map(piece_of).collect::<PyResult<_>>()?;
         let cell_values = if constant_cells { CellValues::Constant } else { CellValues::Average };
-        let options = Options { subdivision, cell_values, keep_cells };
+        let options = Options { subdivision, cell_values, keep_cells, ..Options::default() };
         let mut grid = guarded(py, || py.detach(|| build_grid(pieces, scalar.as_deref(), &options)))?;
         Arc::make_mut(&mut grid.origin).warnings.extend(warnings);
         Ok(Grid { grid: Arc::new(grid), watched, about: OnceLock::new() })

@@ -430,7 +430,7 @@ def grid_writer(
     precision: Literal["auto", "single", "double"] | None = None,
     compression: Literal["none", "zlib"] | None = None,
 ) -> Node:
-    """Writes the grid with what was computed of it as .vtu: gradient, culled cells, bands, arrays of the file."""
+    """Writes the grid with what was computed of it as .vtu or .vtkhdf: gradient, culled cells, bands, arrays of the file."""
 def image_writer(
     pipeline: Pipeline,
     node: str,

@@ -51,6 +51,12 @@ pub enum Command {
     /// The scalar is the file's own, or the first array that is a quantity. Where it changes, over its values and gradient
     /// magnitudes, are the boundaries that the widgets show; the camera sees them. The file runs as it is.
     Start(Start),
+    /// Write the grid of a data file in another format: .vtu (VTK) or .vtkhdf (VTKHDF).
+    ///
+    /// Reads every format that `voltet info` shows. Points, cells of every type and all arrays are written as they are in the file;
+    /// what the new file does not hold is listed. The cells of structured grids become hexahedra, and pieces one grid.
+    #[command(after_help = CONVERT_EXAMPLES)]
+    Convert(Convert),
     /// Open the node editor: the pipeline as a graph, its picture live beside it.
     ///
     /// A pipeline file, a picture that carries one, or a data file, for which a pipeline is made as by `voltet start`. What is
@@ -149,6 +155,7 @@ impl Command {
             }
             Command::Info(info) => data(&info.plugins, from_ref(&info.data)),
             Command::Start(start) => data(&start.plugins, from_ref(&start.data)),
+            Command::Convert(convert) => data(&convert.plugins, from_ref(&convert.data)),
             Command::Nodes(nodes) => data(&nodes.plugins, &[]),
             Command::Edit(edit) => data(&edit.plugins, &[]),
             Command::GradientTest(test) => data(&test.plugins, &[]),
@@ -339,6 +346,60 @@ pub struct Start {
     pub force: bool,
     #[command(flatten)]
     pub plugins: Plugins,
+}
+
+const CONVERT_EXAMPLES: &str = "\
+Examples:
+  voltet convert case.foam last.vtkhdf --step 10             one time step of an OpenFOAM case
+  voltet convert mesh.e mesh.vtu --arrays p,T                two of the arrays
+  voltet convert parts.vtm fluid.vtu --blocks 'fluid/*'      some of the blocks
+  voltet convert run.pvd 'run_{step:04}.vtu' --steps all     run_0000.vtu, run_0001.vtu, ...";
+
+#[derive(Debug, Args)]
+pub struct Convert {
+    /// The data file to read.
+    #[arg(value_name = "IN")]
+    pub data: PathBuf,
+    /// The file to write, .vtu or .vtkhdf; {step} or {step:04} in it stands for the number of the time step.
+    #[arg(value_name = "OUT")]
+    pub output: PathBuf,
+    /// Arrays to write, separated by commas; all without it.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub arrays: Option<Vec<String>>,
+    /// Blocks to write, separated by commas, by their names or groups; * stands for any letters. All without it.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    pub blocks: Vec<String>,
+    /// Number of the time step to write, from 0; the first without it.
+    #[arg(long, value_name = "N", alias = "time-step")]
+    pub step: Option<usize>,
+    /// Time to write: the nearest step.
+    #[arg(long, value_name = "TIME", allow_negative_numbers = true, conflicts_with = "step")]
+    pub time: Option<f64>,
+    /// Time steps to write, each to a file of its own: all, or FIRST:LAST or FIRST:LAST:STRIDE, both ends included.
+    #[arg(long, value_name = "STEPS", value_parser = step_range, conflicts_with_all = ["step", "time"])]
+    pub steps: Option<StepRange>,
+    /// PLOT3D: the solution (q) file that belongs to the grid.
+    #[arg(long, value_name = "Q")]
+    pub solution: Option<PathBuf>,
+    /// Write over files that are there.
+    #[arg(long)]
+    pub force: bool,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
+    #[command(flatten)]
+    pub plugins: Plugins,
+}
+
+/// Steps of a time series.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct StepRange {
+    /// Number of the first.
+    pub first: usize,
+    /// Number of the last; `None`: the last of the series.
+    pub last: Option<usize>,
+    /// From one to the next, at least 1.
+    pub stride: usize,
 }
 
 #[derive(Debug, Args)]
@@ -639,6 +700,24 @@ fn fraction(text: &str) -> Result<f64, String> {
     };
     let value = value.filter(|value| *value >= 0.0 && value.is_finite());
     value.ok_or_else(|| "a number of 0 or more, or a fraction such as 1/255".into())
+}
+
+/// Steps of a series, "all", "3", "0:10" or "0:10:2"; an end that is left out is that of the series.
+fn step_range(text: &str) -> Result<StepRange, String> {
+    let parts: Vec<&str> =
+        if text == "all" { vec!["", ""] } else { text.split(':').map(str::trim).collect() };
+    let number = |at: usize| match parts.get(at).filter(|part| !part.is_empty()) {
+        None => Some(None),
+        Some(part) => part.parse::<usize>().ok().map(Some),
+    };
+    let range = || {
+        let (first, last, stride) = (number(0)?.unwrap_or(0), number(1)?, number(2)?.unwrap_or(1));
+        let last = if parts.len() == 1 { Some(first) } else { last };
+        let is_range =
+            !text.is_empty() && parts.len() <= 3 && stride > 0 && last.is_none_or(|last| first <= last);
+        is_range.then_some(StepRange { first, last, stride })
+    };
+    range().ok_or_else(|| "steps are all, or FIRST:LAST or FIRST:LAST:STRIDE such as 0:10:2".into())
 }
 
 /// A linear colour, "0.1,0.2,0.3".

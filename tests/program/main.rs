@@ -7,6 +7,7 @@ mod calculator;
 mod collisions;
 mod colormap;
 mod commands;
+mod convert;
 mod diff;
 #[cfg(feature = "gpu")]
 mod engines;

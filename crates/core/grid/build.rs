@@ -11,6 +11,7 @@ use super::parts::{
 };
 use super::polyhedra::Polyhedra;
 use super::source::{CellStatus, Source};
+use super::unsplit::unsplit;
 use super::{Array, GhostCells, Grid, cell_values};
 use crate::progress::Progress;
 use crate::{Error, Result, SharedSlice, agreeing, counted, noun_of};
@@ -23,9 +24,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 ///
 /// Cells of fewer dimensions, hidden ones, and cells that touch a position or value that is not finite are left out and
 /// counted in [`Grid::origin`]. Ghost cells serve means of cell values and, as [`Grid::ghosts`], gradients. Points that no tetrahedron uses are dropped, so the grid's point numbers are not
-/// the file's where there are such; their order is kept.
+/// the file's where there are such; their order is kept. Where [`Options::without_tetrahedra`] allows it, the grid is the file's
+/// cells alone.
 pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> Result<Grid> {
     check(&parts, options)?;
+    if options.without_tetrahedra && parts.scalar.is_none() && parts.cell_arrays.is_empty() {
+        return unsplit(parts);
+    }
     progress.report("tetrahedra", 0.0);
     let point_not_finite = not_finite(&parts, Association::Point);
     let cell_not_finite = not_finite(&parts, Association::Cell);

@@ -23,6 +23,7 @@ mod source;
 mod split;
 mod subset;
 mod tetrahedra;
+mod unsplit;
 
 pub use adjacency::{Csr, Neighbours, cells_of_faces, cells_of_points, points_of_points, sum_over_cells};
 pub use boundary::boundary;

@@ -263,11 +263,19 @@ pub struct Options {
     pub cell_values: CellValues,
     /// True if the grid keeps the file's cells, to write them back: [`super::Grid::file_cells`].
     pub keep_cells: bool,
+    /// True if the grid may be the file's cells, points and arrays alone, as they are, without tetrahedra: nothing is drawn of it. Only
+    /// with `keep_cells`; a scalar, and arrays of cells that become point arrays, need the tetrahedra all the same.
+    pub without_tetrahedra: bool,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Options { subdivision: 1, cell_values: CellValues::Average, keep_cells: false }
+        Options {
+            subdivision: 1,
+            cell_values: CellValues::Average,
+            keep_cells: false,
+            without_tetrahedra: false,
+        }
     }
 }
 
@@ -387,6 +395,11 @@ pub struct FileCells {
 }
 
 impl FileCells {
+    /// True if the points have the same numbers in the grid, which may have further ones behind them.
+    pub fn is_numbered_alike(&self) -> bool {
+        self.numbers.is_none()
+    }
+
     /// The number in the grid of a point of the file; `None` where no tetrahedron uses it.
     pub fn grid_point(&self, point: usize) -> Option<usize> {
         match &self.numbers {

@@ -69,17 +69,23 @@ impl Source<'_> {
         }
     }
 
-    /// Classifies a cell; an error where it is damaged.
-    pub fn fate(&self, cell: &Cell) -> Result<CellStatus> {
+    /// Type of a cell.
+    ///
+    /// Errors: none has the code.
+    fn cell_type(cell: &Cell) -> Result<&'static CellType> {
+        CellType::from_code(cell.code).ok_or_else(|| {
+            let error = Error::run(format!("cell {} has an unknown type", cell.number)).got(cell.code);
+            error.expected("a cell type code of VTK")
+        })
+    }
+
+    /// Refuses a damaged cell, of whatever dimension.
+    pub fn check(&self, cell: &Cell) -> Result<()> {
+        self.check_points(cell, Self::cell_type(cell)?)
+    }
+
+    fn check_points(&self, cell: &Cell, cell_type: &CellType) -> Result<()> {
         let number = cell.number;
-        let Some(cell_type) = CellType::from_code(cell.code) else {
-            return Err(Error::run(format!("cell {number} has an unknown type"))
-                .got(cell.code)
-                .expected("a cell type code of VTK"));
-        };
-        if cell_type.dimension < 3 {
-            return Ok(CellStatus::NotVolume);
-        }
         if let Some(count) = cell_type.point_count
             && cell.corners.len() != usize::from(count)
         {
@@ -96,6 +102,17 @@ impl Source<'_> {
                 .got(wrong)
                 .expected(format!("a point number below {point_count}")));
         }
+        Ok(())
+    }
+
+    /// Classifies a cell; an error where it is damaged.
+    pub fn fate(&self, cell: &Cell) -> Result<CellStatus> {
+        let number = cell.number;
+        let cell_type = Self::cell_type(cell)?;
+        if cell_type.dimension < 3 {
+            return Ok(CellStatus::NotVolume);
+        }
+        self.check_points(cell, cell_type)?;
         if self.ghost.is_some_and(|flags| is_left_out(flags[number])) {
             return Ok(CellStatus::Ghost);
         }

@@ -30,6 +30,9 @@ pub struct Demand {
     pub order: bool,
     /// The file's own cells, to write them back.
     pub file_cells: bool,
+    /// True if the file's cells and arrays are enough: a source may give a grid without tetrahedra, none of whose points and cells is
+    /// left out. Nodes with inputs never see it, since they may look at tetrahedra: what they ask for has some.
+    pub without_tetrahedra: bool,
     /// Numbers a tetrahedron, at ports of that type.
     pub cell_values: bool,
     /// The list of kept cells as a result of its own: every cell is tested, also where a picture would be drawn sooner without.
@@ -130,6 +133,7 @@ impl Demand {
         self.without_scalar &= other.without_scalar;
         self.order |= other.order;
         self.file_cells |= other.file_cells;
+        self.without_tetrahedra &= other.without_tetrahedra;
         self.cell_values |= other.cell_values;
         self.kept_cells |= other.kept_cells;
         self.layers.extend(&other.layers);

@@ -93,6 +93,7 @@ pub(super) fn asks_of(
     early: impl Fn(&Edge) -> (Option<Value>, bool),
 ) -> Result<Vec<Demand>> {
     let (early, is_known) = node.inputs.iter().map(early).unzip();
+    let asked = &Demand { without_tetrahedra: false, ..asked.clone() };
     let output_type = |edge: &Edge| graph.nodes[edge.node].node.outputs[edge.output].port_type;
     let mut asking = DemandContext {
         parameters: &node.parameters,

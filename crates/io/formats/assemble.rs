@@ -11,7 +11,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use voltet_core::grid::{
-    Array, Association, CellType, CellValues, Cells, Grid, RawGrid, Scalar, code, structured_corners,
+    Array, Association, CellType, CellValues, Cells, Grid, Options, RawGrid, Scalar, code, structured_corners,
 };
 use voltet_core::parameters::SourceSpan;
 use voltet_core::progress::Progress;
@@ -30,12 +30,21 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
         dataset.pieces.iter().filter(|p| p.cell_count > 0 && p.point_count > 0).collect();
     let external = fetch(dataset, &pieces, request, progress)?;
     let cells: Vec<Cells> = of_each(pieces.clone(), |piece| cells::load(piece, &meter))?;
-    check_dimension(&cells)?;
-
+    let has_cells = cells.iter().any(|cells| cells.count() > 0);
+    if !(request.options.without_tetrahedra && has_cells) {
+        check_dimension(&cells)?;
+    }
     let choices = choices(dataset, request)?;
-    let (drawn, sentences) =
-        blocks::drawn_pieces(dataset, pieces.into_iter().zip(cells).collect(), &choices)?;
-    let (pieces, cells): (Vec<&Piece>, Vec<Cells>) = drawn.into_iter().unzip();
+    let is_unsplit = is_unsplit(request, &choices);
+    if !is_unsplit {
+        check_dimension(&cells)?;
+    }
+
+    let (kept, sentences) = match is_unsplit {
+        true => (pieces.into_iter().zip(cells).collect(), blocks::blocks_to_fill(dataset, &choices)),
+        false => blocks::drawn_pieces(dataset, pieces.into_iter().zip(cells).collect(), &choices)?,
+    };
+    let (pieces, cells): (Vec<&Piece>, Vec<Cells>) = kept.into_iter().unzip();
     let left = unread(dataset, &choices)?;
     // For comparison: what is not read otherwise is decoded and dropped.
     if request.every_array {
@@ -46,9 +55,10 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
             }
         }
     }
-    refuse_beyond_memory(&pieces, &cells, choices.len(), progress)?;
+    refuse_beyond_memory(&pieces, &cells, choices.len(), is_unsplit, progress)?;
     let ids = global_ids(dataset);
-    let wanted = PieceRequest { request, choices: &choices, ids };
+    let fills = is_unsplit && dataset.has_blocks;
+    let wanted = PieceRequest { request, choices: &choices, ids, fills };
     let loaded: Vec<RawGrid> =
         of_each(pieces.into_iter().zip(cells).enumerate().collect(), |(index, (piece, cells))| {
             Ok(RawGrid { block: group(dataset, piece, index), ..load(piece, cells, &wanted, &meter)? })
@@ -68,7 +78,16 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     } else {
         (parts.origin.arrays_unread, parts.origin.values_unread) = (left.arrays, left.value_count);
     }
-    grid::build(parts, &request.options, progress)
+    grid::build(parts, &Options { without_tetrahedra: is_unsplit, ..request.options }, progress)
+}
+
+/// True if the file's cells are taken as they are, and no tetrahedra are made: none are asked for, and no value needs them, as means of
+/// cell values do.
+fn is_unsplit(request: &Request, choices: &[ArraySelection]) -> bool {
+    let point_arrays = unique(&request.point_arrays).len();
+    request.options.without_tetrahedra
+        && request.without_scalar
+        && choices[..point_arrays].iter().all(|choice| choice.association == Association::Point)
 }
 
 /// Checks that memory holds the grids that are made by code, and reads the first with its arrays. Gives the files of all.
@@ -145,14 +164,20 @@ fn refuse_beyond_memory(
     pieces: &[&Piece],
     cells: &[Cells],
     array_count: usize,
+    is_unsplit: bool,
     progress: &dyn Progress,
 ) -> Result<()> {
     let mut size = GridSize { points: point_count(pieces), ..GridSize::default() };
-    cells.iter().for_each(|cells| size.add(cells));
+    if !is_unsplit {
+        cells.iter().for_each(|cells| size.add(cells));
+    }
     let further = (array_count as u64)
         .saturating_sub(1)
         .saturating_mul(size.points.saturating_mul(size_of::<f64>() as u64));
-    let what = || format!("a grid of about {}", counted(size.tetrahedra, "tetrahedron"));
+    let what = || match is_unsplit {
+        true => format!("a grid of {}", counted(size.points, "point")),
+        false => format!("a grid of about {}", counted(size.tetrahedra, "tetrahedron")),
+    };
     progress::refuse_beyond_memory(progress, what, size.bytes().saturating_add(further))
 }
 
@@ -239,12 +264,14 @@ pub(super) struct PieceRequest<'a> {
     pub choices: &'a [ArraySelection],
     /// The array that numbers the points of all pieces.
     pub ids: Option<&'a str>,
+    /// True if a piece that lacks an array has NaN for it.
+    pub fills: bool,
 }
 
 /// A piece as the import takes it.
 pub(super) fn load(piece: &Piece, mut cells: Cells, wanted: &PieceRequest, meter: &Meter) -> Result<RawGrid> {
     // The values first, for progress: they are bytes of the file, the points of a uniform grid are not.
-    let mut columns = wanted.choices.iter().zip(columns(piece, wanted.choices, meter)?);
+    let mut columns = wanted.choices.iter().zip(columns(piece, wanted, meter)?);
     let ghost = ghosts(piece, &cells, meter)?;
     let degrees = degrees(piece, &cells, meter)?;
     let ids = wanted.ids.and_then(|name| piece.array(Association::Point, name));
@@ -299,11 +326,16 @@ fn move_points(points: &mut [DVec3], displacement: &[f64], request: &Request) {
 }
 
 /// The values of each choice. An array of which several components are chosen is decoded once.
-fn columns(piece: &Piece, choices: &[ArraySelection], meter: &Meter) -> Result<Vec<Vec<f64>>> {
+fn columns(piece: &Piece, wanted: &PieceRequest, meter: &Meter) -> Result<Vec<Vec<f64>>> {
+    let choices = wanted.choices;
+    let decoded = |choice: &ArraySelection| match piece.array(choice.association, &choice.name) {
+        None if wanted.fills => not_there(piece, choice, meter),
+        _ => decoded(piece, choice, meter),
+    };
     let mut columns: Vec<Option<Vec<f64>>> = vec![None; choices.len()];
     for (i, choice) in choices.iter().enumerate().filter(|choice| choice.1.component != Component::All) {
         if columns[i].is_none() {
-            let values = decoded(piece, choice, meter)?;
+            let values = decoded(choice)?;
             let is_same = |other: &ArraySelection| {
                 let whole = ArraySelection { component: choice.component, ..other.clone() };
                 whole == *choice && other.component != Component::All
@@ -313,9 +345,20 @@ fn columns(piece: &Piece, choices: &[ArraySelection], meter: &Meter) -> Result<V
             }
         }
     }
-    let of =
-        |(choice, column): (_, Option<Vec<f64>>)| column.map_or_else(|| decoded(piece, choice, meter), Ok);
+    let of = |(choice, column): (_, Option<Vec<f64>>)| column.map_or_else(|| decoded(choice), Ok);
     choices.iter().zip(columns).map(of).collect()
+}
+
+/// NaN for each number of an array that a piece lacks.
+fn not_there(piece: &Piece, choice: &ArraySelection, meter: &Meter) -> Result<Vec<f64>> {
+    let tuples = match choice.association {
+        Association::Point => piece.point_count,
+        Association::Cell => piece.cell_count,
+    };
+    let count = tuples.saturating_mul(choice.component_count as u64);
+    let what = || format!("the array '{}'", choice.name);
+    progress::refuse_beyond_memory(meter.progress(), what, count.saturating_mul(size_of::<f64>() as u64))?;
+    Ok(vec![f64::NAN; count as usize])
 }
 
 /// The values of a choice.

@@ -144,7 +144,7 @@ pub(super) fn drawn_pieces<'a>(
     choices: &[ArraySelection],
 ) -> Result<(Vec<PieceCells<'a>>, Vec<String>)> {
     if !dataset.has_blocks {
-        return Ok((pieces, blocks_without_values(dataset, choices)));
+        return Ok((pieces, blocks_without_values(dataset, choices, OMISSION)));
     }
     let (volumes, flat): (Vec<PieceCells>, Vec<PieceCells>) =
         pieces.into_iter().partition(|piece| has_volume(&piece.1));
@@ -161,12 +161,33 @@ pub(super) fn drawn_pieces<'a>(
             return Err(no_block_has(dataset, choice, &without));
         }
         if !without.is_empty() {
-            sentences.push(lacking(&choice.name, without.iter().map(|piece| name(dataset, piece.0))));
+            sentences.push(lacking(
+                &choice.name,
+                without.iter().map(|piece| name(dataset, piece.0)),
+                OMISSION,
+            ));
         }
         left = with;
     }
-    sentences.extend(blocks_without_values(dataset, choices));
+    sentences.extend(blocks_without_values(dataset, choices, OMISSION));
     Ok((left, sentences))
+}
+
+/// Sentences that name the blocks for whose cells or points a chosen array has no values, where such blocks are kept.
+pub(super) fn blocks_to_fill(dataset: &Dataset, choices: &[ArraySelection]) -> Vec<String> {
+    let mut sentences = blocks_without_values(dataset, choices, FILLING);
+    for choice in choices.iter().filter(|_| dataset.has_blocks) {
+        let lacks =
+            |piece: &&Piece| piece.cell_count > 0 && piece.array(choice.association, &choice.name).is_none();
+        let mut without: Vec<&str> =
+            dataset.pieces.iter().filter(lacks).map(|piece| name(dataset, piece)).collect();
+        // Pieces of a block follow each other.
+        without.dedup();
+        if !without.is_empty() {
+            sentences.push(lacking(&choice.name, without.into_iter(), FILLING));
+        }
+    }
+    sentences
 }
 
 fn has_volume(cells: &Cells) -> bool {
@@ -183,15 +204,24 @@ fn name<'a>(dataset: &'a Dataset, piece: &Piece) -> &'a str {
     dataset.blocks.get(number).map_or("", String::as_str)
 }
 
-fn lacking<'a>(array: &str, blocks: impl Iterator<Item = &'a str>) -> String {
+/// Consequence for a block without an array, and for several: "is left out".
+type Consequence = [&'static str; 2];
+const OMISSION: Consequence = ["is left out", "are left out"];
+const FILLING: Consequence = ["has nan there", "have nan there"];
+
+fn lacking<'a>(array: &str, blocks: impl Iterator<Item = &'a str>, [of_one, of_many]: Consequence) -> String {
     let blocks: Vec<&str> = blocks.collect();
     let (are, names) =
         (agreeing(&blocks.len(), "A block lacks", "Blocks lack"), list(blocks.iter().copied()));
-    format!("{are} the array '{array}' and {} left out: {names}.", agreeing(&blocks.len(), "is", "are"))
+    format!("{are} the array '{array}' and {}: {names}.", agreeing(&blocks.len(), of_one, of_many))
 }
 
 /// Sentences about the blocks within pieces for whose cells a chosen array has no values.
-fn blocks_without_values(dataset: &Dataset, choices: &[ArraySelection]) -> Vec<String> {
+fn blocks_without_values(
+    dataset: &Dataset,
+    choices: &[ArraySelection],
+    consequence: Consequence,
+) -> Vec<String> {
     let mut lacks = BTreeMap::<&str, Vec<usize>>::new();
     for choice in choices {
         for piece in &dataset.pieces {
@@ -207,7 +237,7 @@ fn blocks_without_values(dataset: &Dataset, choices: &[ArraySelection]) -> Vec<S
     lacks
         .into_iter()
         .filter(|(_, blocks)| !blocks.is_empty())
-        .map(|(array, blocks)| lacking(array, names(blocks)))
+        .map(|(array, blocks)| lacking(array, names(blocks), consequence))
         .collect()
 }
 

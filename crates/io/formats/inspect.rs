@@ -146,7 +146,7 @@ pub(super) fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Su
         choice.association == Association::Point && dataset.pieces.iter().all(has_scalar)
     });
     let (request, ids) = (Request::default(), assemble::global_ids(dataset));
-    let wanted = PieceRequest { request: &request, choices: scalar.as_slice(), ids };
+    let wanted = PieceRequest { request: &request, choices: scalar.as_slice(), ids, fills: false };
     for (index, piece) in dataset.pieces.iter().enumerate() {
         summary.point_count = summary.point_count.saturating_add(piece.point_count);
         summary.cell_count = summary.cell_count.saturating_add(piece.cell_count);

@@ -57,6 +57,7 @@ mod legacy;
 mod nastran;
 mod netcdf;
 mod numbers;
+mod outline;
 mod plot3d;
 mod request;
 mod series;
@@ -77,6 +78,7 @@ pub use cells::face_stream;
 pub use contents::BLOCK;
 pub use elements::{SurfaceColors, SurfaceFile};
 pub use inspect::{ArraySummary, BlockSummary, Summary};
+pub use outline::Outline;
 pub use request::{Component, Request, SelectedArrays, TimeStep};
 pub use source::existing_file;
 pub use surfaces::{SURFACE_FILES, read_surface};
@@ -117,6 +119,14 @@ pub fn unread(path: &Path, request: &Request) -> Result<SkippedArray> {
 /// As [`read`], as far as headers show them.
 pub fn arrays(path: &Path, request: &Request) -> Result<Vec<FileArray>> {
     Ok(inspect::array_heads(&open(path, request)?))
+}
+
+/// Arrays, blocks and time steps of a file. Reads headers alone.
+///
+/// # Errors
+/// As [`read`], as far as headers show them.
+pub fn outline(path: &Path, request: &Request) -> Result<Outline> {
+    Ok(outline::outline(&open(path, request)?))
 }
 
 /// Reads everything that a file holds, one array at a time, and says what it is.

@@ -258,8 +258,7 @@ fn places_of_a_file_without_a_value_have_a_colour_of_their_own() {
     assert!(format!("{:?}", report.warnings).contains("left out"), "{:?}", report.warnings);
     let (whole, report) = made("color_by = \"level\"\nbad = [1.0, 0.0, 1.0]\nambient = 1.0").unwrap();
     assert!(report.warnings.is_empty(), "{:?}", report.warnings);
-    let is_bad =
-        |&number: &usize| whole.color(number, [0.0, 0.0, 1.0], 1.0) == [1.0, 0.0, 1.0, 1.0];
+    let is_bad = |&number: &usize| whole.color(number, [0.0, 0.0, 1.0], 1.0) == [1.0, 0.0, 1.0, 1.0];
     assert_eq!((0..4).filter(is_bad).collect::<Vec<_>>(), [3]);
     assert_eq!((whole.triangles.len(), mapped(&whole).1), (4, [0.0, 4.0]));
     let error = made("bad = \"#ff00ff\"").expect_err("no values").to_string();

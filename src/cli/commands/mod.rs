@@ -1,6 +1,7 @@
 //! The commands, one file each: a function that returns the exit code, or an error.
 
 mod blocks;
+mod convert;
 mod diff;
 #[cfg(feature = "editor")]
 mod edit;
@@ -154,6 +155,7 @@ fn run_command(command: &Command, registry: &Registry) -> Outcome {
         Command::Nodes(arguments) => nodes::nodes(arguments, registry),
         Command::Info(arguments) => info::info(arguments, registry),
         Command::Start(arguments) => start::start(arguments, registry),
+        Command::Convert(arguments) => convert::convert(arguments, registry),
         #[cfg(feature = "editor")]
         Command::Edit(arguments) => edit::edit(arguments, registry),
         #[cfg(not(feature = "editor"))]

@@ -1,0 +1,138 @@
+//! Grids of a file's own cells alone, to write them in another format: no tetrahedra are made, and every point and value stays as it is.
+//! Of cells that several pieces hold, the owner's is left.
+
+use super::cell_types::code;
+use super::cell_values::gather;
+use super::parts::{CellSet, Cells, FileCells, OWNED, Polyhedron, RawGrid, as_given};
+use super::polyhedra::Polyhedra;
+use super::source::Source;
+use super::{Array, Grid};
+use crate::{Error, Result};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Cells that one task looks at.
+const CELL_CHUNK: usize = 8192;
+
+/// The grid of parts without a scalar and without cell arrays that become point arrays; their lengths have been checked.
+///
+/// Errors: a damaged cell.
+pub(super) fn unsplit(mut parts: RawGrid) -> Result<Grid> {
+    let source = Source {
+        cells: &parts.cells,
+        point_count: parts.points.len(),
+        ghost: None,
+        point_not_finite: None,
+        cell_not_finite: None,
+        degrees: None,
+        curved: Default::default(),
+        polyhedra: match &parts.cells {
+            Cells::Mixed(set) => Polyhedra::index(set, parts.points.len())?,
+            _ => Polyhedra::default(),
+        },
+    };
+    let count = parts.cells.count();
+    (0..count).into_par_iter().with_min_len(CELL_CHUNK).try_for_each(|number| {
+        let mut buffer = [0; 8];
+        source.check(&source.cell(number, &mut buffer)?)
+    })?;
+    if let Cells::Mixed(set) = &parts.cells {
+        check_polyhedra(set, &source.polyhedra)?;
+    }
+    drop(source);
+    let mut origin = std::mem::take(&mut parts.origin);
+    origin.cells_ghost = drop_owned_ghosts(&mut parts);
+    origin.cells_by_type = counts(&parts.cells);
+    let shared = |arrays: BTreeMap<String, Array>| {
+        arrays.into_iter().map(|(name, array)| (name, Arc::new(array))).collect()
+    };
+    Ok(Grid {
+        points: parts.points.clone(),
+        point_arrays: shared(parts.point_arrays),
+        cell_arrays: shared(parts.kept_cell_arrays),
+        file_cells: Some(Arc::new(FileCells {
+            cells: parts.cells,
+            points: parts.points,
+            numbers: None,
+            joined_points: parts.joined_points,
+            ghost: parts.ghost.map(|flags| flags.into_iter().map(as_given).collect()),
+            degrees: parts.degrees,
+        })),
+        origin: Arc::new(origin),
+        ..Grid::default()
+    })
+}
+
+/// Leaves out the ghost cells whose originals are there; gives their number.
+fn drop_owned_ghosts(parts: &mut RawGrid) -> u64 {
+    let Some(ghost) = &mut parts.ghost else { return 0 };
+    let kept: Vec<u32> = (0..ghost.len() as u32).filter(|&cell| ghost[cell as usize] & OWNED == 0).collect();
+    let count = (ghost.len() - kept.len()) as u64;
+    if count == 0 {
+        return 0;
+    }
+    *ghost = kept.iter().map(|&cell| ghost[cell as usize]).collect();
+    if ghost.iter().all(|&flags| flags == 0) {
+        parts.ghost = None;
+    }
+    match &mut parts.cells {
+        Cells::Tetrahedra(own) => *own = kept.iter().map(|&cell| own[cell as usize]).collect(),
+        Cells::Mixed(set) => *set = subset(set, &kept),
+        // Pieces of structured grids have become sets.
+        Cells::Structured(_) => {}
+    }
+    if let Some(degrees) = &mut parts.degrees {
+        *degrees = kept.iter().map(|&cell| degrees[cell as usize]).collect();
+    }
+    for Array { component_count, values } in parts.kept_cell_arrays.values_mut() {
+        *values = gather(values, *component_count, &kept).into();
+    }
+    count
+}
+
+/// Some of the cells, by their numbers in ascending order.
+fn subset(set: &CellSet, kept: &[u32]) -> CellSet {
+    let mut some = CellSet { offsets: vec![0], ..CellSet::default() };
+    for cell in kept.iter().map(|&cell| cell as usize) {
+        let corners = set.offsets[cell] as usize..set.offsets[cell + 1] as usize;
+        some.connectivity.extend_from_slice(&set.connectivity[corners]);
+        some.types.push(set.types[cell]);
+        some.offsets.push(some.connectivity.len() as u64);
+    }
+    some.polyhedra = set
+        .polyhedra
+        .iter()
+        .filter_map(|polyhedron| {
+            let cell = kept.binary_search(&polyhedron.cell).ok()? as u32;
+            Some(Polyhedron { cell, faces: polyhedron.faces.clone() })
+        })
+        .collect();
+    some
+}
+
+/// Refuses polyhedra without faces, and faces of cells that are none.
+fn check_polyhedra(set: &CellSet, polyhedra: &Polyhedra) -> Result<()> {
+    let is_polyhedron = |cell: usize| set.types.get(cell) == Some(&code::POLYHEDRON);
+    if let Some(wrong) = set.polyhedra.iter().find(|polyhedron| !is_polyhedron(polyhedron.cell as usize)) {
+        let error = Error::run("there are faces of a cell that is no polyhedron").got(wrong.cell);
+        return Err(error.expected("the number of a polyhedron"));
+    }
+    let cells = 0..set.types.len();
+    match cells.into_iter().find(|&cell| is_polyhedron(cell) && polyhedra.polyhedron(set, cell).is_none()) {
+        Some(cell) => Err(Error::run(format!("cell {cell}, a polyhedron, has no faces"))
+            .expected("the faces of every polyhedron")),
+        None => Ok(()),
+    }
+}
+
+/// Counts of the cells by type.
+fn counts(cells: &Cells) -> BTreeMap<u8, u64> {
+    let mut by_type = [0_u64; 256];
+    match cells {
+        Cells::Mixed(set) => set.types.iter().for_each(|&code| by_type[usize::from(code)] += 1),
+        Cells::Tetrahedra(own) => by_type[usize::from(code::TETRA)] = own.len() as u64,
+        Cells::Structured(_) => by_type[usize::from(code::VOXEL)] = cells.count() as u64,
+    }
+    (0..=255).zip(by_type).filter(|&(_, count)| count > 0).collect()
+}
