@@ -98,7 +98,8 @@ pub fn registry() -> Result<Registry> {
     for filter in FILTERS.lock().unwrap_or_else(PoisonError::into_inner).iter() {
         registry.add_filter(filter.clone())?;
     }
-    for node in NODES.lock().unwrap_or_else(PoisonError::into_inner).iter() {
+    // Of two readers of one kind of file the newer one is asked first.
+    for node in NODES.lock().unwrap_or_else(PoisonError::into_inner).iter().rev() {
         registry.add(node)?;
     }
     Ok(registry)

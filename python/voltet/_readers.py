@@ -64,6 +64,8 @@ def grid_reader(
     endings = [str(ending).removeprefix(".").lower() for ending in extensions]
     if isinstance(extensions, str) or not all(endings):
         raise usage("the extensions of a reader are no list of texts", repr(extensions), '[".xyz"]')
+    if not isinstance(magic, (bytes, bytearray)):
+        raise usage("the begin of a reader's files is no bytes", repr(magic), 'b"XYZ"')
     if len(magic) > 64:
         raise usage("the begin of a reader's files is too long", f"{len(magic)} bytes", "at most 64")
 
@@ -97,6 +99,12 @@ class _Contents:
         about: Mapping[str, Any] = given if isinstance(given, Mapping) else {"mesh": given}
         if wrong := sorted(map(str, set(about) - set(_KNOWN))):
             raise usage("the reader gave something that is not known", wrong[0], ", ".join(_KNOWN))
+        both = sorted(key for key in about if key not in ("mesh", "scalar", "times", "format") and about[key] is not None)
+        if about.get("mesh") is not None and both:
+            raise usage("the reader gave a mesh, and further what a mesh holds", both[0], "a mesh, or points, cells and quantities")
+        for key, kind, expected in (("scalar", str, "a text"), ("format", str, "a text"), ("point_data", Mapping, "names with values"), ("cell_data", Mapping, "names with values")):
+            if about.get(key) is not None and not isinstance(about[key], kind):
+                raise usage(f"the reader gave '{key}' as something else", repr(about[key])[:80], expected)
         piece, scalar, self.warnings = (dict(about), None, []) if about.get("mesh") is None else _piece_of(about["mesh"])
         self.scalar: str | None = about.get("scalar") or scalar
         self.format: str | None = about.get("format")

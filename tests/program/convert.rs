@@ -265,3 +265,47 @@ fn damaged_cells_are_refused_also_those_that_no_picture_shows() {
     let wanted = "cell 1, a triangle, has the wrong number of points";
     folder.voltet(&["convert", "bad.vtu", "new.vtu"]).fails(1, &[wanted]);
 }
+
+/// Steps of a series may hold other arrays: each is written with its own.
+#[test]
+fn each_step_is_written_with_its_own_arrays() {
+    let folder = Folder::new();
+    folder.write("r0.vtu", odd(""));
+    folder.write("r1.vtu", odd("<DataArray type=\"Float64\" Name=\"q\">1 2 3 4 5 6</DataArray>"));
+    folder.write(
+        "s.pvd",
+        "<VTKFile type=\"Collection\"><Collection><DataSet timestep=\"0\" file=\"r0.vtu\"/>\
+         <DataSet timestep=\"1\" file=\"r1.vtu\"/></Collection></VTKFile>",
+    );
+    let all = folder.voltet(&["convert", "s.pvd", "o_{step}.vtu", "--steps", "all"]).ok().stdout;
+    assert!(all.contains("o_0.vtu: step 0, time 0, 6 points, 2 cells, 2 arrays"), "{all}");
+    assert!(all.contains("o_1.vtu: step 1, time 1, 6 points, 2 cells, 3 arrays"), "{all}");
+    assert!(all.contains("arrays that some steps lack: 'q'"), "{all}");
+    let named = ["convert", "s.pvd", "n_{step}.vtu", "--steps", "all", "--arrays", "q"];
+    let named = folder.voltet(&named).ok().stdout;
+    assert!(named.contains("n_0.vtu: step 0, time 0, 6 points, 2 cells, 0 arrays"), "{named}");
+}
+
+/// Parts of a file that have no cells to be written are named.
+#[test]
+fn a_block_without_thickness_is_named() {
+    let folder = Folder::new();
+    folder.write("odd.vtu", odd(""));
+    folder.write(
+        "flat.vti",
+        "<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 2 0 2 0 0\" Origin=\"0 0 0\" Spacing=\"1 1 1\">\
+         <Piece Extent=\"0 2 0 2 0 0\"><PointData><DataArray type=\"Float64\" Name=\"T\" format=\"ascii\">\
+         1 2 3 4 5 6 7 8 9</DataArray></PointData></Piece></ImageData></VTKFile>",
+    );
+    folder.write(
+        "both.vtm",
+        "<VTKFile type=\"vtkMultiBlockDataSet\"><vtkMultiBlockDataSet><DataSet index=\"0\" name=\"vol\" file=\"odd.vtu\"/>\
+         <DataSet index=\"1\" name=\"inlet\" file=\"flat.vti\"/></vtkMultiBlockDataSet></VTKFile>",
+    );
+    let ran = folder.voltet(&["convert", "both.vtm", "both.vtu"]).ok();
+    assert!(
+        ran.stderr.contains("1 part without thickness") && ran.stderr.contains("inlet"),
+        "{}",
+        ran.stderr
+    );
+}

@@ -4,11 +4,14 @@
 //! one cell. Finer boxes begin and end with cells of the coarser levels.
 
 use super::adaptive::{self, BoxPoints, Part};
-use super::contents::{Compute, Dataset, Encoding, GHOST_TYPE, PieceArray, Stored};
-use super::lattice::{Axis, LatticeBox};
+use super::contents::{Compute, Dataset, Encoding, GHOST_TYPE, Meter, PieceArray, Stored};
+use super::lattice::{Axis, BYTES_PER_BOX, HeaderProgress, LatticeBox};
 use glam::DVec3;
+use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::Arc;
 use voltet_core::grid::Association;
+use voltet_core::progress::refuse_beyond_memory;
 use voltet_core::{Error, Result, counted};
 
 /// A box of equal cells.
@@ -29,6 +32,28 @@ impl Patch {
     pub fn checked(self) -> Result<Patch> {
         self.check().map_err(|error| error.at_item(&self.name))?;
         Ok(self)
+    }
+
+    fn cells_along(&self) -> DVec3 {
+        DVec3::from_array(self.cells.map(|n| n as f64))
+    }
+
+    /// First cell along each axis that is no ghost, and the end of those; none where all are ghosts.
+    fn own_cells(&self) -> Result<Option<[[u32; 3]; 2]>> {
+        let cells = self.cells.map(|n| n as u32);
+        let Some(flags) = self.arrays.iter().find(|array| is_flags(array)) else {
+            return Ok(Some([[0; 3], cells]));
+        };
+        let flags: Vec<u8> = flags.stored.load(&Meter::new(&HeaderProgress, 1))?;
+        let own = (0_u32..).zip(&flags).filter(|(_, flags)| **flags & DUPLICATE_CELL == 0);
+        let [nx, ny, _] = cells;
+        let bounds = own.fold([[u32::MAX; 3], [0; 3]], |[low, end], (cell, _)| {
+            let at = [cell % nx, cell / nx % ny, cell / nx / ny];
+            let of = |axis: usize| (low[axis].min(at[axis]), end[axis].max(at[axis] + 1));
+            let [(a, d), (b, e), (c, f)] = [of(0), of(1), of(2)];
+            [[a, b, c], [d, e, f]]
+        });
+        Ok((bounds[1][0] > 0).then_some(bounds))
     }
 
     fn has_flags(&self) -> bool {
@@ -65,6 +90,8 @@ struct LatticePatch {
     low: [u32; 3],
     end: [u32; 3],
     size: u32,
+    /// Low and high corner of what it covers: its cells but the ghosts around them; none where all are ghosts.
+    covers: Option<[[u32; 3]; 2]>,
 }
 
 /// Part of a cell by which the cells of patches may differ in place or size: positions of 32 bits, over thousands of cells.
@@ -87,17 +114,26 @@ struct FlagOptions {
 /// Adds the cells of patches as a piece. `is_whole`: the patches are all of the file; else its flags of cells under finer ones, which may
 /// not be read, are passed over.
 pub(super) fn add(dataset: &mut Dataset, patches: Vec<Patch>, is_whole: bool) -> Result<()> {
+    let all: u64 =
+        patches.iter().map(|patch| patch.cells.iter().product::<u64>()).fold(0, u64::saturating_add);
+    // Two marks of each.
+    refuse_beyond_memory(&HeaderProgress, || counted(all, "cell"), all.saturating_mul(2))?;
     let (placed, axes) = place(&patches)?;
-    let options = FlagOptions { is_whole, has_flags: patches.iter().any(Patch::has_flags) };
-    let mut covered_count = 0;
-    let mut parts = Vec::new();
-    for (patch, own) in patches.iter().zip(&placed) {
-        let covered = covered(own, &placed).map_err(|error| error.at_item(&patch.name))?;
-        let before = parts.len();
-        parts.extend(part(patch, own, &covered, options));
-        let left: usize = parts[before..].iter().map(|part| part.tuples.len()).sum();
-        covered_count += patch.cells.iter().product::<u64>() - left as u64;
+    let finer = FinerPatches::new(&placed);
+    let named =
+        |(own, patch): (&LatticePatch, &Patch)| finer.over(own).map_err(|error| error.at_item(&patch.name));
+    let covered: Vec<Vec<bool>> = placed.par_iter().zip(&patches).map(named).collect::<Result<_>>()?;
+    let covered_count: u64 = covered.iter().flatten().map(|&is_covered| u64::from(is_covered)).sum();
+    let left = all - covered_count;
+    if left > u64::from(u32::MAX / 8) {
+        let error = Error::run("the grid has too many cells").got(left);
+        return Err(error.expected(format_args!("at most {}", u32::MAX / 8)));
     }
+    let bytes_per_cell = (size_of::<u32>() + 2 * size_of::<LatticeBox>()) as u64 + BYTES_PER_BOX;
+    refuse_beyond_memory(&HeaderProgress, || counted(left, "cell"), left * bytes_per_cell)?;
+    let options = FlagOptions { is_whole, has_flags: patches.iter().any(Patch::has_flags) };
+    let parts = patches.iter().zip(&placed).zip(&covered);
+    let parts = parts.filter_map(|((patch, own), covered)| part(patch, own, covered, options)).collect();
     if covered_count > 0 {
         dataset.notes.push(format!("{} under finer ones, left out", counted(covered_count, "cell")));
     }
@@ -118,9 +154,13 @@ fn place(patches: &[Patch]) -> Result<(Vec<LatticePatch>, [Axis; 3])> {
         let is_near = |exact: DVec3| (exact - exact.round()).abs().max_element() < MAX_OFFSET * size.x;
         let fits = is_near(size) && is_near(low) && low.abs().max_element() < f64::from(u32::MAX);
         let size = size.round();
-        let low = low.round().to_array().map(|low| low as i64);
-        let is_level = size == DVec3::splat(size.x) && low.iter().all(|low| low % size.x as i64 == 0);
-        (fits && size.x < f64::from(u32::MAX) && is_level).then_some((low, size.x as i64))
+        let low = low.round();
+        // The high corner lies as many cells on: a size that is off a little would move it.
+        let high = (patch.origin + patch.spacing * patch.cells_along() - coarsest.origin) / step;
+        let is_whole = (high - (low + size * patch.cells_along())).abs().max_element() < MAX_OFFSET * size.x;
+        let is_level = is_whole && size == DVec3::splat(size.x) && (low / size).fract() == DVec3::ZERO;
+        (fits && size.x < f64::from(u32::MAX) && is_level)
+            .then_some((low.to_array().map(|low| low as i64), size.x as i64))
     };
     let mut lows = Vec::new();
     for patch in patches {
@@ -151,7 +191,10 @@ fn place(patches: &[Patch]) -> Result<(Vec<LatticePatch>, [Axis; 3])> {
                 Error::run("the lattice of the finest cells cannot be that large").at_item(&patch.name);
             return Err(error.expected(format_args!("at most {} along an axis", u32::MAX)));
         };
-        placed.push(LatticePatch { low: low.map(|low| low as u32), end: [x, y, z], size });
+        let low = low.map(|low| low as u32);
+        let own = patch.own_cells().map_err(|error| error.at_item(&patch.name))?;
+        let covers = own.map(|ends| ends.map(|at| std::array::from_fn(|axis| low[axis] + size * at[axis])));
+        placed.push(LatticePatch { low, end: [x, y, z], size, covers });
     }
     let axis = |axis: usize| {
         let parts = placed.iter().map(|own| own.end[axis]).max().unwrap_or(1);
@@ -162,35 +205,79 @@ fn place(patches: &[Patch]) -> Result<(Vec<LatticePatch>, [Axis; 3])> {
     Ok((placed, axes))
 }
 
-/// For each cell of a patch: true where a finer patch lies over it; empty where none does.
-///
-/// Errors: a finer patch begins or ends within a cell.
-fn covered(own: &LatticePatch, all: &[LatticePatch]) -> Result<Vec<bool>> {
-    let cells: [usize; 3] = std::array::from_fn(|axis| ((own.end[axis] - own.low[axis]) / own.size) as usize);
-    let mut covered = Vec::new();
-    for finer in all.iter().filter(|other| other.size < own.size) {
-        let low: [u32; 3] = std::array::from_fn(|axis| finer.low[axis].max(own.low[axis]));
-        let end: [u32; 3] = std::array::from_fn(|axis| finer.end[axis].min(own.end[axis]));
-        if (0..3).any(|axis| low[axis] >= end[axis]) {
-            continue;
+/// Patches by the size of their cells, the finest first, and of one size by their low end along z.
+struct FinerPatches<'a> {
+    patches: Vec<&'a LatticePatch>,
+    /// Each size, the end of its patches, and the greatest extent of one along z.
+    sizes: Vec<(u32, usize, u32)>,
+}
+
+impl<'a> FinerPatches<'a> {
+    fn new(all: &'a [LatticePatch]) -> FinerPatches<'a> {
+        let mut patches: Vec<&LatticePatch> = all.iter().filter(|patch| patch.covers.is_some()).collect();
+        patches.sort_by_key(|patch| (patch.size, patch.low[2]));
+        let mut sizes: Vec<(u32, usize, u32)> = Vec::new();
+        for (end, patch) in (1..).zip(&patches) {
+            let extent = patch.end[2] - patch.low[2];
+            match sizes.last_mut().filter(|last| last.0 == patch.size) {
+                Some(last) => (last.1, last.2) = (end, last.2.max(extent)),
+                None => sizes.push((patch.size, end, extent)),
+            }
         }
-        if low.iter().chain(&end).any(|index| index % own.size != 0) {
+        FinerPatches { patches, sizes }
+    }
+
+    /// For each cell of a patch: true where finer patches lie over it; empty where none does.
+    ///
+    /// Errors: a finer patch begins or ends within a cell that no other covers.
+    fn over(&self, own: &LatticePatch) -> Result<Vec<bool>> {
+        let cells: [usize; 3] =
+            std::array::from_fn(|axis| ((own.end[axis] - own.low[axis]) / own.size) as usize);
+        let (mut touched, mut covered) = (Vec::new(), Vec::new());
+        let mut first = 0;
+        for &(size, end, extent) in self.sizes.iter().take_while(|(size, ..)| *size < own.size) {
+            let same = &self.patches[first..end];
+            first = end;
+            debug_assert!(same.iter().all(|patch| patch.size == size));
+            let from = same.partition_point(|finer| {
+                u64::from(finer.low[2]) + u64::from(extent) <= u64::from(own.low[2])
+            });
+            for finer in same[from..].iter().take_while(|finer| finer.low[2] < own.end[2]) {
+                let Some([low, end]) = finer.covers else { continue };
+                let low: [u32; 3] = std::array::from_fn(|axis| low[axis].max(own.low[axis]) - own.low[axis]);
+                let end: [u32; 3] =
+                    std::array::from_fn(|axis| end[axis].min(own.end[axis]).saturating_sub(own.low[axis]));
+                if (0..3).any(|axis| low[axis] >= end[axis]) {
+                    continue;
+                }
+                touched.resize(cells.iter().product(), false);
+                covered.resize(touched.len(), false);
+                let outer =
+                    |axis: usize| (low[axis] / own.size) as usize..end[axis].div_ceil(own.size) as usize;
+                let inner =
+                    |axis: usize| low[axis].div_ceil(own.size) as usize..(end[axis] / own.size) as usize;
+                fill(&mut touched, cells, [outer(0), outer(1), outer(2)]);
+                fill(&mut covered, cells, [inner(0), inner(1), inner(2)]);
+            }
+        }
+        if touched.iter().zip(&covered).any(|(touched, covered)| *touched && !covered) {
             let error = Error::run("a finer patch begins or ends within a cell of a coarser one");
             return Err(error.expected("finer patches over whole cells"));
         }
-        covered.resize(cells.iter().product(), false);
-        let range = |axis: usize| {
-            let of_cells = |index: u32| ((index - own.low[axis]) / own.size) as usize;
-            of_cells(low[axis])..of_cells(end[axis])
-        };
-        for k in range(2) {
-            for j in range(1) {
-                let row = cells[0] * (j + cells[1] * k);
-                covered[row..][range(0)].fill(true);
-            }
+        Ok(covered)
+    }
+}
+
+/// Marks cells of a box of so many.
+fn fill(marks: &mut [bool], cells: [usize; 3], [x, y, z]: [Range<usize>; 3]) {
+    if x.start >= x.end {
+        return;
+    }
+    for k in z {
+        for j in y.clone() {
+            marks[cells[0] * (j + cells[1] * k)..][x.clone()].fill(true);
         }
     }
-    Ok(covered)
 }
 
 /// The cells of a patch that are not covered; `None` where all are.
@@ -232,7 +319,7 @@ fn no_flags(other: &Stored, count: usize) -> PieceArray {
     PieceArray::new(Association::Cell, stored)
 }
 
-/// An array; flags of cells as they hold for patches: ghosts are hidden, for another patch has their originals.
+/// An array; flags of cells as they hold for patches: ghosts are hidden: other patches have their places, of the same level or of a coarser one.
 fn shown(array: &PieceArray, is_whole: bool) -> PieceArray {
     if !is_flags(array) {
         return array.clone();

@@ -41,7 +41,11 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     }
 
     let (kept, sentences) = match is_unsplit {
-        true => (pieces.into_iter().zip(cells).collect(), blocks::blocks_to_fill(dataset, &choices)),
+        true => {
+            let mut sentences = blocks::blocks_to_fill(dataset, &choices);
+            sentences.extend(blocks::blocks_without_cells(dataset, &pieces, &cells));
+            (pieces.into_iter().zip(cells).collect(), sentences)
+        }
         false => blocks::drawn_pieces(dataset, pieces.into_iter().zip(cells).collect(), &choices)?,
     };
     let (pieces, cells): (Vec<&Piece>, Vec<Cells>) = kept.into_iter().unzip();
@@ -131,7 +135,8 @@ pub(super) fn group(dataset: &Dataset, piece: &Piece, index: usize) -> usize {
     match piece.blocks {
         _ if !dataset.has_blocks => 0,
         CellBlocks::One(block) => block,
-        _ => index,
+        // Numbers of blocks come first.
+        _ => dataset.blocks.len() + index,
     }
 }
 

@@ -199,8 +199,28 @@ fn has_volume(cells: &Cells) -> bool {
     }
 }
 
+/// A sentence about parts of a file that have no cells to be written: structured grids without thickness, and points alone.
+pub(super) fn blocks_without_cells(dataset: &Dataset, pieces: &[&Piece], cells: &[Cells]) -> Option<String> {
+    let flat = pieces.iter().zip(cells).filter(|(_, cells)| cells.count() == 0).map(|(piece, _)| *piece);
+    let points = dataset.pieces.iter().filter(|piece| piece.cell_count == 0 && piece.point_count > 0);
+    let parts: Vec<&Piece> = flat.chain(points).collect();
+    let names: Vec<&str> =
+        parts.iter().map(|piece| name(dataset, piece)).filter(|name| !name.is_empty()).collect();
+    (!parts.is_empty()).then(|| {
+        let are = agreeing(&parts.len(), "is left out", "are left out");
+        let named =
+            if names.is_empty() { String::new() } else { format!(": {}", list(names.iter().copied())) };
+        let what = "without thickness, or of points alone,";
+        format!("{} {what} {are}{named}.", counted(parts.len(), "part"))
+    })
+}
+
 fn name<'a>(dataset: &'a Dataset, piece: &Piece) -> &'a str {
-    let number = if let CellBlocks::One(block) = piece.blocks { block } else { 0 };
+    let number = match &piece.blocks {
+        CellBlocks::One(block) => *block,
+        CellBlocks::Runs(runs) => runs.first().map_or(0, |run| run.0),
+        CellBlocks::Each(_) => 0,
+    };
     dataset.blocks.get(number).map_or("", String::as_str)
 }
 

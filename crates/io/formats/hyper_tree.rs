@@ -6,10 +6,11 @@
 
 use super::adaptive::{self, Part};
 use super::contents::{Dataset, PieceArray};
-use super::lattice::{Axis, LatticeBox};
+use super::lattice::{Axis, BYTES_PER_BOX, HeaderProgress, LatticeBox};
 use std::collections::HashSet;
 use std::ops::Range;
-use voltet_core::{Error, Result};
+use voltet_core::progress::refuse_beyond_memory;
+use voltet_core::{Error, Result, counted};
 
 /// Sentence about interfaces that cut cells.
 pub(super) const INTERFACES: &str = "Interfaces within cells are passed over: each cell is drawn as a whole.";
@@ -58,7 +59,7 @@ impl HyperTree {
             return Err(error.expected(roots.len()));
         }
         let (mut rest, mut parent, mut vertex) = (counts, 0_u64, 0_u64);
-        let mut trees = Vec::with_capacity(roots.len());
+        let mut trees = Vec::new();
         for (&root, &depth) in roots.iter().zip(depths) {
             let levels = usize::try_from(depth).ok().and_then(|depth| rest.split_at_checked(depth));
             let Some((levels, after)) = levels else {
@@ -114,6 +115,11 @@ impl HyperTrees {
                 return Err(Error::run("the hyper tree grid holds a tree twice").got(tree.root));
             }
         }
+        let vertices = self.lists.iter().flat_map(|list| &list.trees);
+        let count = vertices.map(|tree| tree.vertices.end - tree.vertices.start).fold(0, u64::saturating_add);
+        let bytes_per_cell = (size_of::<u32>() + 2 * size_of::<LatticeBox>()) as u64 + BYTES_PER_BOX;
+        let bytes = count.saturating_mul(bytes_per_cell);
+        refuse_beyond_memory(&HeaderProgress, || counted(count, "cell"), bytes)?;
         let parts = u32::try_from(self.branch_factor).ok().and_then(|factor| factor.checked_pow(depth));
         let parts = parts.ok_or_else(|| {
             Error::run("the hyper tree grid is too deep").got(format_args!("{depth} levels"))

@@ -65,10 +65,10 @@ pub(super) struct Lattice {
 }
 
 /// Bytes of a box while its corners are numbered: each twice with its place, then its number and at most one point.
-const BYTES_PER_BOX: u64 = 8 * (16 + 4) + 12;
+pub(super) const BYTES_PER_BOX: u64 = 8 * (16 + 4) + 12;
 
 /// Memory that the process may take while headers are read.
-struct HeaderProgress;
+pub(in crate::formats) struct HeaderProgress;
 
 impl Progress for HeaderProgress {
     fn report(&self, _: &str, _: f64) {}

@@ -30,11 +30,25 @@ pub(super) fn outline(dataset: &Dataset) -> Outline {
     };
     let stored = dataset.pieces.iter().flat_map(|piece| &piece.arrays).map(|array| &array.stored);
     let whole = stored.filter(|stored| stored.number_type.is_integer());
+    // Pieces of one grid are read with what all of them hold.
+    let pieces = || dataset.pieces.iter().filter(|piece| piece.cell_count > 0 && piece.point_count > 0);
+    let is_in_all = |head: &FileArray| {
+        dataset.has_blocks
+            || pieces().all(|piece| {
+                piece
+                    .arrays
+                    .iter()
+                    .any(|array| array.association == head.association && array.stored.name == head.name)
+            })
+    };
+    let (arrays, partial): (Vec<FileArray>, Vec<FileArray>) =
+        array_heads(dataset).into_iter().filter(|array| !belongs_to_cells(array)).partition(is_in_all);
+    let partial = partial.iter().map(|array| format!("an array that not all pieces hold: '{}'", array.name));
     Outline {
-        arrays: array_heads(dataset).into_iter().filter(|array| !belongs_to_cells(array)).collect(),
+        arrays,
         whole_arrays: whole.map(|stored| stored.name.clone()).collect(),
         blocks: dataset.blocks.clone(),
         time_steps: dataset.time_steps.clone(),
-        notes: dataset.notes.clone(),
+        notes: dataset.notes.iter().cloned().chain(partial).collect(),
     }
 }

@@ -18,25 +18,36 @@ use std::path::{Path, PathBuf};
 /// Names that a line of the list shows.
 const MAX_NAMES: usize = 12;
 
+/// Name of the pipeline, which is no file.
+const CONVERSION: &str = "conversion";
+
 /// Names of the nodes of the pipeline.
 const NODES: [&str; 2] = ["grid", "file"];
 
 pub fn convert(arguments: &Convert, registry: &Registry) -> Outcome {
     let request = request(arguments, registry)?;
     let outline = outline(&arguments.data, &request)?;
-    let (written, left): (Vec<&FileArray>, Vec<&FileArray>) =
-        outline.arrays.iter().partition(|array| is_named(arguments, array));
-    refuse_unknown_arrays(arguments, &outline)?;
     let outputs = outputs(arguments, &request, &outline)?;
+    let of_steps = arrays_of_steps(arguments, &request, &outline, &outputs)?;
+    let mut arrays: Vec<FileArray> = Vec::new();
+    for array in of_steps.iter().flatten() {
+        if is_new(&arrays, array) {
+            arrays.push(array.clone());
+        }
+    }
+    let (written, left): (Vec<&FileArray>, Vec<&FileArray>) =
+        arrays.iter().partition(|array| is_named(arguments, array));
+    refuse_unknown_arrays(arguments, &arrays)?;
     refuse_losses(arguments, &outputs)?;
     let streams = outputs.iter().any(|output| is_standard_output(&output.path));
     let bar = Bar::new(arguments.quiet);
     let mut ghost_count = 0;
-    for output in &outputs {
-        let pipeline = pipeline(arguments, &request, &written, output);
+    for (output, own) in outputs.iter().zip(&of_steps) {
+        let own: Vec<&FileArray> = own.iter().filter(|array| is_named(arguments, array)).collect();
+        let pipeline = pipeline(arguments, &request, &own, output);
         let report = run(&pipeline, registry, &bar);
         bar.clear();
-        let report = report?;
+        let report = report.map_err(|error| at_step(error, output, outputs.len()))?;
         ghost_count = ghost_count.max(report.counts.get("cells_ghost").copied().unwrap_or(0));
         if !arguments.quiet {
             say(&warnings(&without_nodes(&report.warnings), 0));
@@ -45,6 +56,14 @@ pub fn convert(arguments: &Convert, registry: &Registry) -> Outcome {
     }
     if !arguments.quiet {
         let mut lines = not_written(arguments, &outline, &written, &left, &outputs);
+        let lacking = |array: &&&FileArray| of_steps.iter().any(|own| is_new(own, array));
+        let some: Vec<&&FileArray> = written.iter().filter(lacking).collect();
+        if !some.is_empty() {
+            lines.push(format!(
+                "arrays that some steps lack: {}",
+                names(some.iter().map(|array| &*array.name))
+            ));
+        }
         if ghost_count > 0 {
             lines.push(format!(
                 "{} of pieces, whose originals are written",
@@ -73,15 +92,46 @@ fn request(arguments: &Convert, registry: &Registry) -> Result<Request> {
     external_formats::request(request, &arguments.data, registry)
 }
 
+/// The arrays of each step that is written: those of a series may differ from step to step.
+fn arrays_of_steps(
+    arguments: &Convert,
+    request: &Request,
+    outline: &Outline,
+    outputs: &[Output],
+) -> Result<Vec<Vec<FileArray>>> {
+    let arrays = |output: &Output| match output.step {
+        Some(step) if outputs.len() > 1 => {
+            let request = Request { time_step: Some(TimeStep::Index(step)), ..request.clone() };
+            let outline = crate::io::formats::outline(&arguments.data, &request);
+            Ok(outline.map_err(|error| at_step(error, output, outputs.len()))?.arrays)
+        }
+        _ => Ok(outline.arrays.clone()),
+    };
+    outputs.iter().map(arrays).collect()
+}
+
+/// True if an array is not among others.
+fn is_new(among: &[FileArray], array: &FileArray) -> bool {
+    !among.iter().any(|known| known.name == array.name && known.association == array.association)
+}
+
+/// An error at the step of one of several outputs.
+fn at_step(error: Error, output: &Output, count: usize) -> Error {
+    match output.step {
+        Some(step) if count > 1 => error.at_item(format!("time step {step}")),
+        _ => error,
+    }
+}
+
 fn is_named(arguments: &Convert, array: &FileArray) -> bool {
     arguments.arrays.as_ref().is_none_or(|names| names.contains(&array.name))
 }
 
-fn refuse_unknown_arrays(arguments: &Convert, outline: &Outline) -> Result<()> {
-    let is_there = |name: &String| outline.arrays.iter().any(|array| array.name == *name);
+fn refuse_unknown_arrays(arguments: &Convert, arrays: &[FileArray]) -> Result<()> {
+    let is_there = |name: &String| arrays.iter().any(|array| array.name == *name);
     let Some(unknown) = arguments.arrays.iter().flatten().find(|name| !is_there(name)) else { return Ok(()) };
     let error = Error::usage("the file has no such array").got(format!("--arrays {unknown}"));
-    let names: Vec<&str> = outline.arrays.iter().map(|array| array.name.as_str()).collect();
+    let names: Vec<&str> = arrays.iter().map(|array| array.name.as_str()).collect();
     let expected = if names.is_empty() { "a file with arrays".into() } else { suggest(unknown, names) };
     Err(error.expected(expected).in_file(&arguments.data))
 }
@@ -106,7 +156,8 @@ fn outputs(arguments: &Convert, request: &Request, outline: &Outline) -> Result<
     if numbers.len() > 1 && with_step(&text, 0).is_none() {
         let error = Error::usage("several time steps would be written to one file").got(text);
         let stem = Path::new(&arguments.output).with_extension("");
-        let ending = arguments.output.extension().unwrap_or_default().to_string_lossy();
+        let ending = arguments.output.extension().map_or("vtu".into(), |ending| ending.to_string_lossy());
+        let stem = if is_standard_output(&arguments.output) { Path::new("grid") } else { &stem };
         let expected = format!("{{step}} in the name of the file: '{}_{{step:04}}.{ending}'", stem.display());
         return Err(error.expected(expected));
     }
@@ -194,10 +245,11 @@ fn pipeline(arguments: &Convert, request: &Request, arrays: &[&FileArray], outpu
 /// Runs a pipeline that nobody wrote: its errors show no place in it.
 fn run(pipeline: &str, registry: &Registry, bar: &Bar) -> Result<RunReport> {
     // Paths are relative to the working folder.
-    let document = Document::from_text(Path::new("conversion"), pipeline.into(), &[], registry);
+    let document = Document::from_text(Path::new(CONVERSION), pipeline.into(), &[], registry);
     let outcome = document.and_then(|document| crate::nodes::session().run(&document.graph, bar));
     outcome.map_err(|mut error| {
         (error.location.span, error.location.line_column, error.location.node) = (None, None, None);
+        error.location.file.take_if(|file| file.as_str() == CONVERSION);
         error
     })
 }
@@ -261,10 +313,9 @@ fn not_written(
     if !outline.blocks.is_empty() {
         let numbered: Vec<String> =
             outline.blocks.iter().enumerate().map(|(number, name)| format!("{number} is '{name}'")).collect();
-        lines.push(format!(
-            "names of blocks; the cell array 'block' holds their numbers: {}",
-            shortened(&numbered)
-        ));
+        let has_numbers = written.iter().any(|array| array.name == crate::io::formats::BLOCK);
+        let held = if has_numbers { "; the cell array 'block' holds their numbers" } else { "" };
+        lines.push(format!("names of blocks{held}: {}", shortened(&numbered)));
     }
     lines.extend(outline.notes.iter().cloned());
     let whole = written.iter().map(|array| &*array.name).filter(|name| outline.whole_arrays.contains(*name));

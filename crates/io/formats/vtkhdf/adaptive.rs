@@ -6,12 +6,13 @@ use crate::formats::blocks;
 use crate::formats::contents::{Dataset, Meter, PieceArray, extent_dimensions};
 use crate::formats::hdf5::Group;
 use crate::formats::hyper_tree::{self, HyperTree, HyperTrees, TreeList};
+use crate::formats::lattice::HeaderProgress;
 use crate::formats::numbers::Target;
 use crate::formats::request::Request;
 use glam::DVec3;
 use voltet_core::grid::Association;
-use voltet_core::progress::NoProgress;
-use voltet_core::{Error, Result};
+use voltet_core::progress::{NoProgress, refuse_beyond_memory};
+use voltet_core::{Error, Result, counted};
 
 /// Types of these grids.
 pub(super) const PATCHES: &str = "OverlappingAMR";
@@ -110,6 +111,12 @@ fn levels(group: &Group, step: &GridStep) -> Result<Vec<Level>> {
         })?;
         levels.push(Level { group: level, number, extents: own.to_vec() });
     }
+    let number = |name: &String| name.strip_prefix("Level").and_then(|number| number.parse::<usize>().ok());
+    let names = group.names()?;
+    if let Some(lost) = names.iter().find(|name| number(name).is_some_and(|number| number >= levels.len())) {
+        let error = Error::run("the levels are not numbered without gaps").at_item(group.path());
+        return Err(error.got(lost).expected(format_args!("Level{}", levels.len())));
+    }
     Ok(levels)
 }
 
@@ -162,6 +169,7 @@ pub(super) fn add_trees(group: &Group, step: &GridStep, dataset: &mut Dataset) -
     let bits = |name: &str, count: u64| -> Result<Vec<u8>> {
         let Some(array) = group.array(name)? else { return Ok(Vec::new()) };
         let len = array.shape().first().map_or(0, |&len| len.min(count.div_ceil(8)));
+        refuse_beyond_memory(&HeaderProgress, || counted(8 * len, "bit"), 9 * len)?;
         let bytes: Vec<u8> = array.rows(name, span(0, len), 1)?.load(&Meter::new(&NoProgress, 1))?;
         Ok(bytes.into_iter().flat_map(|byte| (0..8).map(move |bit| byte >> (7 - bit) & 1)).collect())
     };

@@ -4,11 +4,12 @@ use super::header::{Appended, Element};
 use super::serial::{Context, grid, is_before, marked};
 use crate::formats::contents::{Dataset, Meter, Stored};
 use crate::formats::hyper_tree::{HyperTree, HyperTrees, INTERFACES, TreeList};
+use crate::formats::lattice::HeaderProgress;
 use crate::formats::numbers::Target;
 use crate::formats::source::Source;
 use std::sync::Arc;
 use voltet_core::grid::Association;
-use voltet_core::progress::NoProgress;
+use voltet_core::progress::{NoProgress, refuse_beyond_memory};
 use voltet_core::{Error, Result};
 
 /// Type of the files.
@@ -55,6 +56,9 @@ pub(super) fn open(source: Arc<Source>, root: &Element, appended: Option<Appende
 
 fn loaded<T: Target>(stored: &Stored) -> Result<Vec<T>> {
     stored.check_backing().map_err(|error| error.at_item(&stored.name))?;
+    let count = stored.tuple_count.unwrap_or(0);
+    let bytes = count.saturating_mul(size_of::<T>() as u64);
+    refuse_beyond_memory(&HeaderProgress, || voltet_core::counted(count, "value"), bytes)?;
     stored.load(&Meter::new(&NoProgress, 1))
 }
 
@@ -63,7 +67,9 @@ fn counted<T: Target>(context: &Context, section: &Element, name: &str) -> Resul
     let Some(element) = context.arrays(section).find(|array| array.attribute("Name") == Some(name)) else {
         return Ok(Vec::new());
     };
-    loaded(&context.stored(element, Some(element.number("NumberOfTuples")?.unwrap_or(0)))?)
+    // VTK leaves the number out where it is 0.
+    let count = element.number("NumberOfTuples")?.unwrap_or(0);
+    loaded(&context.stored(element, Some(count))?)
 }
 
 /// List of one tree, an element.

@@ -423,3 +423,51 @@ fn trees_that_are_too_deep_are_refused() {
     let message = read(33).unwrap_err().to_string();
     assert!(message.contains("too deep") && message.contains("32 levels"), "{message}");
 }
+
+/// Patches nest: one of the finest may begin within a coarsest cell, for a patch between them covers that.
+#[test]
+fn a_finest_patch_may_begin_within_a_coarsest_cell() {
+    for ratio in [2, 3] {
+        let folder = tempfile::tempdir().unwrap();
+        let mut levels = levels(ratio);
+        levels[2][0].iter_mut().for_each(|corner| corner[0] += ratio);
+        let path = patches(&folder, ratio, &levels, linear);
+        let grid = read_grid(&path, &of_cells("c"));
+        assert!((volume(&grid) - 8.0).abs() < 1e-9, "{}", volume(&grid));
+        cells_with_values(&grid, linear);
+        // Where nothing lies between, half a cell would be left.
+        levels[1].clear();
+        let path = patches(&folder, ratio, &levels, linear);
+        let error = read(&path, &of_cells("c"), &NoProgress).unwrap_err().to_string();
+        assert!(error.contains("within a cell of a coarser one"), "{error}");
+    }
+}
+
+/// Ghosts around a finer patch cover nothing: the coarser cells there are drawn.
+#[test]
+fn ghosts_of_a_finer_patch_cover_nothing() {
+    for layers in [1, 2] {
+        let folder = tempfile::tempdir().unwrap();
+        let fine = [[2 - layers; 3], [6 + layers; 3]];
+        let levels = vec![vec![[[0; 3], [4; 3]]], vec![fine]];
+        let path = patches(&folder, 2, &levels, linear);
+        let mut flags = String::new();
+        for k in fine[0][2]..fine[1][2] {
+            for j in fine[0][1]..fine[1][1] {
+                for i in fine[0][0]..fine[1][0] {
+                    let is_own = [i, j, k].iter().all(|n| (2..6).contains(n));
+                    flags += if is_own { "0 " } else { "1 " };
+                }
+            }
+        }
+        let array =
+            format!("<DataArray type=\"UInt8\" Name=\"vtkGhostType\" format=\"ascii\">{flags}</DataArray>");
+        let text = image(fine, 0.125, linear).replace("</CellData>", &format!("{array}</CellData>"));
+        file(&folder, "1_0.vti", text.as_bytes());
+        let grid = read_grid(&path, &of_cells("c"));
+        assert!((volume(&grid) - 1.0).abs() < 1e-9, "{layers}: {}", volume(&grid));
+        let drawn: std::collections::BTreeSet<usize> =
+            (0..grid.tetrahedra.len()).map(|i| grid.source_cell(i)).collect();
+        assert_eq!(drawn.len(), 64 - 8 + 64, "{layers}");
+    }
+}
