@@ -3,6 +3,7 @@
 
 use glam::DVec3;
 use rayon::prelude::*;
+use std::cell::OnceCell;
 use std::sync::Arc;
 use voltet_core::arithmetic::unit_vector;
 use voltet_core::camera::{Camera, Frame, Projection};
@@ -40,6 +41,9 @@ pub struct RayEvents {
 
 /// Rows of pixels whose events lie together; a thread finds those of one band at a time.
 pub const BAND: usize = 16;
+
+/// Pixels by which a triangle's bounds are widened: more than any rounding of places within a picture of 2¹⁶ pixels.
+const SLACK: f64 = 1.0 / 64.0;
 
 /// Surfaces and clips as a camera sees them, for the events of each of its samples.
 pub struct RayEventSource<'a> {
@@ -315,8 +319,8 @@ impl<'a> ScreenSurface<'a> {
             let numbers = surface.triangles[number as usize].map(|p| p as usize);
             let [a, b, c] = numbers.map(|p| points[p]);
             let edges = [rays.edge(b, c), rays.edge(c, a), rays.edge(a, b)];
-            let flat =
-                (surface.light.is_some() && normals.is_empty()).then(|| surface.flat_normal(number as usize));
+            // Most triangles of a fine surface meet no ray.
+            let flat = OnceCell::new();
             for j in (from as usize).max(top)..(to as usize).min(top + BAND) {
                 for i in left as usize..right as usize {
                     let [x, y] = rays.across([i, j]);
@@ -336,10 +340,12 @@ impl<'a> ScreenSurface<'a> {
                     let facing = match surface.light {
                         None => 1.0,
                         Some(_) => {
-                            let normal = flat.unwrap_or_else(|| {
+                            let normal = if normals.is_empty() {
+                                *flat.get_or_init(|| surface.flat_normal(number as usize))
+                            } else {
                                 let [a, b, c] = numbers;
                                 unit_vector(u * normals[a] + v * normals[b] + w * normals[c])
-                            });
+                            };
                             normal.dot(directions[pixel]).abs()
                         }
                     };
@@ -381,9 +387,9 @@ impl Rays<'_> {
             let [low, high] = places.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], place| {
                 [low.min(place[axis]), high.max(place[axis])]
             });
-            // Pixel i has its sample at i + ½ + offset; half a pixel of slack is more than any rounding.
-            let from = (low - 0.5 - self.offset[axis] - 0.5).ceil().clamp(0.0, f64::from(size));
-            let to = (high - 0.5 - self.offset[axis] + 0.5).floor() + 1.0;
+            // Pixel i has its sample at i + ½ + offset.
+            let from = (low - 0.5 - self.offset[axis] - SLACK).ceil().clamp(0.0, f64::from(size));
+            let to = (high - 0.5 - self.offset[axis] + SLACK).floor() + 1.0;
             [from as u16, to.clamp(0.0, f64::from(size)) as u16]
         };
         let ([left, right], [top, bottom]) = (range(0, width), range(1, height));
