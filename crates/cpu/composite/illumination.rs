@@ -4,16 +4,41 @@ use crate::composite::frame::FrameContext;
 use crate::fragments::batch::Batch;
 use crate::shade::light::Rays;
 use crate::shade::shaded_batch::ShadedBatch;
+use crate::shade::shader::integrate;
 use voltet_simd::optics::elementary::one_minus_exp;
-use voltet_simd::{Float, Kernel, Lanes};
+use voltet_simd::{Float, Kernel, Lanes, dispatch};
 
-/// Applies silhouettes and light to shaded segments.
-pub(crate) struct Illuminate<'a> {
-    pub frame: &'a FrameContext<'a>,
-    pub batch: &'a Batch,
-    pub count: usize,
-    pub rays: &'a Rays,
-    pub shaded: &'a mut ShadedBatch,
+/// Shades the first `count` segments of a batch: integrates them, and applies silhouettes and light.
+pub(crate) fn shade(
+    frame: &FrameContext<'_>,
+    batch: &Batch,
+    count: usize,
+    rays: &Rays,
+    shaded: &mut ShadedBatch,
+) {
+    integrate(frame.shader, frame.lanes, batch, count, shaded);
+    illuminate(frame, batch, count, rays, shaded);
+}
+
+/// Applies silhouettes and light to shaded segments, where the scene has any.
+pub(crate) fn illuminate(
+    frame: &FrameContext<'_>,
+    batch: &Batch,
+    count: usize,
+    rays: &Rays,
+    shaded: &mut ShadedBatch,
+) {
+    if frame.shader.surface.is_some() {
+        dispatch(frame.lanes, Illuminate { frame, batch, count, rays, shaded });
+    }
+}
+
+struct Illuminate<'a> {
+    frame: &'a FrameContext<'a>,
+    batch: &'a Batch,
+    count: usize,
+    rays: &'a Rays,
+    shaded: &'a mut ShadedBatch,
 }
 
 impl Kernel for Illuminate<'_> {

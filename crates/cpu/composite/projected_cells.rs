@@ -6,15 +6,13 @@ use crate::composite::accumulators::Sink;
 
 use crate::composite::fragment_lists::{FragmentLists, Overflow};
 use crate::composite::frame::FrameContext;
-use crate::composite::illumination::Illuminate;
+use crate::composite::illumination;
 use crate::composite::row_shader::{RowShader, Scratch};
-use crate::composite::segment_parts::copy_part;
 use crate::fragments::batch::{BATCH, Batch, MAX_LANES, clip_to_depth};
 use crate::fragments::crossing::CellPacket;
 use crate::fragments::spans::{Edges, Fragments, NextSlots};
 use crate::project::precise_cell::{PreciseCell, PreciseCrossing};
 use crate::project::tile_bins::TileBins;
-use crate::shade::shader::integrate;
 use crate::tile::{PIXELS, TILE, TileRect};
 use std::ops::Range;
 use voltet_simd::{Kernel, Lanes, dispatch, prefetch};
@@ -76,32 +74,23 @@ pub(crate) fn walk<S: Sink>(
 ) {
     let Scratch { fragments, edges, packet, length_per_depth, row_shader, counts, .. } = scratch;
     let RowShader { batch, shaded, rays, depth_limits, cutter, .. } = row_shader;
-    let mut parts = cutter.is_some().then(|| Batch::new(frame.attribute_count(), frame.scalar_count));
     let mut shade = |sink: &mut S, batch: &Batch, count: usize| {
-        integrate(frame.shader, frame.lanes, batch, count, shaded);
-        if frame.shader.surface.is_some() {
-            dispatch(frame.lanes, Illuminate { frame, batch, count, rays, shaded });
-        }
+        illumination::shade(frame, batch, count, rays, shaded);
         sink.take(batch, shaded, count);
     };
     let mut send = |sink: &mut S, batch: &mut Batch, count: usize| {
         if frame.depth_limit.is_some() {
             clip_to_depth(batch, count, frame.attribute_count(), depth_limits);
         }
-        if let Some((cutter, parts)) = cutter.as_deref_mut().zip(parts.as_mut()) {
-            let mut filled = 0;
+        if let Some(cutter) = cutter.as_deref_mut() {
             for k in 0..count {
-                let within = batch.pixel[k] as usize % PIXELS;
-                let pixel = [rect.left + within % TILE, rect.top + within / TILE];
-                cutter.cut_alone(frame, pixel, batch, k, |part, batch| {
-                    copy_part(&part, batch, frame, filled, parts);
-                    filled += 1;
-                    if filled == BATCH {
-                        shade(sink, parts, std::mem::take(&mut filled));
-                    }
-                });
+                if batch.length[k] > 0.0 {
+                    let within = batch.pixel[k] as usize % PIXELS;
+                    let pixel = [rect.left + within % TILE, rect.top + within / TILE];
+                    cutter.cut_alone(frame, pixel, batch, k, |parts, count| shade(sink, parts, count));
+                }
             }
-            shade(sink, parts, filled);
+            cutter.end_alone(|parts, count| shade(sink, parts, count));
         }
         shade(sink, batch, count);
     };

@@ -6,7 +6,7 @@ use crate::composite::accumulators::{TileAccumulator, TilePixels};
 use crate::composite::deferred_shading::{DeferredFragments, DeferredShading};
 use crate::composite::fragment_lists::{Arrange, Fill, FragmentLists};
 use crate::composite::frame::FrameContext;
-use crate::composite::illumination::Illuminate;
+use crate::composite::illumination::illuminate;
 use crate::composite::segment_parts::SegmentCutter;
 use crate::counts::Counts;
 use crate::fragments::batch::{BATCH, Batch, DepthLimits, MAX_LANES, clip_to_depth};
@@ -186,10 +186,7 @@ impl RowShader {
     }
 
     fn light(&mut self, frame: &FrameContext<'_>, count: usize) {
-        if frame.shader.surface.is_some() {
-            let RowShader { batch, shaded, rays, .. } = self;
-            dispatch(frame.lanes, Illuminate { frame, batch, count, rays, shaded });
-        }
+        illuminate(frame, &self.batch, count, &self.rays, &mut self.shaded);
     }
 }
 

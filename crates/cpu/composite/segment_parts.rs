@@ -5,16 +5,14 @@
 //! composited to one colour that takes the segment's place.
 
 use crate::composite::frame::FrameContext;
-use crate::composite::illumination::Illuminate;
+use crate::composite::illumination;
 use crate::composite::lane_axes::LaneAxes;
 use crate::fragments::batch::{BATCH, Batch, Column};
 use crate::shade::light::Rays;
 use crate::shade::shaded_batch::ShadedBatch;
-use crate::shade::shader::integrate;
 use crate::tile::{PIXELS, TILE, TilePicture, TileRect};
 use voltet_optics::curved_axes::{AxisCut, StraightPiece};
 use voltet_optics::ray_events::{BAND, RayEvent, RayEventKind, RayEvents, composite_behind};
-use voltet_simd::dispatch;
 
 /// The rows of a tile are those of one band of events.
 const _: () = assert!(BAND.is_multiple_of(TILE));
@@ -58,7 +56,7 @@ struct CutFragment {
 
 /// A part of a segment, or a surface.
 #[derive(Clone, Copy)]
-pub(crate) struct Part {
+struct Part {
     /// Index of the segment in its batch.
     of: usize,
     /// Its depths.
@@ -247,10 +245,7 @@ impl SegmentCutter {
         let count = std::mem::take(&mut self.count);
         let adds = frame.shader.one_color.is_some() && frame.shader.surface.is_none();
         if count > 0 {
-            integrate(frame.shader, frame.lanes, batch, count, shaded);
-            if frame.shader.surface.is_some() {
-                dispatch(frame.lanes, Illuminate { frame, batch, count, rays, shaded });
-            }
+            illumination::shade(frame, batch, count, rays, shaded);
         }
         let mut next = 0..count;
         for CutFragment { of, surface } in layers.drain(..) {
@@ -274,25 +269,37 @@ impl SegmentCutter {
         }
     }
 
-    /// Takes segment `k` of a batch out of it, whatever was cut before, if it is cut or hidden, and hands on the parts that are drawn.
+    /// Takes segment `k` of a batch out of it, whatever was cut before, if it is cut or hidden. Hands on the parts that are drawn, when they fill a batch.
     pub fn cut_alone(
         &mut self,
         frame: &FrameContext<'_>,
         pixel: [usize; 2],
         batch: &mut Batch,
         k: usize,
-        mut put: impl FnMut(Part, &Batch),
+        mut shade: impl FnMut(&Batch, usize),
     ) {
         let mut alone = Cursor::new(frame, pixel);
         if frame.axes.is_none() && batch.exit[k] <= alone.depth {
             return;
         }
+        let SegmentCutter { scratch, parts, count, .. } = self;
         alone.cut(frame, pixel[1], (k, [batch.entry[k], batch.exit[k]]), |part| {
             if part.surface.is_none() {
-                part.straighten(frame.axes, batch, &mut self.scratch, &mut |piece| put(piece, batch));
+                part.straighten(frame.axes, batch, scratch, &mut |piece| {
+                    copy_part(&piece, batch, frame, *count, parts);
+                    *count += 1;
+                    if *count == BATCH {
+                        shade(parts, std::mem::take(count));
+                    }
+                });
             }
         });
         batch.length[k] = 0.0;
+    }
+
+    /// Hands on the parts that are left of [`SegmentCutter::cut_alone`].
+    pub fn end_alone(&mut self, shade: impl FnOnce(&Batch, usize)) {
+        shade(&self.parts, std::mem::take(&mut self.count));
     }
 
     /// Composites the surfaces that are left behind a tile's pixels; none is left.
@@ -323,7 +330,7 @@ fn depth_of(event: &RayEvent, frame: &FrameContext<'_>) -> f32 {
 }
 
 /// Puts a part in slot `at` of a batch.
-pub(crate) fn copy_part(part: &Part, from: &Batch, frame: &FrameContext<'_>, at: usize, to: &mut Batch) {
+fn copy_part(part: &Part, from: &Batch, frame: &FrameContext<'_>, at: usize, to: &mut Batch) {
     let Part { of: k, depths: [entry, exit], shares, .. } = *part;
     to.pixel[at] = from.pixel[k];
     (to.entry[at], to.exit[at]) = (entry, exit);

@@ -23,6 +23,11 @@ pub(super) struct Part {
     pub arrays: Vec<PieceArray>,
 }
 
+impl Part {
+    /// Bytes of a box and its tuple.
+    pub const BYTES_PER_BOX: usize = size_of::<LatticeBox>() + size_of::<u32>();
+}
+
 /// Points of an array of equal boxes.
 #[derive(Default, Clone, Copy)]
 pub(super) struct BoxPoints {

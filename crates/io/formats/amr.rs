@@ -5,7 +5,7 @@
 
 use super::adaptive::{self, BoxPoints, Part};
 use super::contents::{Compute, Dataset, Encoding, GHOST_TYPE, Meter, PieceArray, Stored};
-use super::lattice::{Axis, BYTES_PER_BOX, HeaderProgress, LatticeBox};
+use super::lattice::{Axis, HeaderProgress, LatticeBox, refuse_too_many};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -124,13 +124,7 @@ pub(super) fn add(dataset: &mut Dataset, patches: Vec<Patch>, is_whole: bool) ->
         |(own, patch): (&LatticePatch, &Patch)| finer.over(own).map_err(|error| error.at_item(&patch.name));
     let covered: Vec<Vec<bool>> = placed.par_iter().zip(&patches).map(named).collect::<Result<_>>()?;
     let covered_count: u64 = covered.iter().flatten().map(|&is_covered| u64::from(is_covered)).sum();
-    let left = all - covered_count;
-    if left > u64::from(u32::MAX / 8) {
-        let error = Error::run("the grid has too many cells").got(left);
-        return Err(error.expected(format_args!("at most {}", u32::MAX / 8)));
-    }
-    let bytes_per_cell = (size_of::<u32>() + 2 * size_of::<LatticeBox>()) as u64 + BYTES_PER_BOX;
-    refuse_beyond_memory(&HeaderProgress, || counted(left, "cell"), left * bytes_per_cell)?;
+    refuse_too_many(all - covered_count, Part::BYTES_PER_BOX)?;
     let options = FlagOptions { is_whole, has_flags: patches.iter().any(Patch::has_flags) };
     let parts = patches.iter().zip(&placed).zip(&covered);
     let parts = parts.filter_map(|((patch, own), covered)| part(patch, own, covered, options)).collect();

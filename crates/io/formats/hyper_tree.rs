@@ -6,11 +6,10 @@
 
 use super::adaptive::{self, Part};
 use super::contents::{Dataset, PieceArray};
-use super::lattice::{Axis, BYTES_PER_BOX, HeaderProgress, LatticeBox};
+use super::lattice::{Axis, LatticeBox, refuse_too_many};
 use std::collections::HashSet;
 use std::ops::Range;
-use voltet_core::progress::refuse_beyond_memory;
-use voltet_core::{Error, Result, counted};
+use voltet_core::{Error, Result};
 
 /// Sentence about interfaces that cut cells.
 pub(super) const INTERFACES: &str = "Interfaces within cells are passed over: each cell is drawn as a whole.";
@@ -117,9 +116,7 @@ impl HyperTrees {
         }
         let vertices = self.lists.iter().flat_map(|list| &list.trees);
         let count = vertices.map(|tree| tree.vertices.end - tree.vertices.start).fold(0, u64::saturating_add);
-        let bytes_per_cell = (size_of::<u32>() + 2 * size_of::<LatticeBox>()) as u64 + BYTES_PER_BOX;
-        let bytes = count.saturating_mul(bytes_per_cell);
-        refuse_beyond_memory(&HeaderProgress, || counted(count, "cell"), bytes)?;
+        refuse_too_many(count, Part::BYTES_PER_BOX)?;
         let parts = u32::try_from(self.branch_factor).ok().and_then(|factor| factor.checked_pow(depth));
         let parts = parts.ok_or_else(|| {
             Error::run("the hyper tree grid is too deep").got(format_args!("{depth} levels"))

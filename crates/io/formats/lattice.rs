@@ -64,8 +64,8 @@ pub(super) struct Lattice {
     pub corners: Vec<u32>,
 }
 
-/// Bytes of a box while its corners are numbered: each twice with its place, then its number and at most one point.
-pub(super) const BYTES_PER_BOX: u64 = 8 * (16 + 4) + 12;
+/// Bytes of a box while its corners are numbered: itself, each corner twice with its place, then its number and at most one point.
+const BYTES_PER_BOX: u64 = size_of::<LatticeBox>() as u64 + 8 * (16 + 4) + 12;
 
 /// Memory that the process may take while headers are read.
 pub(in crate::formats) struct HeaderProgress;
@@ -76,6 +76,15 @@ impl Progress for HeaderProgress {
     fn memory_left(&self) -> Option<u64> {
         crate::memory::available()
     }
+}
+
+/// Refuses more boxes than 32 bits number the corners of, or than memory holds. `bytes`: what a box takes beside its corners.
+pub(super) fn refuse_too_many(count: u64, bytes: usize) -> Result<()> {
+    if count > u64::from(u32::MAX / 8) {
+        let error = Error::run("the grid has too many cells").got(count);
+        return Err(error.expected(format_args!("at most {}", u32::MAX / 8)));
+    }
+    refuse_beyond_memory(&HeaderProgress, || counted(count, "cell"), count * (BYTES_PER_BOX + bytes as u64))
 }
 
 impl Lattice {
@@ -98,11 +107,7 @@ impl Lattice {
             );
         }
         let count = boxes.len() as u64;
-        if count > u64::from(u32::MAX / 8) {
-            let error = Error::run("the grid has too many cells").got(count);
-            return Err(error.expected(format_args!("at most {}", u32::MAX / 8)));
-        }
-        refuse_beyond_memory(&HeaderProgress, || counted(count, "cell"), count * BYTES_PER_BOX)?;
+        refuse_too_many(count, 0)?;
         let corner = |slot: u32| {
             let [x, y, z] = boxes[slot as usize / 8].corner(slot as usize % 8);
             ([z, y, x], slot)

@@ -348,7 +348,10 @@ impl<'a> Tracer<'a> {
                 else {
                     continue;
                 };
-                let facing = surface.normal(number, weights).dot(direction.normalize()).abs();
+                let facing = match surface.light {
+                    Some(_) => surface.normal(number, weights).dot(direction.normalize()).abs(),
+                    None => 1.0,
+                };
                 let rgba = surface.color(number, weights, facing);
                 events.push(Event { depth, kind: EventKind::Surface(rgba) });
             }
