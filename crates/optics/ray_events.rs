@@ -4,6 +4,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 use std::cell::OnceCell;
+use std::ops::Range;
 use std::sync::Arc;
 use voltet_core::arithmetic::unit_vector;
 use voltet_core::camera::{Camera, Frame, Projection};
@@ -116,14 +117,14 @@ impl<'a> RayEventSource<'a> {
         let band = |number: usize| {
             let rows = number * BAND..((number + 1) * BAND).min(height);
             let pixel_count = rows.len() * width;
+            if seen.is_empty() {
+                return Ok(Band::of_clips(clips, &rays, rows, width));
+            }
             let mut found: Vec<(u32, RayEvent)> = Vec::new();
             if !clips.is_empty() {
-                let mut scratch = KeptRanges::default();
-                for (pixel, j) in (0..).step_by(width).zip(rows.clone()) {
-                    for i in 0..width {
-                        rays.clip(clips, [i, j], &mut scratch, |event| found.push((pixel + i as u32, event)));
-                    }
-                }
+                let clipped = Band::of_clips(clips, &rays, rows.clone(), width);
+                let by_pixel = (0..).zip(clipped.by_pixel());
+                found.extend(by_pixel.flat_map(|(pixel, own)| own.iter().map(move |event| (pixel, *event))));
             }
             let direction = |pixel: usize| {
                 let [_, direction] = rays.ray(rays.across([pixel % width, rows.start + pixel / width]));
@@ -149,6 +150,26 @@ impl<'a> RayEventSource<'a> {
 }
 
 impl Band {
+    /// Events of clips alone.
+    fn of_clips(clips: &[Clip], rays: &Rays<'_>, rows: Range<usize>, width: usize) -> Band {
+        let mut first = Vec::with_capacity(rows.len() * width + 1);
+        let mut events = Vec::with_capacity(rows.len() * width);
+        let mut scratch = KeptRanges::default();
+        for j in rows {
+            for i in 0..width {
+                first.push(events.len() as u32);
+                rays.clip(clips, [i, j], &mut scratch, |event| events.push(event));
+            }
+        }
+        first.push(events.len() as u32);
+        Band { first, events }
+    }
+
+    /// The events of each pixel, row by row.
+    fn by_pixel(&self) -> impl Iterator<Item = &[RayEvent]> {
+        self.first.windows(2).map(|ends| &self.events[ends[0] as usize..ends[1] as usize])
+    }
+
     /// Puts events, each with its pixel, in order: by pixel, then by depth, then as they were found.
     fn new(found: &[(u32, RayEvent)], pixel_count: usize) -> Band {
         let mut first = vec![0; pixel_count + 1];
@@ -193,9 +214,7 @@ impl RayEvents {
 
     /// The events of each pixel's ray, row by row.
     pub fn by_pixel(&self) -> impl Iterator<Item = &[RayEvent]> {
-        self.bands.iter().flat_map(|band| {
-            band.first.windows(2).map(move |ends| &band.events[ends[0] as usize..ends[1] as usize])
-        })
+        self.bands.iter().flat_map(Band::by_pixel)
     }
 
     /// Takes away what lies behind the end of each pixel's ray. `limits`: depths along the view direction, row by row.

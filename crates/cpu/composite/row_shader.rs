@@ -118,8 +118,10 @@ impl RowShader {
         let Some(mut cutter) = self.cutter.take() else {
             return self.blend_slices(frame, row, count, &[], pixels);
         };
-        let cut = cutter.cut_row(frame, &mut self.batch, count, &self.rays);
-        self.blend_slices(frame, row, count, cut, pixels);
+        let (count, cut) = cutter.cut_row(frame, &mut self.batch, count, &self.rays);
+        if count > 0 {
+            self.blend_slices(frame, row, count, cut, pixels);
+        }
         self.cutter = Some(cutter);
     }
 

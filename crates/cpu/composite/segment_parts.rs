@@ -1,18 +1,19 @@
 //! Parts of segments, in place of the whole: between surfaces and clips of their rays ([`voltet_optics::ray_events`]), whose colours take
 //! their places among them; and, where an axis is logarithmic, straight pieces along it ([`voltet_optics::curved_axes`]).
 //!
-//! Segments that nothing cuts, by far the most, stay in their batch. The parts of the others are shaded in a batch of their own, and
-//! composited to one colour that takes the segment's place.
+//! Segments that nothing cuts, by far the most, stay in their batch, and so does the one part that a clip leaves. The parts of the others
+//! are shaded in a batch of their own, and composited to one colour that takes the segment's place.
 
 use crate::composite::frame::FrameContext;
 use crate::composite::illumination;
 use crate::composite::lane_axes::LaneAxes;
-use crate::fragments::batch::{BATCH, Batch, Column};
+use crate::fragments::batch::{BATCH, Batch};
 use crate::shade::light::Rays;
 use crate::shade::shaded_batch::ShadedBatch;
 use crate::tile::{PIXELS, TILE, TilePicture, TileRect};
 use voltet_optics::curved_axes::{AxisCut, StraightPiece};
 use voltet_optics::ray_events::{BAND, RayEvent, RayEventKind, RayEvents, composite_behind};
+use voltet_simd::{Float, Kernel, Lanes, Mask, dispatch};
 
 /// The rows of a tile are those of one band of events.
 const _: () = assert!(BAND.is_multiple_of(TILE));
@@ -48,8 +49,8 @@ struct Cursor {
 
 /// A part of a segment that is cut, or a surface among its parts.
 struct CutFragment {
-    /// Index of the segment in its batch.
-    of: usize,
+    /// Slot of the segment in its batch.
+    slot: usize,
     /// A surface's colour, or none for the next part.
     surface: Option<[f32; 4]>,
 }
@@ -80,6 +81,14 @@ impl Part {
         let start = if depths[0] > entry { share(depths[0]) } else { 0.0 };
         let end = if depths[1] < exit { share(depths[1]) } else { 1.0 };
         Part { of, depths, shares: [start, end], whole: [start, end], ends: None, surface: None }
+    }
+
+    /// Values of an attribute at the part's ends, of a segment of a batch.
+    fn ends_of(&self, batch: &Batch, attribute: usize, frame: &FrameContext<'_>) -> [f32; 2] {
+        // A piece has the gradient of all of its part.
+        let [start, end] = if attribute < frame.scalar_count { self.shares } else { self.whole };
+        let (front, back) = (batch.front[attribute][self.of], batch.back[attribute][self.of]);
+        [front + start * (back - front), if end == 1.0 { back } else { front + end * (back - front) }]
     }
 
     /// Hands on the straight pieces of a part.
@@ -119,6 +128,29 @@ impl Cursor {
     fn find_depth(&mut self, frame: &FrameContext<'_>, events: &[RayEvent]) {
         let next = events[..self.end as usize].get(self.next as usize);
         self.depth = next.map_or(f32::INFINITY, |event| depth_of(event, frame));
+    }
+
+    /// The one part that is left of a segment within which one clip begins or ends and nothing else is met; that is taken. None where there
+    /// are more parts or surfaces, and nothing is taken.
+    fn trim(
+        &mut self,
+        frame: &FrameContext<'_>,
+        row: usize,
+        (of, whole @ [entry, exit]): (usize, [f32; 2]),
+    ) -> Option<Part> {
+        let events = &frame.events?.of_band(row)[..self.end as usize];
+        let (&event, rest) = events[self.next as usize..].split_first()?;
+        let is_last = rest.first().is_none_or(|event| exit <= depth_of(event, frame));
+        if !is_last || matches!(event.kind, RayEventKind::Surface(_)) {
+            return None;
+        }
+        let depth = self.depth.max(entry);
+        let was_hidden = std::mem::replace(&mut self.hidden, event.kind == RayEventKind::Hide);
+        self.next += 1;
+        self.find_depth(frame, events);
+        let from = if was_hidden { depth } else { entry };
+        let to = if self.hidden { depth } else { exit };
+        Some(Part::between(of, whole, [from, to.max(from)]))
     }
 
     /// Cuts a segment at its pixel's events, and takes these and those before it. `row`: one of its band; `of`: its index in the batch.
@@ -180,46 +212,63 @@ impl SegmentCutter {
         }
     }
 
-    /// Takes the segments that are cut, and those that are hidden, out of the first `count` of a batch, slices of a row. Returns the
-    /// slots and colours of the former.
+    /// Takes the segments that are cut, and those that are hidden, out of the first `count` of a batch, slices of a row, and closes up the
+    /// slices that are left. Returns how many segments these have, and the slots and colours of those that were cut.
     pub fn cut_row(
         &mut self,
         frame: &FrameContext<'_>,
         batch: &mut Batch,
         count: usize,
         rays: &Rays,
-    ) -> &[(usize, [f32; 4])] {
+    ) -> (usize, &[(usize, [f32; 4])]) {
         self.colors.clear();
         // A lane's segments are of one pixel, which slots without a segment need not name.
-        let pixels: [usize; TILE] = std::array::from_fn(|lane| {
+        let pixels = std::array::from_fn(|lane| {
             let first = (lane..count).step_by(TILE).find(|&k| batch.length[k] > 0.0);
             first.map_or(0, |k| batch.pixel[k] as usize % PIXELS)
         });
-        let mut depth = pixels.map(|pixel| self.pixels[pixel].depth);
-        let mut shown = pixels.map(|pixel| f32::from(!self.pixels[pixel].hidden));
-        for first in (0..count).step_by(TILE) {
-            let row = |column: &Column| -> [f32; TILE] { *column[first..].first_chunk().expect("a slice") };
-            let (length, exit) = (row(&batch.length), row(&batch.exit));
-            let is_curved = frame.axes.is_some();
-            let meets: [bool; TILE] =
-                std::array::from_fn(|lane| (length[lane] > 0.0) & (is_curved | (depth[lane] < exit[lane])));
-            if meets.iter().fold(false, |any, meets| any | meets) {
-                for lane in (0..TILE).filter(|&lane| meets[lane]) {
-                    let pixel = pixels[lane];
-                    self.cut(frame, batch, first + lane, pixel, rays);
-                    depth[lane] = self.pixels[pixel].depth;
-                    shown[lane] = f32::from(!self.pixels[pixel].hidden);
-                }
-            }
-            // The slots of those that were cut are empty.
-            batch.length[first..][..TILE].iter_mut().zip(&shown).for_each(|(length, shown)| *length *= shown);
-        }
+        let row = CutRow { cutter: self, frame, batch, count, pixels, rays };
+        let kept = dispatch(frame.lanes, row);
         self.shade(frame, rays);
-        &self.colors
+        (kept, &self.colors)
     }
 
-    /// Cuts segment `k` of a batch, of a pixel, and takes it out.
-    fn cut(&mut self, frame: &FrameContext<'_>, batch: &mut Batch, k: usize, pixel: usize, rays: &Rays) {
+    /// Depth from which on a pixel's segments are looked at one by one.
+    fn next_depth(&self, frame: &FrameContext<'_>, pixel: usize) -> f32 {
+        if frame.axes.is_some() { f32::NEG_INFINITY } else { self.pixels[pixel].depth }
+    }
+
+    /// Factor of the lengths of a pixel's next segments: 0 where they are hidden.
+    fn shown(&self, pixel: usize) -> f32 {
+        f32::from(!self.pixels[pixel].hidden)
+    }
+
+    /// Leaves the one part of segment `k` of a batch, of a pixel, that its events leave; false if they leave more.
+    fn trim(&mut self, frame: &FrameContext<'_>, batch: &mut Batch, k: usize, pixel: usize) -> bool {
+        let whole = [batch.entry[k], batch.exit[k]];
+        let part = match frame.axes {
+            None => self.pixels[pixel].trim(frame, self.top, (k, whole)),
+            Some(_) => None,
+        };
+        let Some(part) = part else { return false };
+        for a in 0..frame.attribute_count() {
+            let [front, back] = part.ends_of(batch, a, frame);
+            (batch.front[a][k], batch.back[a][k]) = (front, back);
+        }
+        (batch.entry[k], batch.exit[k]) = part.depths.into();
+        batch.length[k] *= part.shares[1] - part.shares[0];
+        true
+    }
+
+    /// Cuts a segment of a batch, of a pixel, whose slot is now the first and will be the second.
+    fn cut(
+        &mut self,
+        frame: &FrameContext<'_>,
+        batch: &Batch,
+        [k, slot]: [usize; 2],
+        pixel: usize,
+        rays: &Rays,
+    ) {
         let mut cursor = self.pixels[pixel];
         let mut scratch = std::mem::take(&mut self.scratch);
         cursor.cut(frame, self.top, (k, [batch.entry[k], batch.exit[k]]), |part| {
@@ -231,12 +280,11 @@ impl SegmentCutter {
                     copy_part(&piece, batch, frame, self.count, &mut self.parts);
                     self.count += 1;
                 }
-                self.layers.push(CutFragment { of: k, surface: piece.surface });
+                self.layers.push(CutFragment { slot, surface: piece.surface });
             });
         });
         self.scratch = scratch;
         self.pixels[pixel] = cursor;
-        batch.length[k] = 0.0;
     }
 
     /// Shades the parts, and composites the layers of each segment.
@@ -248,7 +296,7 @@ impl SegmentCutter {
             illumination::shade(frame, batch, count, rays, shaded);
         }
         let mut next = 0..count;
-        for CutFragment { of, surface } in layers.drain(..) {
+        for CutFragment { slot, surface } in layers.drain(..) {
             let rgba = match surface {
                 Some(rgba) => rgba,
                 None => match next.next() {
@@ -260,11 +308,11 @@ impl SegmentCutter {
                 },
             };
             match colors.last_mut() {
-                Some((slot, front)) if *slot == of => {
+                Some((last, front)) if *last == slot => {
                     let transmittance = if adds { 1.0 } else { 1.0 - front[3] };
                     front.iter_mut().zip(rgba).for_each(|(front, behind)| *front += transmittance * behind);
                 }
-                _ => colors.push((of, rgba)),
+                _ => colors.push((slot, rgba)),
             }
         }
     }
@@ -312,6 +360,71 @@ impl SegmentCutter {
     }
 }
 
+/// Cutting of a row's slices, see [`SegmentCutter::cut_row`]: most are passed over.
+struct CutRow<'a, 'f> {
+    cutter: &'a mut SegmentCutter,
+    frame: &'a FrameContext<'f>,
+    batch: &'a mut Batch,
+    count: usize,
+    /// Pixel of each lane.
+    pixels: [usize; TILE],
+    rays: &'a Rays,
+}
+
+impl Kernel<usize> for CutRow<'_, '_> {
+    #[inline(always)]
+    fn run<L: Lanes>(mut self) -> usize {
+        let mut depths = self.pixels.map(|pixel| self.cutter.next_depth(self.frame, pixel));
+        let mut shown = self.pixels.map(|pixel| self.cutter.shown(pixel));
+        let (zero, mut kept) = (L::F::splat(0.0), 0);
+        for first in (0..self.count).step_by(TILE) {
+            let mut meets = 0;
+            for lane in (0..TILE).step_by(L::WIDTH) {
+                let [length, exit] =
+                    [&self.batch.length, &self.batch.exit].map(|column| L::F::load(&column[first + lane..]));
+                let is_met = zero.lt(length).and(L::F::load(&depths[lane..]).lt(exit));
+                meets |= is_met.bits() << lane;
+            }
+            let (mut factors, mut is_drawn) = (shown, false);
+            if meets != 0 {
+                is_drawn = self.cut_slice([first, kept], meets, &mut factors);
+                depths = self.pixels.map(|pixel| self.cutter.next_depth(self.frame, pixel));
+                shown = self.pixels.map(|pixel| self.cutter.shown(pixel));
+            }
+            for lane in (0..TILE).step_by(L::WIDTH) {
+                let lengths = &mut self.batch.length[first + lane..];
+                let length = L::F::load(lengths) * L::F::load(&factors[lane..]);
+                length.store(lengths);
+                is_drawn |= zero.lt(length).any();
+            }
+            if is_drawn {
+                if kept < first {
+                    self.batch.move_slice(first, kept);
+                }
+                kept += TILE;
+            }
+        }
+        kept
+    }
+}
+
+impl CutRow<'_, '_> {
+    /// Cuts segments of a slice, by bits of their lanes, whose first slot is now the first and will be the second, and sets the factors of
+    /// their lengths. True if any was taken out.
+    fn cut_slice(&mut self, [first, kept]: [usize; 2], meets: u32, factors: &mut [f32; TILE]) -> bool {
+        let CutRow { cutter, frame, batch, pixels, rays, .. } = self;
+        let mut is_cut = false;
+        for lane in (0..TILE).filter(|lane| meets >> lane & 1 == 1) {
+            factors[lane] = 1.0;
+            if !cutter.trim(frame, batch, first + lane, pixels[lane]) {
+                cutter.cut(frame, batch, [first, kept].map(|first| first + lane), pixels[lane], rays);
+                (is_cut, factors[lane]) = (true, 0.0);
+            }
+        }
+        is_cut
+    }
+}
+
 /// The surfaces of a pixel, with their depths from the distance origin.
 pub(crate) fn surfaces_of(
     frame: &FrameContext<'_>,
@@ -331,16 +444,13 @@ fn depth_of(event: &RayEvent, frame: &FrameContext<'_>) -> f32 {
 
 /// Puts a part in slot `at` of a batch.
 fn copy_part(part: &Part, from: &Batch, frame: &FrameContext<'_>, at: usize, to: &mut Batch) {
-    let Part { of: k, depths: [entry, exit], shares, .. } = *part;
+    let Part { of: k, depths, shares, .. } = *part;
     to.pixel[at] = from.pixel[k];
-    (to.entry[at], to.exit[at]) = (entry, exit);
+    (to.entry[at], to.exit[at]) = depths.into();
     to.length[at] = from.length[k] * (shares[1] - shares[0]);
     for a in 0..frame.attribute_count() {
-        // A piece has the gradient of all of its part.
-        let [start, end] = if a < frame.scalar_count { shares } else { part.whole };
-        let (front, back) = (from.front[a][k], from.back[a][k]);
-        to.front[a][at] = front + start * (back - front);
-        to.back[a][at] = if end == 1.0 { back } else { front + end * (back - front) };
+        let [front, back] = part.ends_of(from, a, frame);
+        (to.front[a][at], to.back[a][at]) = (front, back);
     }
     let curved = frame.axes.zip(part.ends);
     if let Some((axes, [front, back])) = curved {

@@ -1,7 +1,7 @@
 //! Batch of fragments, from the intersection to the shader, and its clipping at depth limits: rays that end within the grid, at opaque
 //! surfaces of another renderer.
 
-use crate::tile::PIXELS;
+use crate::tile::{PIXELS, TILE};
 use std::ops::{Deref, DerefMut};
 use voltet_simd::{Lanes, Mask};
 
@@ -74,6 +74,15 @@ impl Batch {
             front: vec![Column::default(); attribute_count],
             back: vec![Column::default(); attribute_count],
             scalar_count,
+        }
+    }
+
+    /// Moves a slice to another first slot.
+    pub fn move_slice(&mut self, from: usize, to: usize) {
+        self.pixel.copy_within(from..from + TILE, to);
+        let columns = [&mut *self.length, &mut *self.entry, &mut *self.exit];
+        for column in columns.into_iter().chain(&mut self.front).chain(&mut self.back) {
+            column.copy_within(from..from + TILE, to);
         }
     }
 }
