@@ -124,7 +124,8 @@ impl Editor {
         };
         let (fields, of_series) = (transfer::fields_of(look), transfer::is_of_series(look));
         let (source, axes) = (self.volume_source(output.clone()), self.panels.transfer.axes());
-        let wanted = DistributionQuery { source, axes, fields, of_series };
+        let scales = transfer::scales(look, &axes);
+        let wanted = DistributionQuery { source, axes, scales, fields, of_series };
         self.worker.ask(|output| &mut output.distribution, wanted);
         if self.answers.probed.as_ref().is_some_and(|(source, _)| source.output != output) {
             self.answers.probed = None;

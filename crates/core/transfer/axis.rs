@@ -2,6 +2,7 @@
 //!
 //! Widgets stand at *positions* on an axis: values where it is linear, decades where it is logarithmic.
 
+use crate::arithmetic::decimal;
 use crate::parameters::{
     ArrayRef, LocatedValue, ParameterType, ParameterValue, Parameters, RelativeNumberType, StatisticKind,
 };
@@ -79,44 +80,67 @@ impl AxisScale {
 ///
 /// Errors, at the number's place: a value without a position.
 pub fn on_axes(p: Parameters, axes: &[AxisScale; 2]) -> Result<Parameters> {
+    with_places(p, axes, &|measured, name, setting, axis| {
+        let position = axes[axis].position(setting.number().unwrap_or(f64::NAN));
+        let may_be_open = matches!(measured.plain, ParameterType::Numbers(_, range) if range.infinite);
+        if position.is_finite() || may_be_open {
+            return Ok(position);
+        }
+        let what = format!("'{name}' has no place on a logarithmic axis");
+        Err(setting.error(what, "a number > 0; \"symlog\" has a place for every number"))
+    })
+}
+
+/// The parameters of a widget with the values of its positions on curved axes of s and g: undoes [`on_axes`]. `steps`: the lengths along
+/// the axes that positions are told apart by; values have as many digits as that takes.
+pub fn off_axes(p: Parameters, axes: &[AxisScale; 2], steps: [f64; 2]) -> Result<Parameters> {
+    with_places(p, axes, &|_, _, setting, axis| {
+        let position = setting.number().unwrap_or(f64::NAN);
+        let [value, next] = [position, position + steps[axis]].map(|position| axes[axis].value(position));
+        let step = (next - value).abs();
+        Ok(if step.is_finite() { decimal(value, step) } else { value })
+    })
+}
+
+/// Gives a number in place of a setting that is a place on an axis, 0 or 1: from its type, its parameter's name, and itself.
+type ReplacePlace<'a> = &'a dyn Fn(&RelativeNumberType, &str, &LocatedValue, usize) -> Result<f64>;
+
+/// The parameters of a widget with others in place of the numbers that are places on curved axes.
+fn with_places(p: Parameters, axes: &[AxisScale; 2], replace: ReplacePlace) -> Result<Parameters> {
     if !axes.iter().any(|axis| axis.is_curved()) {
         return Ok(p);
     }
     p.with_settings(&mut |measured, name, setting, beside| match measured.statistic {
-        StatisticKind::Value | StatisticKind::Place => placed(measured, name, setting, (axes, 0), beside),
+        StatisticKind::Value | StatisticKind::Place => {
+            let axis_of = |place: usize| match measured.quantity(place, beside) {
+                Some(ArrayRef::Named("s")) => Some(0),
+                Some(ArrayRef::Named("g")) => Some(1),
+                _ => None,
+            };
+            let curved = |place: usize| axis_of(place).filter(|axis| axes[*axis].is_curved());
+            placed(setting, 0, &curved, &|setting, axis| replace(measured, name, setting, axis))
+        }
         StatisticKind::Width | StatisticKind::Factor => Ok(setting.clone()),
     })
 }
 
-/// A setting at its positions; `place`: its place in the list that it is part of.
+/// A setting with others in place of its numbers; `place`: its place in the list that it is part of; `curved`: the curved axis, if any, of
+/// what stands at a place.
 fn placed(
-    measured: &RelativeNumberType,
-    name: &str,
     setting: &LocatedValue,
-    (axes, place): (&[AxisScale; 2], usize),
-    beside: &dyn Fn(&str) -> Option<LocatedValue>,
+    place: usize,
+    curved: &dyn Fn(usize) -> Option<usize>,
+    replace: &dyn Fn(&LocatedValue, usize) -> Result<f64>,
 ) -> Result<LocatedValue> {
-    let scale = match measured.quantity(place, beside) {
-        Some(ArrayRef::Named("s")) => axes[0],
-        Some(ArrayRef::Named("g")) => axes[1],
-        _ => AxisScale::Linear,
-    };
-    let datum = match &setting.datum {
-        ParameterValue::List(list) => {
-            let part = |(place, part)| placed(measured, name, part, (axes, place), beside);
+    let datum = match (&setting.datum, curved(place)) {
+        (ParameterValue::List(list), _) => {
+            let part = |(place, part)| placed(part, place, curved, replace);
             ParameterValue::List(list.iter().enumerate().map(part).collect::<Result<_>>()?)
         }
-        ParameterValue::Number(_) | ParameterValue::Integer(_) if scale.is_curved() => {
-            let value = setting.number().unwrap_or(f64::NAN);
-            let position = scale.position(value);
-            let may_be_open = matches!(measured.plain, ParameterType::Numbers(_, range) if range.infinite);
-            if !(position.is_finite() || may_be_open) {
-                let what = format!("'{name}' has no place on a logarithmic axis");
-                return Err(setting.error(what, "a number > 0; \"symlog\" has a place for every number"));
-            }
-            ParameterValue::Number(position)
+        (ParameterValue::Number(_) | ParameterValue::Integer(_), Some(axis)) => {
+            ParameterValue::Number(replace(setting, axis)?)
         }
-        other => other.clone(),
+        (other, _) => other.clone(),
     };
     Ok(LocatedValue { datum, origin: setting.origin.clone() })
 }

@@ -15,7 +15,7 @@ mod region;
 mod relative;
 mod support;
 
-pub use axis::{AxisScale, DECADES, on_axes};
+pub use axis::{AxisScale, DECADES, off_axes, on_axes};
 pub use function::{OpticalModel, TransferFunction, Widget, read};
 pub(crate) use hull::meets;
 pub use hull::{Corners, box_corners};

@@ -4,7 +4,7 @@
 use super::images::Images;
 use super::kinds::{PlaneContext, gaussian, gaussian_over};
 use super::plane::{Change, Plane, S_AND_G, list, middle};
-use super::relative;
+use super::relative::{self, PlaneAxes};
 use super::screen_widget::{self, ScreenWidget};
 use crate::scene::{Actions, Scene};
 use crate::worker::{DataScales, PixelProbe};
@@ -12,6 +12,7 @@ use eframe::egui::Rect;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::FRAC_1_SQRT_2;
 use voltet_core::probing::{Histogram, ProbeResult, kernel};
+use voltet_core::transfer::AxisScale;
 use voltet_document::links::{self, upstream};
 use voltet_graph::{ArrayRef, Field, LocatedValue, NodeEntry, ParameterValue, PortType};
 
@@ -23,11 +24,11 @@ pub(super) struct EditedFunction<'a> {
     pub list: &'a [LocatedValue],
     pub widgets: Vec<ScreenWidget>,
     pub axes: [ArrayRef; 2],
+    /// Scales of the plane's axes, along which places are positions.
+    pub scales: [AxisScale; 2],
     /// Lengths of the axes of the data.
     pub extent: [f64; 2],
     pub plane: Plane,
-    /// True if its axes are logarithmic, unlike those of the plane, which its widgets do not lie in then.
-    pub is_curved: bool,
 }
 
 impl<'a> EditedFunction<'a> {
@@ -45,21 +46,16 @@ impl<'a> EditedFunction<'a> {
         let extent = found.map_or([1.0; 2], |found| found.histogram.axes.map(|axis| axis.high - axis.low));
         let metric = plane.map_or(extent, Plane::metric);
         let known = found.map(|found| &found.known);
-        let on = PlaneContext { axes: &axes, extent: metric, known, images };
-        let is_linear =
-            |name: &str| matches!(node.setting(name).and_then(LocatedValue::text), None | Some("linear"));
-        let is_curved = axes == S_AND_G && !(is_linear("s_scale") && is_linear("g_scale"));
-        let widget = |entry: &LocatedValue| {
-            let widget = ScreenWidget::new(entry.table().unwrap_or_default(), &on);
-            if is_curved { widget.without_shape() } else { widget }
-        };
+        let scales = scales(node, &axes);
+        let on = PlaneContext { axes: &axes, scales, extent: metric, known, images };
+        let widget = |entry: &LocatedValue| ScreenWidget::new(entry.table().unwrap_or_default(), &on);
         let widgets: Vec<ScreenWidget> = list.iter().map(widget).collect();
         let peak = former_peak.unwrap_or_else(|| {
             let most = widgets.iter().filter_map(ScreenWidget::peak_of_curve).fold(0.0, f64::max);
             if most > 0.0 { 1.1 * most } else { 1.0 }
         });
         let plane = Plane { rect: Rect::ZERO, shown: [[0.0, 1.0]; 2], extent: metric, peak };
-        EditedFunction { scene, actions: scene.actions, node, list, widgets, axes, extent, plane, is_curved }
+        EditedFunction { scene, actions: scene.actions, node, list, widgets, axes, scales, extent, plane }
     }
 
     pub fn histogram(&self) -> Option<&Histogram> {
@@ -78,6 +74,28 @@ impl<'a> EditedFunction<'a> {
     pub fn is_of_s_and_g(&self) -> bool {
         self.axes == S_AND_G
     }
+
+    /// Length along the axis of a quantity that the pointer resolves.
+    pub fn step(&self, quantity: &ArrayRef) -> f64 {
+        let axis = self.axes.iter().position(|axis| axis == quantity);
+        axis.map_or(f64::INFINITY, |axis| 0.1 * self.plane.step(axis))
+    }
+}
+
+/// Scales of the axes of a plane, as a transfer function states those of s and g; one that lacks a number is linear.
+pub(crate) fn scales(look: &NodeEntry, axes: &[ArrayRef; 2]) -> [AxisScale; 2] {
+    let scale = |axis: &str| match look.setting(&format!("{axis}_scale")).and_then(LocatedValue::text) {
+        Some("log") => AxisScale::Log,
+        Some("symlog") => {
+            let linear_below = look.setting(&format!("{axis}_linear_below")).and_then(LocatedValue::number);
+            let is_valid = |number: &f64| *number > 0.0 && number.is_finite();
+            linear_below
+                .filter(is_valid)
+                .map_or(AxisScale::Linear, |linear_below| AxisScale::SymLog { linear_below })
+        }
+        _ => AxisScale::Linear,
+    };
+    if *axes == S_AND_G { ["s", "g"].map(scale) } else { Default::default() }
 }
 
 /// The transfer function that is edited: the selected one, else the first that feeds the picture.
@@ -160,9 +178,6 @@ const EXTINCTION: f64 = 10.0;
 
 /// A Gaussian at the bin with the most volume that no widget holds; `None` on axes that no kind of widget is over.
 pub(super) fn at_peak(look: &EditedFunction) -> Option<ParameterValue> {
-    if look.is_curved {
-        return None;
-    }
     let (mut centre, mut sigma) = ([0.5, 0.0], [0.1, 0.1]);
     if let Some(histogram) = look.histogram() {
         let [s, g] = histogram.axes;
@@ -187,13 +202,14 @@ pub(super) fn at_peak(look: &EditedFunction) -> Option<ParameterValue> {
 /// axes. In a direction in which the values hardly vary it is as wide as a hand can take hold of; a quantity that is the same in
 /// all of the data is not looked at. `None` without values.
 pub(super) fn at_probe(look: &EditedFunction, probed: &PixelProbe) -> Option<ParameterValue> {
-    let (mean, covariance) = probed.moments().filter(|_| !look.is_curved)?;
+    let (mean, covariance) = probed.on(look.scales).moments()?;
     let known = look.known();
     let extent: Vec<f64> = ["s", "g"]
         .into_iter()
         .enumerate()
         .map(|(k, name)| {
             let range = known.and_then(|known| known.ranges.get(&ArrayRef::Named(name)));
+            let range = range.map(|range| look.scales[k].positions(*range));
             let is_constant = range.is_some_and(|[low, high]| low == high);
             if is_constant || !look.is_of_s_and_g() {
                 range.map_or(1.0, |[a, b]| b - a)
@@ -237,5 +253,7 @@ fn widget(look: &EditedFunction, (kind, numbers): (&str, Vec<Change>)) -> Parame
     let first =
         [Field::new("kind", kind), Field::new("color", list(&color)), Field::new("extinction", extinction)];
     let numbers = numbers.into_iter().filter_map(|(key, value)| Some(Field::new(key, value?)));
-    ParameterValue::Table(first.into_iter().chain(numbers).collect())
+    let fields: Vec<Field> = first.into_iter().chain(numbers).collect();
+    let step = |quantity: &ArrayRef| look.step(quantity);
+    ParameterValue::Table(relative::off_plane(&fields, &PlaneAxes { scales: look.scales, step: &step }))
 }

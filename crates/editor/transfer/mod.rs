@@ -16,10 +16,11 @@ use crate::scene::Scene;
 use crate::theme;
 use crate::worker::{short, short_by};
 use edited_function::{EditedFunction, axis_name, axis_title};
-pub(crate) use edited_function::{edited_node, fields_of, is_of_series, volume_of};
+pub(crate) use edited_function::{edited_node, fields_of, is_of_series, scales, volume_of};
 use eframe::egui::{self, Align2, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
 use images::Images;
 use plane::{Change, Counts, Handle, Plane, S_AND_G};
+use relative::PlaneAxes;
 pub(crate) use relative::in_numbers;
 use screen_widget::{Drag, ScreenWidget};
 use std::collections::BTreeSet;
@@ -137,9 +138,9 @@ impl TransferPanel {
             ui.painter().rect_stroke(rect, 0.0, Stroke::new(2.0, theme::accent(dark)));
         }
         let [x, y] = look.axes.each_ref().map(|axis| axis_title(look, axis));
-        plane::axes(ui, plane, [&x, &y]);
+        plane::axes(ui, plane, look.scales, [&x, &y]);
         if let Some(probed) = look.scene.probed.as_ref().filter(|_| look.is_of_s_and_g()) {
-            plane::probed(ui, plane, probed);
+            plane::probed(ui, plane, &probed.on(look.scales));
         }
         // The one in hand above the others.
         let others = (0..look.widgets.len()).filter(|place| *place != self.chosen);
@@ -167,7 +168,11 @@ impl TransferPanel {
         let share =
             share.map_or(String::new(), |share| format!("   {} % of the volume a bin", short(100.0 * share)));
         let [x, y] = look.axes.each_ref().map(axis_name);
-        let number = |axis: usize| short_by(value[axis], plane.step(axis));
+        let number = |axis: usize| {
+            let scale = look.scales[axis];
+            let [at, next] = [value[axis], value[axis] + plane.step(axis)].map(|place| scale.value(place));
+            short_by(at, next - at)
+        };
         let text = format!("{x} {}   {y} {}{share}", number(0), number(1));
         let color = ui.visuals().text_color();
         let galley = ui.painter().layout_no_wrap(text, FontId::proportional(11.5), color);
@@ -183,13 +188,11 @@ fn edit(look: &EditedFunction, place: usize, before: &ScreenWidget, changes: Vec
     let known = look.known();
     let path = |key: &str| Path::from("widgets").with(place).and(&Path::from(key));
     let node = || look.node.name.clone();
-    let step = |quantity: &ArrayRef| {
-        let axis = look.axes.iter().position(|axis| axis == quantity);
-        axis.map_or(f64::INFINITY, |axis| 0.1 * look.plane.step(axis))
-    };
+    let step = |quantity: &ArrayRef| look.step(quantity);
+    let axes = PlaneAxes { scales: look.scales, step: &step };
     let edits = changes.into_iter().filter_map(|(key, value)| match value {
         Some(value) => {
-            let value = relative::as_written(&before.stated, known, &step, key, value);
+            let value = relative::as_written(&before.stated, known, &axes, key, value);
             Some(Edit::Set { node: node(), path: path(key), value })
         }
         None => is_stated(key).then(|| Edit::Unset { node: node(), path: path(key) }),

@@ -12,7 +12,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use voltet_core::arithmetic::decimal;
 use voltet_core::probing::{Axis, Histogram};
-use voltet_figure::ticks::values as ticks;
+use voltet_core::transfer::AxisScale;
+use voltet_figure::ticks;
 use voltet_graph::{ArrayRef, Field, LocatedValue, ParameterValue, find_setting};
 
 /// Largest number of probed values that are drawn one by one.
@@ -113,7 +114,7 @@ pub(super) fn whole(histogram: &Histogram) -> [[f64; 2]; 2] {
     })
 }
 
-pub(super) fn axes(ui: &Ui, plane: Plane, names: [&str; 2]) {
+pub(super) fn axes(ui: &Ui, plane: Plane, scales: [AxisScale; 2], names: [&str; 2]) {
     let dark = ui.visuals().dark_mode;
     let (line, text) = (Stroke::new(1.0, theme::weak(dark).gamma_multiply(0.25)), theme::weak(dark));
     let font = FontId::proportional(10.5);
@@ -121,28 +122,36 @@ pub(super) fn axes(ui: &Ui, plane: Plane, names: [&str; 2]) {
     let [x_name, y_name] =
         names.map(|name| ui.painter().layout_no_wrap(name.into(), FontId::proportional(12.0), text));
     let name_at = rect.right_bottom() + vec2(4.0 - x_name.size().x, 1.0);
-    let (across, up) = (
-        ticks(plane.shown[0], (rect.width() / 75.0) as usize),
-        ticks(plane.shown[1], (rect.height() / 36.0) as usize),
-    );
-    let step = |ticks: &[f64]| if let [a, b, ..] = ticks { b - a } else { f64::INFINITY };
-    for &s in &across {
+    let [across, up] = [0, 1].map(|axis: usize| {
+        let most = if axis == 0 { rect.width() / 75.0 } else { rect.height() / 36.0 };
+        labelled(scales[axis], plane.shown[axis], most as usize)
+    });
+    for (s, label) in across {
         let x = plane.to_window([s, 0.0]).x;
         ui.painter().vline(x, rect.y_range(), line);
-        let number = ui.painter().layout_no_wrap(short_by(s, step(&across)), font.clone(), text);
+        let number = ui.painter().layout_no_wrap(label, font.clone(), text);
         // The axis' name comes before a number where both have no room.
         if x + 0.5 * number.size().x < name_at.x - 4.0 {
             ui.painter().galley(pos2(x - 0.5 * number.size().x, rect.bottom() + 2.0), number, text);
         }
     }
-    for &g in &up {
+    for (g, label) in up {
         let y = plane.to_window([0.0, g]).y;
         ui.painter().hline(rect.x_range(), y, line);
-        let number = short_by(g, step(&up));
-        ui.painter().text(pos2(rect.left() - 4.0, y), Align2::RIGHT_CENTER, number, font.clone(), text);
+        ui.painter().text(pos2(rect.left() - 4.0, y), Align2::RIGHT_CENTER, label, font.clone(), text);
     }
     ui.painter().galley(name_at, x_name, text);
     on_ground(ui, rect.left_top() + vec2(5.0, 3.0), y_name);
+}
+
+/// Ticks of a part of an axis, at most so many: positions, and their values in words.
+fn labelled(scale: AxisScale, shown: [f64; 2], most: usize) -> Vec<(f64, String)> {
+    if scale.is_curved() {
+        return ticks::ticks(scale, shown, most).ticks;
+    }
+    let values = ticks::values(shown, most);
+    let step = if let [a, b, ..] = values[..] { b - a } else { f64::INFINITY };
+    values.into_iter().map(|value| (value, short_by(value, step))).collect()
 }
 
 /// Extinctions at the right, as curves have them: small ones are told apart by the cube root.

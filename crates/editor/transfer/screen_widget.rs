@@ -20,7 +20,7 @@ pub(super) struct ScreenWidget {
     pub kind: String,
     /// The widget, with placeholders for unknown numbers; `None` if it is invalid.
     widget: Option<Widget>,
-    /// `None` where it lies along other axes, such as logarithmic ones, or is not known.
+    /// `None` where it lies along other axes, or is not known.
     pub shape: Option<Arc<dyn Shape>>,
     pub region: Region,
     /// Linear RGB.
@@ -35,7 +35,7 @@ impl ScreenWidget {
     /// From what the file states, with numbers relative to data found by what is known of these.
     pub fn new(fields: &[Field], on: &PlaneContext) -> ScreenWidget {
         let read = || -> Result<(Widget, Vec<Field>)> {
-            let numbers = relative::resolved(fields, on.known)?;
+            let numbers = relative::in_plane(fields, on.known, &on.scales)?;
             let (kind, parameters) = keys(&numbers)?;
             Ok((transfer::read(kind, &parameters, on.images)?, numbers))
         };
@@ -67,11 +67,6 @@ impl ScreenWidget {
             }
         }
         drawn
-    }
-
-    /// The widget where the plane does not show it.
-    pub fn without_shape(self) -> ScreenWidget {
-        ScreenWidget { shape: None, region: Region::Whole, ..self }
     }
 
     /// Its largest extinction, where it is a curve of these.

@@ -1,7 +1,9 @@
 use super::super::images::Images;
 use super::super::plane::{Change, Handle, Plane, S_AND_G, list, rows};
+use super::super::relative::PlaneAxes;
 use super::*;
 use crate::worker::DataScales;
+use voltet_core::transfer::AxisScale;
 use voltet_graph::ParameterValue;
 
 fn field(name: &str, datum: ParameterValue) -> Field {
@@ -36,8 +38,17 @@ fn read(fields: &[Field]) -> ScreenWidget {
 }
 
 fn read_with(fields: &[Field], known: Option<&DataScales>) -> ScreenWidget {
+    read_on(fields, known, Default::default())
+}
+
+fn read_on(fields: &[Field], known: Option<&DataScales>, scales: [AxisScale; 2]) -> ScreenWidget {
     let images = Images::default();
-    ScreenWidget::new(fields, &PlaneContext { axes: &S_AND_G, extent: EXTENT, known, images: &images })
+    let on = PlaneContext { axes: &S_AND_G, scales, extent: EXTENT, known, images: &images };
+    ScreenWidget::new(fields, &on)
+}
+
+fn linear(step: &dyn Fn(&ArrayRef) -> f64) -> PlaneAxes<'_> {
+    PlaneAxes { scales: Default::default(), step }
 }
 
 /// Positions of its handles.
@@ -155,15 +166,20 @@ fn what_is_not_moved_is_written_as_it_was_and_what_is_as_finely_as_a_point_shows
     let to = plane.moved_place([101_325.01, 1.0], [0.003_000_1, 0.0]);
     assert_eq!(to, [101_325.013, 1.0]);
     let changes = read(&fields).moved(Handle::Point(1), to, &plane);
-    let written =
-        relative::as_written(&fields, None, &|_| f64::INFINITY, "points", changes[0].1.clone().unwrap());
+    let written = relative::as_written(
+        &fields,
+        None,
+        &linear(&|_| f64::INFINITY),
+        "points",
+        changes[0].1.clone().unwrap(),
+    );
     let found = LocatedValue::from(written).list().unwrap().to_vec();
     assert_eq!(found[0].numbers().unwrap(), points[0]);
     assert_eq!(found[1].numbers().unwrap()[0], 101_325.013);
     // A place that is moved to its own six digits was moved.
     let fields = changed(gaussian_widget(), vec![("centre", Some(list(&[101_325.012_3, 2.0])))]);
     let to = list(&[101_325.0, 2.0]);
-    assert_eq!(relative::as_written(&fields, None, &|_| f64::INFINITY, "centre", to.clone()), to);
+    assert_eq!(relative::as_written(&fields, None, &linear(&|_| f64::INFINITY), "centre", to.clone()), to);
 }
 
 #[test]
@@ -235,7 +251,11 @@ fn known() -> DataScales {
     let spread =
         crate::worker::Spread { values: vec![0.0, 20.0, 100.0], below: vec![0.0, 0.5, 1.0], total: 1.0 };
     let [s, g] = S_AND_G;
-    DataScales { ranges: [(s.clone(), [0.0, 100.0]), (g, [0.0, 10.0])].into(), spreads: [(s, spread)].into() }
+    DataScales {
+        ranges: [(s.clone(), [0.0, 100.0]), (g, [0.0, 10.0])].into(),
+        spreads: [(s, spread)].into(),
+        ..DataScales::default()
+    }
 }
 
 #[test]
@@ -250,7 +270,8 @@ fn relative_numbers_stay_relative_and_others_as_they_are_written() {
     assert_eq!(places(&drawn)[..3], [[20.0, 2.5], [30.0, 2.5], [20.0, 2.5 + 0.123456789]]);
     let written = |changes: Vec<Change>, key: &str| {
         let change = changes.into_iter().find(|(name, _)| *name == key).unwrap();
-        let datum = relative::as_written(&fields, Some(&known), &|_| f64::INFINITY, key, change.1.unwrap());
+        let datum =
+            relative::as_written(&fields, Some(&known), &linear(&|_| f64::INFINITY), key, change.1.unwrap());
         datum.to_string()
     };
     assert_eq!(written(drawn.moved(Handle::Centre, [60.0, 5.0], &PLANE), "centre"), "[\"p75.0\", \"50 %\"]");
@@ -262,7 +283,7 @@ fn relative_numbers_stay_relative_and_others_as_they_are_written() {
     let matrix = written(turned.clone(), "matrix");
     assert_eq!(matrix.matches('%').count(), 2, "{matrix}");
     let as_written = |key: &str, change: Option<ParameterValue>| {
-        change.map(|new| relative::as_written(&fields, Some(&known), &|_| f64::INFINITY, key, new))
+        change.map(|new| relative::as_written(&fields, Some(&known), &linear(&|_| f64::INFINITY), key, new))
     };
     let changes = turned.iter().map(|(key, change)| (*key, as_written(key, change.clone()))).collect();
     let mut after = changed(fields.clone(), changes);
@@ -286,19 +307,19 @@ fn relative_numbers_stay_relative_and_others_as_they_are_written() {
     let sigma = relative::as_written(
         &after,
         Some(&known),
-        &|_| f64::INFINITY,
+        &linear(&|_| f64::INFINITY),
         "sigma",
         upright[0].1.clone().unwrap(),
     );
     assert_eq!(sigma.to_string(), "[\"10 %\", 0.123457]");
     after.retain(|field| field.name != "matrix");
     assert_eq!(
-        relative::as_written(&after, Some(&known), &|_| f64::INFINITY, "sigma", list(&[1.0, 2.0])),
+        relative::as_written(&after, Some(&known), &linear(&|_| f64::INFINITY), "sigma", list(&[1.0, 2.0])),
         list(&[1.0, 2.0])
     );
     // Where the pointer resolves a ten-millionth of the range, so do the numbers.
     let [s, g] = [20.0 + 3e-5, 2.5 - 3e-6];
-    let fine = relative::as_written(&fields, Some(&known), &|_| 1e-6, "centre", list(&[s, g]));
+    let fine = relative::as_written(&fields, Some(&known), &linear(&|_| 1e-6), "centre", list(&[s, g]));
     fields[3] = field("centre", fine.clone());
     let [at, ..] = places(&read_with(&fields, Some(&known)))[..] else { panic!("no handles") };
     assert!((at[0] - s).abs() <= 1e-6 && (at[1] - g).abs() <= 1e-6, "{at:?}: {fine}");
@@ -324,7 +345,13 @@ fn a_table_is_drawn_as_its_picture_and_moved_and_scaled_by_its_ranges() {
     let read = |fields: &[Field]| {
         ScreenWidget::new(
             fields,
-            &PlaneContext { axes: &S_AND_G, extent: EXTENT, known: None, images: &images },
+            &PlaneContext {
+                axes: &S_AND_G,
+                scales: Default::default(),
+                extent: EXTENT,
+                known: None,
+                images: &images,
+            },
         )
     };
     let begun = std::time::Instant::now();
@@ -355,4 +382,40 @@ fn a_table_is_drawn_as_its_picture_and_moved_and_scaled_by_its_ranges() {
     let drawn = read(&fields);
     assert!(drawn.fault.as_ref().is_some_and(|fault| fault.contains("none.png")), "{:?}", drawn.fault);
     assert_eq!(drawn.shifted([1.0, 0.0], &PLANE), [("s", Some(list(&[3.0, 7.0])))]);
+}
+
+/// Places are decades, and what is written are values; widths are decades in the file too.
+#[test]
+fn along_a_logarithmic_axis_a_hand_moves_decades_and_the_file_has_values() {
+    let text = |text: &str| LocatedValue::from(ParameterValue::Text(text.into()));
+    let scales = [AxisScale::Log, AxisScale::Linear];
+    let mut known = known();
+    known.axes = scales;
+    known.ranges.insert(ArrayRef::Named("s"), [1.0, 1e6]);
+    let axes = PlaneAxes { scales, step: &|_| 1e-3 };
+    let mut fields = gaussian_widget();
+    fields[3] = field("centre", list(&[100.0, 2.0]));
+    fields.push(field("region", ParameterValue::Table(vec![field("s", list(&[10.0, 1e4]))])));
+    let written = |fields: &[Field], (key, new): Change| {
+        relative::as_written(fields, Some(&known), &axes, key, new.unwrap()).to_string()
+    };
+    let one = |changes: Vec<Change>| changes.into_iter().next().unwrap();
+    let drawn = read_on(&fields, Some(&known), scales);
+    assert_eq!(places(&drawn)[..2], [[2.0, 2.0], [2.5, 2.0]]);
+    assert_eq!(drawn.region, Region::Box([[1.0, 4.0], [f64::NEG_INFINITY, f64::INFINITY]]));
+    assert!(drawn.strength([2.1, 2.0]) > 0.9 && drawn.strength([4.1, 2.0]) == 0.0);
+    assert_eq!(written(&fields, one(drawn.moved(Handle::Centre, [3.0, 2.0], &PLANE))), "[1000.0, 2.0]");
+    assert_eq!(written(&fields, one(drawn.moved(Handle::Centre, [2.5, 2.0], &PLANE))), "[316.2, 2.0]");
+    assert_eq!(written(&fields, one(drawn.moved(Handle::Width(0), [4.0, 2.0], &PLANE))), "[2.0, 0.25]");
+    let wider = one(drawn.moved(Handle::Side(0, true), [5.0, 0.0], &PLANE));
+    assert_eq!((wider.0, written(&fields, wider)), ("region.s", "[10.0, 100000.0]".to_string()));
+    // Shares are shares of the decades.
+    fields[3] = field("centre", ParameterValue::List(vec![text("50 %"), ParameterValue::Number(2.0).into()]));
+    let drawn = read_on(&fields, Some(&known), scales);
+    assert!((places(&drawn)[0][0] - 3.0).abs() < 1e-12);
+    assert_eq!(written(&fields, one(drawn.moved(Handle::Centre, [4.5, 2.0], &PLANE))), "[\"75 %\", 2.0]");
+    // What has no place is said.
+    fields[3] = field("centre", list(&[-1.0, 2.0]));
+    let fault = read_on(&fields, Some(&known), scales).fault.unwrap();
+    assert!(fault.contains("logarithmic axis"), "{fault}");
 }

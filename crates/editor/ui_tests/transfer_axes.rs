@@ -142,3 +142,21 @@ fn numbers_relative_to_a_series_are_drawn_and_stay_relative() {
     assert!((share - 25.0).abs() < 0.3, "{centre:?}");
     assert_eq!(of(&widgets(&hand)[0], "sigma").datum.to_string(), "[\"10 %\", 0.2]");
 }
+
+/// Widgets lie at decades where the axis has them, and are dragged there.
+#[test]
+fn a_widget_is_moved_along_a_logarithmic_axis() {
+    let text = TEXT.replace(
+        "type = \"transfer-function\"",
+        "type = \"transfer-function\"\ns_scale = \"log\"\ninputs = { volume = \"gradient\" }",
+    );
+    let text = text.replace("sigma = [60.0, 40.0]", "sigma = [0.1, 40.0]");
+    let mut hand = Hand::new(&text);
+    with_distribution(&mut hand);
+    let [[low, high], _] = hand.editor.panels.transfer.shown_axes();
+    assert!(low > 1.0 && high < 3.0, "decades: {low} to {high}");
+    assert!(!hand.texts("100").is_empty(), "ticks are values");
+    hand.drag(place(&hand, [150f64.log10(), 20.0]), place(&hand, [200f64.log10(), 20.0]));
+    let centre = of(&widgets(&hand)[0], "centre").numbers().unwrap();
+    assert!((centre[0] - 200.0).abs() < 1.0 && (centre[1] - 20.0).abs() < 0.2, "{centre:?}");
+}

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::grid::Grid;
 use voltet_core::probing::{Axis, Histogram, Volumes, histogram, value_range};
 use voltet_core::progress::Progress;
-use voltet_core::transfer::DataStatistics;
+use voltet_core::transfer::{AxisScale, DECADES, DataStatistics};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_graph::{ArrayRef, Demand, RunContext};
@@ -21,6 +21,8 @@ pub(crate) struct DistributionQuery {
     pub source: VolumeSource,
     /// Along which quantities: "s", "g", or arrays.
     pub axes: [ArrayRef; 2],
+    /// Scales of s and g.
+    pub scales: [AxisScale; 2],
     pub fields: Vec<String>,
     /// True if numbers are relative to all steps of a time series together.
     pub of_series: bool,
@@ -28,6 +30,7 @@ pub(crate) struct DistributionQuery {
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Distribution {
+    /// Along positions on the axes.
     pub histogram: Histogram,
     /// Ranges, and the volume below each value of the axes: of this volume, or of all steps of its series.
     pub known: DataScales,
@@ -49,19 +52,41 @@ impl DistributionQuery {
     /// many times that. Where there is no gradient, *g* is 0.
     fn find(&self, call: &RunContext) -> Result<Distribution> {
         let (volume, progress) = (call.volume("volume")?, call.progress());
-        let [x, y] = [values_of(&volume, &self.axes[0])?, values_of(&volume, &self.axes[1])?];
+        let scales = self.axes.each_ref().map(|quantity| scale_of(&self.scales, quantity));
+        let placed = |axis: usize| -> Result<Cow<'_, [f64]>> {
+            let (values, scale) = (values_of(&volume, &self.axes[axis])?, scales[axis]);
+            Ok(match scale.is_curved() {
+                true => values.iter().map(|value| scale.position(*value)).collect(),
+                false => values,
+            })
+        };
+        let [x, y] = [placed(0)?, placed(1)?];
         let grid = &volume.grid;
         let mut axes = [Axis::over(&x, BINS), Axis::over(&y, BINS)];
-        for axis in (0..2).filter(|axis| self.axes[*axis] == ArrayRef::Named("g")) {
-            axes[axis] = of_nearly_all(grid, if axis == 0 { &x } else { &y }, progress)?;
+        for (axis, positions) in [&x, &y].into_iter().enumerate() {
+            if scales[axis].is_curved() {
+                axes[axis].low = axes[axis].low.max(axes[axis].high - DECADES);
+            } else if self.axes[axis] == ArrayRef::Named("g") {
+                axes[axis] = of_nearly_all(grid, positions, progress)?;
+            }
         }
         let histogram = histogram(grid, [&x, &y], axes, progress)?;
-        let (quantities, shown) = (self.quantities(), axes.map(|axis| [axis.low, axis.high]));
+        let shown = [0, 1].map(|k| [axes[k].low, axes[k].high].map(|position| scales[k].value(position)));
+        let (quantities, scales) = (self.quantities(), self.scales);
         let known = match self.of_series {
-            true => series_scales(call, quantities, shown, volume.gradient_magnitude.is_some())?,
-            false => DataScales::find(&quantities, shown, progress, |look| look(&volume))?,
+            true => series_scales(call, quantities, (shown, scales), volume.gradient_magnitude.is_some())?,
+            false => DataScales::find(&quantities, (shown, scales), progress, |look| look(&volume))?,
         };
         Ok(Distribution { histogram, known })
+    }
+}
+
+/// Scale of a quantity's axis, of those of s and g.
+fn scale_of(scales: &[AxisScale; 2], quantity: &ArrayRef) -> AxisScale {
+    match quantity {
+        ArrayRef::Named("s") => scales[0],
+        ArrayRef::Named("g") => scales[1],
+        _ => AxisScale::Linear,
     }
 }
 
@@ -110,12 +135,14 @@ pub(crate) struct Spread {
 
 impl Spread {
     /// Nothing yet. `shown`: the axis on which it should be fine; the range is that of all values.
-    fn new([low, high]: [f64; 2], [least, most]: [f64; 2]) -> Spread {
-        let even = |[from, to]: [f64; 2], count: usize| {
-            (0..=count).map(move |i| {
+    fn new([low, high]: [f64; 2], [least, most]: [f64; 2], scale: AxisScale) -> Spread {
+        let even = |range: [f64; 2], count: usize| {
+            let [from, to] = scale.positions(range);
+            let inner = (1..count).map(move |i| {
                 let share = i as f64 / count as f64;
-                from * (1.0 - share) + to * share
-            })
+                scale.value(from * (1.0 - share) + to * share)
+            });
+            inner.chain(range)
         };
         let beyond = even([least, low], KNOTS[1]).chain(even([high, most], KNOTS[1]));
         let mut values: Vec<f64> = even([low, high], KNOTS[0]).chain(beyond).collect();
@@ -167,20 +194,22 @@ fn between(from: &[f64], to: &[f64], x: f64) -> f64 {
 
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct DataScales {
+    /// Scales of s and g.
+    pub axes: [AxisScale; 2],
     pub ranges: BTreeMap<ArrayRef, [f64; 2]>,
     pub spreads: BTreeMap<ArrayRef, Spread>,
 }
 
 impl DataScales {
     /// Scales of all volumes that `each` calls a function with. It is called twice: for the ranges, and for the volumes below values
-    /// within them. `quantities`: those of the plane's axes first; `shown`: the ends of these axes.
+    /// within them. `quantities`: those of the plane's axes first; `shown`: the values at the ends of these axes.
     fn find(
         quantities: &[ArrayRef],
-        shown: [[f64; 2]; 2],
+        (shown, axes): ([[f64; 2]; 2], [AxisScale; 2]),
         progress: &dyn Progress,
         each: impl Fn(&mut dyn FnMut(&Volume) -> Result<()>) -> Result<()>,
     ) -> Result<DataScales> {
-        let mut known = DataScales::default();
+        let mut known = DataScales { axes, ..DataScales::default() };
         each(&mut |volume| {
             for quantity in quantities {
                 let [low, high] = value_range(&values_of(volume, quantity)?)?;
@@ -190,7 +219,7 @@ impl DataScales {
             Ok(())
         })?;
         for (quantity, shown) in quantities.iter().zip(shown) {
-            let spread = Spread::new(shown, known.ranges[quantity]);
+            let spread = Spread::new(shown, known.ranges[quantity], scale_of(&axes, quantity));
             known.spreads.insert(quantity.clone(), spread);
         }
         each(&mut |volume| {
@@ -205,6 +234,10 @@ impl DataScales {
 }
 
 impl DataStatistics for DataScales {
+    fn scale(&self, quantity: &ArrayRef) -> AxisScale {
+        scale_of(&self.axes, quantity)
+    }
+
     fn range(&self, quantity: &ArrayRef) -> Result<[f64; 2]> {
         self.ranges.get(quantity).copied().ok_or_else(|| unknown(quantity))
     }
@@ -231,11 +264,11 @@ fn values_of<'a>(volume: &'a Volume, quantity: &ArrayRef) -> Result<Cow<'a, [f64
 type SeriesCache = Mutex<Vec<((Vec<ArrayRef>, [[u64; 2]; 2]), DataScales)>>;
 
 /// Scales of all steps of a series, one at a time, as the transfer function looks at them. `quantities`: those of the plane's axes
-/// first; `shown`: the ends of these axes.
+/// first; `shown`: the values at the ends of these axes.
 fn series_scales(
     call: &RunContext,
     quantities: Vec<ArrayRef>,
-    shown: [[f64; 2]; 2],
+    (shown, axes): ([[f64; 2]; 2], [AxisScale; 2]),
     gradient_magnitude: bool,
 ) -> Result<DataScales> {
     let mut demand = Demand { gradient_magnitude, ..Demand::default() };
@@ -243,10 +276,13 @@ fn series_scales(
     let kept: Arc<SeriesCache> = call.keep_over_steps("volume", &demand, || Ok(SeriesCache::default()))?;
     let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
     let bits = shown.map(|ends| ends.map(f64::to_bits));
-    if let Some((_, known)) = kept.iter().find(|((of, at), _)| (of, at) == (&quantities, &bits)) {
+    let is_found = |((of, at), known): &&((Vec<ArrayRef>, [[u64; 2]; 2]), DataScales)| {
+        (of, at, known.axes) == (&quantities, &bits, axes)
+    };
+    if let Some((_, known)) = kept.iter().find(is_found) {
         return Ok(known.clone());
     }
-    let known = DataScales::find(&quantities, shown, call.progress(), |look| {
+    let known = DataScales::find(&quantities, (shown, axes), call.progress(), |look| {
         call.each_step("volume", &demand, &mut |_, value| match value.volume() {
             Some(volume) => look(&*volume?),
             None => Ok(()),

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::camera::Camera;
 use voltet_core::progress::Progress;
+use voltet_core::transfer::AxisScale;
 use voltet_core::volume::Volume;
 use voltet_graph::{RunContext, diagonal};
 use voltet_optics::CompiledTransferFunction;
@@ -87,6 +88,14 @@ impl Query for ProbeQuery {
 }
 
 impl PixelProbe {
+    /// The values at their positions on the axes of s and g; without those that have none.
+    pub fn on(&self, scales: [AxisScale; 2]) -> PixelProbe {
+        let placed =
+            |([s, g], share): &([f64; 2], f64)| ([scales[0].position(*s), scales[1].position(*g)], *share);
+        let values = self.values.iter().map(placed).filter(|(place, _)| place.iter().all(|x| x.is_finite()));
+        PixelProbe { values: values.collect(), ..self.clone() }
+    }
+
     /// Mean and covariance of the values by their shares; `None` where there are none.
     pub fn moments(&self) -> Option<([f64; 2], [[f64; 2]; 2])> {
         let total: f64 = self.values.iter().map(|(_, share)| share).sum();

@@ -248,7 +248,8 @@ fn the_distribution_comes_late_and_leaves_the_picture_as_it_is() {
     let nodes = one_dimensional.clone();
     let source = VolumeSource { nodes, folder: PathBuf::new(), output: "gradient".into() };
     let axes = ["s", "g"].map(ArrayRef::Named);
-    let query = DistributionQuery { of_series: false, source, axes, fields: Vec::new() };
+    let scales = Default::default();
+    let query = DistributionQuery { of_series: false, source, axes, scales, fields: Vec::new() };
     worker.ask(|output| &mut output.distribution, query);
     settle(&worker);
     let before = worker.shown(|shown| shown.pixels.clone().unwrap().picture);

@@ -231,7 +231,8 @@ mod tests {
             setting: list(sigma).into(),
         });
         let (images, name) = (Images::default(), "multi-gradient".to_string());
-        let on = PlaneContext { axes: &axes(on), extent: [1.0, 1.0], known: None, images: &images };
+        let (axes, scales) = (axes(on), Default::default());
+        let on = PlaneContext { axes: &axes, scales, extent: [1.0, 1.0], known: None, images: &images };
         let numbers: Vec<Field> = numbers.into_iter().collect();
         FieldShape::read(
             (&names, &[1.0, 2.0, 3.0], kernel.to_vec()),

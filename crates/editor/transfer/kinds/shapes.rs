@@ -10,7 +10,7 @@ use crate::transfer::plane::{
 use crate::worker::DataScales;
 use eframe::egui::{self, Color32, Rect, Stroke, TextureId};
 use std::fmt::Debug;
-use voltet_core::transfer::{ControlPoint, Table, Wave};
+use voltet_core::transfer::{AxisScale, ControlPoint, Table, Wave};
 use voltet_graph::{ArrayRef, Field, LocatedValue, find_setting};
 
 /// A widget in the plane, but for its region. Places are values along the plane's axes.
@@ -65,6 +65,8 @@ pub(in crate::transfer) trait Shape: Debug {
 
 pub(in crate::transfer) struct PlaneContext<'a> {
     pub axes: &'a [ArrayRef; 2],
+    /// Scales of s and g.
+    pub scales: [AxisScale; 2],
     /// Lengths along both axes that are equal on the screen, for angles.
     pub extent: [f64; 2],
     pub known: Option<&'a DataScales>,
