@@ -19,7 +19,7 @@ const STEP: f64 = 0.25;
 const STEP_AT_CUTOFFS: f64 = 0.025;
 
 /// Share of a step over which one straight piece is as good.
-const STRAIGHT: f64 = 0.03;
+pub const STRAIGHT: f64 = 0.03;
 
 /// Change of slope, in shares of the peak a decade, that needs no end of a piece.
 const SLIGHT_BEND: f64 = 0.2;

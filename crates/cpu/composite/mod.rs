@@ -11,5 +11,6 @@ pub(crate) mod lane_axes;
 pub(crate) mod projected_cells;
 pub(crate) mod row_shader;
 pub(crate) mod segment_parts;
+mod straight_pieces;
 mod tile;
 pub(crate) mod worker;

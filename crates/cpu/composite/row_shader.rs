@@ -8,6 +8,7 @@ use crate::composite::fragment_lists::{Arrange, Fill, FragmentLists};
 use crate::composite::frame::FrameContext;
 use crate::composite::illumination::illuminate;
 use crate::composite::segment_parts::SegmentCutter;
+use crate::composite::straight_pieces::straighten;
 use crate::counts::Counts;
 use crate::fragments::batch::{BATCH, Batch, DepthLimits, MAX_LANES, clip_to_depth};
 use crate::fragments::crossing::CellPacket;
@@ -62,6 +63,8 @@ pub(crate) struct RowShader {
     pub depth_limits: DepthLimits,
     /// Cutter of segments: at surfaces and clips, and along curved axes.
     pub cutter: Option<Box<SegmentCutter>>,
+    /// Segments with values along curved axes, while the batch has their pieces with positions.
+    values: Option<Box<Batch>>,
 }
 
 impl RowShader {
@@ -75,6 +78,7 @@ impl RowShader {
             depth_limits: [f32::INFINITY; PIXELS],
             cutter: (frame.events.is_some() || frame.axes.is_some())
                 .then(|| Box::new(SegmentCutter::new(frame))),
+            values: frame.axes.map(|_| Box::new(Batch::new(frame.attribute_count(), frame.scalar_count))),
         }
     }
 
@@ -118,9 +122,24 @@ impl RowShader {
         let Some(mut cutter) = self.cutter.take() else {
             return self.blend_slices(frame, row, count, &[], pixels);
         };
-        let (count, cut) = cutter.cut_row(frame, &mut self.batch, count, &self.rays);
-        if count > 0 {
-            self.blend_slices(frame, row, count, cut, pixels);
+        if let (Some(axes), Some(mut source)) = (frame.axes, self.values.take()) {
+            std::mem::swap(&mut self.batch, &mut source);
+            let mut next = 0;
+            while next < count {
+                let slots = (&*source, next..count);
+                let (rest, count, cut) =
+                    straighten(&mut cutter, frame, axes, slots, &mut self.batch, &self.rays);
+                if count > 0 {
+                    self.blend_slices(frame, row, count, cut, pixels);
+                }
+                next = rest;
+            }
+            self.values = Some(source);
+        } else {
+            let (count, cut) = cutter.cut_row(frame, &mut self.batch, count, &self.rays);
+            if count > 0 {
+                self.blend_slices(frame, row, count, cut, pixels);
+            }
         }
         self.cutter = Some(cutter);
     }

@@ -1,8 +1,9 @@
 //! Parts of segments, in place of the whole: between surfaces and clips of their rays ([`voltet_optics::ray_events`]), whose colours take
 //! their places among them; and, where an axis is logarithmic, straight pieces along it ([`voltet_optics::curved_axes`]).
 //!
-//! Segments that nothing cuts, by far the most, stay in their batch, and so does the one part that a clip leaves. The parts of the others
-//! are shaded in a batch of their own, and composited to one colour that takes the segment's place.
+//! Segments that nothing cuts, by far the most, stay in their batch, and so does the one part that a clip leaves; along logarithmic axes they
+//! are one straight piece or two, of which the second ones become a slice of their own. The parts of the others are shaded in a batch
+//! of their own, and composited to one colour that takes the segment's place.
 
 use crate::composite::frame::FrameContext;
 use crate::composite::illumination;
@@ -221,36 +222,37 @@ impl SegmentCutter {
         count: usize,
         rays: &Rays,
     ) -> (usize, &[(usize, [f32; 4])]) {
-        self.colors.clear();
-        // A lane's segments are of one pixel, which slots without a segment need not name.
-        let pixels = std::array::from_fn(|lane| {
-            let first = (lane..count).step_by(TILE).find(|&k| batch.length[k] > 0.0);
-            first.map_or(0, |k| batch.pixel[k] as usize % PIXELS)
-        });
-        let row = CutRow { cutter: self, frame, batch, count, pixels, rays };
-        let kept = dispatch(frame.lanes, row);
-        self.shade(frame, rays);
-        (kept, &self.colors)
+        self.forget();
+        let pixels = pixels_of(batch, count);
+        let kept = dispatch(frame.lanes, CutRow { cutter: self, frame, batch, count, pixels, rays });
+        (kept, self.finish(frame, rays))
     }
 
-    /// Depth from which on a pixel's segments are looked at one by one.
-    fn next_depth(&self, frame: &FrameContext<'_>, pixel: usize) -> f32 {
-        if frame.axes.is_some() { f32::NEG_INFINITY } else { self.pixels[pixel].depth }
+    /// Shades the parts that are left; slots and colours of the segments that were cut.
+    pub fn finish(&mut self, frame: &FrameContext<'_>, rays: &Rays) -> &[(usize, [f32; 4])] {
+        self.shade(frame, rays);
+        &self.colors
+    }
+
+    /// Forgets the segments that were cut.
+    pub fn forget(&mut self) {
+        self.colors.clear();
+    }
+
+    /// Depth of a pixel's next event.
+    pub fn next_depth(&self, pixel: usize) -> f32 {
+        self.pixels[pixel].depth
     }
 
     /// Factor of the lengths of a pixel's next segments: 0 where they are hidden.
-    fn shown(&self, pixel: usize) -> f32 {
+    pub fn shown(&self, pixel: usize) -> f32 {
         f32::from(!self.pixels[pixel].hidden)
     }
 
     /// Leaves the one part of segment `k` of a batch, of a pixel, that its events leave; false if they leave more.
     fn trim(&mut self, frame: &FrameContext<'_>, batch: &mut Batch, k: usize, pixel: usize) -> bool {
         let whole = [batch.entry[k], batch.exit[k]];
-        let part = match frame.axes {
-            None => self.pixels[pixel].trim(frame, self.top, (k, whole)),
-            Some(_) => None,
-        };
-        let Some(part) = part else { return false };
+        let Some(part) = self.pixels[pixel].trim(frame, self.top, (k, whole)) else { return false };
         for a in 0..frame.attribute_count() {
             let [front, back] = part.ends_of(batch, a, frame);
             (batch.front[a][k], batch.back[a][k]) = (front, back);
@@ -261,7 +263,7 @@ impl SegmentCutter {
     }
 
     /// Cuts a segment of a batch, of a pixel, whose slot is now the first and will be the second.
-    fn cut(
+    pub fn cut(
         &mut self,
         frame: &FrameContext<'_>,
         batch: &Batch,
@@ -374,7 +376,7 @@ struct CutRow<'a, 'f> {
 impl Kernel<usize> for CutRow<'_, '_> {
     #[inline(always)]
     fn run<L: Lanes>(mut self) -> usize {
-        let mut depths = self.pixels.map(|pixel| self.cutter.next_depth(self.frame, pixel));
+        let mut depths = self.pixels.map(|pixel| self.cutter.next_depth(pixel));
         let mut shown = self.pixels.map(|pixel| self.cutter.shown(pixel));
         let (zero, mut kept) = (L::F::splat(0.0), 0);
         for first in (0..self.count).step_by(TILE) {
@@ -388,7 +390,7 @@ impl Kernel<usize> for CutRow<'_, '_> {
             let (mut factors, mut is_drawn) = (shown, false);
             if meets != 0 {
                 is_drawn = self.cut_slice([first, kept], meets, &mut factors);
-                depths = self.pixels.map(|pixel| self.cutter.next_depth(self.frame, pixel));
+                depths = self.pixels.map(|pixel| self.cutter.next_depth(pixel));
                 shown = self.pixels.map(|pixel| self.cutter.shown(pixel));
             }
             for lane in (0..TILE).step_by(L::WIDTH) {
@@ -423,6 +425,14 @@ impl CutRow<'_, '_> {
         }
         is_cut
     }
+}
+
+/// Pixel of each lane of a row's slices. A lane's segments are of one pixel, which slots without a segment need not name.
+pub(super) fn pixels_of(batch: &Batch, count: usize) -> [usize; TILE] {
+    std::array::from_fn(|lane| {
+        let first = (lane..count).step_by(TILE).find(|&k| batch.length[k] > 0.0);
+        first.map_or(0, |k| batch.pixel[k] as usize % PIXELS)
+    })
 }
 
 /// The surfaces of a pixel, with their depths from the distance origin.
