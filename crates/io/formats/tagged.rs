@@ -10,7 +10,7 @@ use glam::DVec3;
 use std::collections::HashMap;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::grid::{Association, Cells};
+use voltet_core::grid::Association;
 use voltet_core::reading::FileArray;
 
 /// Name of the block of elements that are in none, in a file with blocks.
@@ -47,6 +47,16 @@ pub(super) type VisitValues<'a> = &'a mut dyn FnMut(u64, &[f64]) -> Result<()>;
 pub(super) trait TaggedMesh: Send + Sync + 'static {
     /// Hands out the nodes.
     fn each_node(&self, visit: VisitNode) -> Result<()>;
+
+    /// Number of the nodes.
+    fn count_nodes(&self) -> Result<u64> {
+        let mut count = 0;
+        self.each_node(&mut |_, _| {
+            count += 1;
+            Ok(())
+        })?;
+        Ok(count)
+    }
 
     /// Hands out the volume elements.
     fn each_element(&self, visit: VisitElement) -> Result<()>;
@@ -97,11 +107,7 @@ pub(super) fn dataset(
         counts[last][1] += element.nodes.len() as u64;
         Ok(())
     })?;
-    let mut node_count = 0;
-    mesh.each_node(&mut |_, _| {
-        node_count += 1;
-        Ok(())
-    })?;
+    let node_count = mesh.count_nodes()?;
     if blocks == [""] {
         blocks.clear();
     }
@@ -127,7 +133,7 @@ pub(super) fn dataset(
         arrays: arrays.collect(),
         geometry: geometry(counts, {
             let of = open.clone();
-            move |_| Ok((of.read_nodes()?, Cells::Mixed(of.read_elements()?.0.into_set())))
+            move |_| Ok((of.read_nodes()?, of.read_elements()?.0.into_cells()))
         }),
         is_old_order: false,
         blocks: CellBlocks::One(0),
