@@ -58,7 +58,6 @@ struct BulkEntry {
 }
 
 /// Texts of fields, one after the other, and their ends.
-#[derive(Default)]
 struct Fields {
     text: String,
     ends: Vec<usize>,
@@ -181,7 +180,7 @@ fn entries<R>(
             return Ok((results, true));
         }
         if names.contains(&name.as_str()) {
-            let mut fields = Fields::default();
+            let mut fields = Fields { text: String::with_capacity(64), ends: Vec::with_capacity(16) };
             add_fields(data, &own, &mut fields);
             open = Some((BulkEntry { name, fields }, line));
         }

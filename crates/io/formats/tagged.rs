@@ -95,7 +95,7 @@ pub(super) fn dataset(
     let mut block_places: HashMap<String, usize> = HashMap::new();
     let mut last = 0;
     mesh.each_element(&mut |element| {
-        if blocks.get(last).is_none_or(|name| name != element.block) {
+        if blocks.get(last).is_none_or(|name| !is_same(name, element.block)) {
             last = block_places.get(element.block).copied().unwrap_or(blocks.len());
         }
         if last == blocks.len() {
@@ -144,6 +144,11 @@ pub(super) fn dataset(
     Ok(Dataset { format, pieces: vec![piece], blocks, file_bytes: source.len(), ..Dataset::default() })
 }
 
+/// True for the same names, of which most are empty.
+fn is_same(a: &str, b: &str) -> bool {
+    a.len() == b.len() && (a.is_empty() || a == b)
+}
+
 impl<M: TaggedMesh> OpenMesh<M> {
     /// Numbers of the nodes (0) or of the selected elements (1), read if they were not yet.
     fn tags(&self, kind: usize) -> Result<Arc<Tags>> {
@@ -176,7 +181,7 @@ impl<M: TaggedMesh> OpenMesh<M> {
         let (mut cells, mut tags, mut blocks) = (GatheredCells::default(), Vec::new(), Vec::new());
         let (mut corners, mut block) = (Vec::new(), 0);
         self.mesh.each_element(&mut |element| {
-            if self.blocks.get(block).is_some_and(|last| last != element.block) {
+            if self.blocks.get(block).is_some_and(|last| !is_same(last, element.block)) {
                 block = self.block_places.get(element.block).copied().unwrap_or(0);
             }
             if !self.is_selected[block] {

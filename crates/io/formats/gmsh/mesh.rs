@@ -65,7 +65,7 @@ pub(super) struct NodeOrders(Vec<(usize, &'static [u8])>);
 impl NodeOrders {
     /// Adds the order of a cell behind those that were added.
     fn add(&mut self, cell: usize, order: &'static [u8]) {
-        if self.0.last().is_none_or(|run| run.1 != order) {
+        if self.0.last().is_none_or(|run| !std::ptr::eq(run.1, order)) {
             self.0.push((cell, order));
         }
     }
