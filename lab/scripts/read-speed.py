@@ -2,9 +2,9 @@
 """Seconds that voltet, VTK and meshio take to read one grid of tetrahedra from files of every format.
 
     pip install vtk meshio h5py netCDF4 numpy
-    lab/scripts/read-speed.py [--side 60] [--rounds 5] [--only vtu,gmsh] [--folder FOLDER] [--program FILE] [--others]
+    lab/scripts/read-speed.py [--side 60] [--rounds 5] [--only vtu,gmsh] [--folder FOLDER] [--program FILE] [--others no]
 
-Writes the files into the folder (6·side³ tetrahedra; about 3 GB for side 60) and prints a table. Each reading is a process of its own,
+Writes the files into the folder (6·side³ tetrahedra; 2 GB for side 60) and prints a table. Each reading is a process of its own,
 the programs take turns, files are in the page cache. voltet and VTK give points, cells and one array (VTK's readers that cannot be told give
 all), meshio everything. Medians of wall seconds and, in brackets, of CPU seconds. MB/s are bytes of the files by voltet's seconds, the
 share is that of reading the file into memory by one thread. "tetrahedra": with what drawing asks for beside, the check for overlaps and
@@ -14,7 +14,6 @@ hanging points. `--others no` leaves out VTK and meshio.
 import argparse
 import json
 import os
-import resource
 import statistics
 import subprocess
 import sys
@@ -52,8 +51,6 @@ def by_vtk(path, array):
     reader.UpdateInformation()
     if ending(path) == ".e":
         reader.SetPointResultArrayStatus(array, 1)
-    elif ending(path) == ".cgns":
-        reader.GetPointDataArraySelection().EnableAllArrays()
     else:
         for kind in ["Point", "Cell"]:
             selection = getattr(reader, f"Get{kind}DataArraySelection", lambda: None)()
@@ -84,7 +81,7 @@ def by_meshio(path, _):
 
 
 def by_voltet(program, form, path, array):
-    """Wall seconds as the program gives them, CPU seconds of the process, cells, peak memory in MB."""
+    """Wall seconds as the program gives them, CPU seconds of the process, cells or bytes; None where it fails."""
     process = subprocess.Popen([program, form, str(path), array], stdout=subprocess.PIPE, text=True)
     words = process.stdout.read().split()
     _, status, usage = os.wait4(process.pid, 0)

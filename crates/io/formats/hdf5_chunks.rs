@@ -211,3 +211,74 @@ fn unshuffle(from: &[u8], to: &mut [u8], value_size: usize) {
         _ => of_size::<8>(from, to),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Read;
+
+    /// Bytes of a part by the chunks, of which a row at a time is decoded.
+    fn decoded(chunks: &ChunkRows, source: &Source, len: usize) -> Vec<u8> {
+        let (mut buffers, mut bytes) = (ChunkBuffers::default(), Vec::new());
+        let line = chunks.columns * chunks.value_size;
+        for row in 0..chunks.chunks.len() / chunks.columns.div_ceil(chunks.chunk[1]) {
+            let skipped = if row == 0 { chunks.skipped * line } else { 0 };
+            bytes.extend_from_slice(&chunks.read(source, row, &mut buffers).unwrap()[skipped..]);
+        }
+        bytes.truncate(len);
+        bytes
+    }
+
+    /// Bytes of a part as the crate gives them.
+    fn by_crate(dataset: &Dataset, part: &[Extent], size: usize) -> Vec<u8> {
+        let shape: Vec<usize> = dataset.shape().iter().map(|&n| n as usize).collect();
+        let raw = dataset.read_raw_bytes().unwrap();
+        let inside = |place: usize| {
+            let mut rest = place;
+            (0..shape.len()).rev().all(|axis| {
+                let index = (rest % shape[axis]) as u64;
+                rest /= shape[axis];
+                (part[axis].0..part[axis].0 + part[axis].1).contains(&index)
+            })
+        };
+        let values = raw.chunks_exact(size).enumerate().filter(|value| inside(value.0));
+        values.flat_map(|value| value.1.iter().copied()).collect()
+    }
+
+    #[test]
+    fn every_form_of_chunks_is_that_of_the_crate() {
+        let mut bytes = Vec::new();
+        let packed = &include_bytes!("../tests/files/chunks.h5.gz")[..];
+        flate2::read::GzDecoder::new(packed).read_to_end(&mut bytes).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("chunks.h5");
+        std::fs::write(&path, &bytes).unwrap();
+        let (source, file) = (Source::open(&path).unwrap(), Hdf5File::from_vec(bytes).unwrap());
+        let root = file.root_group().unwrap();
+        let names = root.member_names().unwrap().1;
+        assert_eq!(names.len(), 13);
+        for name in names {
+            let dataset = root.dataset(&name).unwrap();
+            let size = dataset.raw_element_size().unwrap();
+            let all: Vec<Extent> = dataset.shape().iter().map(|&n| (0, n, 1)).collect();
+            let rows = |first, count| [&[(first, count, 1)], &all[1..]].concat();
+            let mut parts = vec![all.clone(), rows(3, 4.min(all[0].1 - 3)), rows(all[0].1 - 1, 1)];
+            if name == "steps" {
+                parts.extend((0..4).map(|step| rows(step, 1)));
+                parts.push(vec![(2, 1, 1), (60, 70, 1)]);
+            }
+            for part in parts {
+                let chunks = ChunkRows::find(&file, &dataset, &part, size);
+                assert_eq!(chunks.is_none(), name.starts_with("other"), "{name} {part:?}");
+                let Some(chunks) = chunks else { continue };
+                let truth = by_crate(&dataset, &part, size);
+                assert!(decoded(&chunks, &source, truth.len()) == truth, "{name} {part:?}");
+            }
+        }
+        // Every second row, and some columns of each row, are no run of values.
+        let rows = root.dataset("rows").unwrap();
+        for part in [[(0, 100, 2), (0, 3, 1)], [(0, 301, 1), (1, 2, 1)]] {
+            assert!(ChunkRows::find(&file, &rows, &part, 8).is_none());
+        }
+    }
+}

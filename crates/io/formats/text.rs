@@ -336,6 +336,10 @@ fn parsed_numbers<T: Target>(
     let mut values = Vec::with_capacity(piece.bytes.len() / 8 + 1);
     let mut rest = piece.bytes;
     loop {
+        // Bytes with a sign may be written without.
+        if number_type.is_integer() && number_type != NumberType::I8 {
+            rest = whole_numbers(rest, is_between, &mut values);
+        }
         let (word, after) = next_word(rest, is_between);
         if word.is_empty() {
             return (values, None);
@@ -345,6 +349,33 @@ fn parsed_numbers<T: Target>(
             Err(error) => return (values, Some(piece.locate(error, word))),
         }
         rest = after;
+    }
+}
+
+/// Adds whole numbers of digits alone, while the target holds them; gives the bytes from the first other word on.
+fn whole_numbers<'a, T: Target>(
+    bytes: &'a [u8],
+    is_between: impl Fn(u8) -> bool,
+    to: &mut Vec<T>,
+) -> &'a [u8] {
+    let mut at = 0;
+    loop {
+        while bytes.get(at).is_some_and(|&byte| is_between(byte)) {
+            at += 1;
+        }
+        let (begin, mut value) = (at, 0_i64);
+        while let Some(digit) = bytes.get(at).map(|byte| byte.wrapping_sub(b'0')).filter(|digit| *digit <= 9)
+        {
+            value = value.wrapping_mul(10).wrapping_add(i64::from(digit));
+            at += 1;
+        }
+        let is_word = bytes.get(at).is_none_or(|&byte| is_between(byte));
+        // So many digits stay within 64 bits.
+        let is_short = (1..=18).contains(&(at - begin));
+        match T::from_i64(value) {
+            (own, true) if is_word && is_short => to.push(own),
+            _ => return &bytes[begin..],
+        }
     }
 }
 
@@ -397,6 +428,19 @@ mod tests {
         let (_folder, range) = file_of(&vec![b'x'; LONGEST + 3 * PIECE as usize]);
         let long = range.each_piece(|rest| rest[0] == b'\n', |_| Ok(()), |()| Ok(true)).unwrap_err();
         assert!(long.to_string().contains("too long"), "{long}");
+    }
+
+    #[test]
+    fn whole_numbers_end_before_other_words() {
+        for (text, count) in [("1 23  4\n", 3), ("1 -2 3", 1), ("1 4294967296 2", 1), ("", 0), ("1 2x 3", 1)]
+        {
+            let mut found: Vec<u32> = Vec::new();
+            let rest = whole_numbers(text.as_bytes(), is_space, &mut found);
+            assert_eq!(found.len(), count, "{text}");
+            assert_eq!(rest.first(), text.as_bytes().get(2).filter(|_| count == 1), "{text}");
+        }
+        let (_folder, range) = file_of(b"7 +8 009 -0 1234567890123456789");
+        assert_eq!(all(&range).unwrap(), [7, 8, 9, 0, 1234567890123456789]);
     }
 
     #[test]
