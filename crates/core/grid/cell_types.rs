@@ -100,10 +100,21 @@ cell_types! {
     81 BEZIER_PYRAMID "Bezier pyramid" 3 0
 }
 
+/// Places in [`CELL_TYPES`] by code, beyond the end for a code without a type: readers look up every cell.
+static PLACES: [u8; 256] = {
+    let mut places = [u8::MAX; 256];
+    let mut place = 0;
+    while place < CELL_TYPES.len() {
+        places[CELL_TYPES[place].code as usize] = place as u8;
+        place += 1;
+    }
+    places
+};
+
 impl CellType {
     /// The type with this code; `None` where VTK knows none.
     pub fn from_code(code: u8) -> Option<&'static CellType> {
-        CELL_TYPES.binary_search_by_key(&code, |t| t.code).ok().map(|i| &CELL_TYPES[i])
+        CELL_TYPES.get(usize::from(PLACES[usize::from(code)]))
     }
 
     /// Name of the type with this code in the number of a count: "hexahedra", "wedge", "cells of unknown type (99)".

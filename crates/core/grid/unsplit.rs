@@ -32,7 +32,7 @@ pub(super) fn unsplit(mut parts: RawGrid) -> Result<Grid> {
             _ => Polyhedra::default(),
         },
     };
-    let count = parts.cells.count();
+    let count = if are_plain(&parts) { 0 } else { parts.cells.count() };
     (0..count).into_par_iter().with_min_len(CELL_CHUNK).try_for_each(|number| {
         let mut buffer = [0; 8];
         source.check(&source.cell(number, &mut buffer)?)
@@ -62,6 +62,14 @@ pub(super) fn unsplit(mut parts: RawGrid) -> Result<Grid> {
         origin: Arc::new(origin),
         ..Grid::default()
     })
+}
+
+/// True for tetrahedra alone whose points are there, which needs no look at each cell.
+fn are_plain(parts: &RawGrid) -> bool {
+    let Cells::Tetrahedra(tetrahedra) = &parts.cells else { return false };
+    let last =
+        tetrahedra.par_chunks(CELL_CHUNK).map(|part| part.as_flattened().iter().fold(0, |a, &b| a.max(b)));
+    last.max().is_none_or(|last| (last as usize) < parts.points.len())
 }
 
 /// Leaves out the ghost cells whose originals are there; gives their number.

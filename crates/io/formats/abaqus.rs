@@ -5,17 +5,19 @@
 
 use super::contents::Dataset;
 use super::cursor::Cursor;
+use super::numbers::{self, NumberType, Target};
 use super::request::{Format, Request};
 use super::source::Source;
 use super::tagged::{
     PART_SHIFT, TaggedElement, TaggedMesh, VisitElement, VisitNode, dataset, number_in_part,
 };
+use super::text::{TextPiece, TextRange};
 use glam::{DQuat, DVec3};
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::sync::Arc;
-use voltet_core::Result;
 use voltet_core::grid::code;
+use voltet_core::{Error, Result};
 
 /// The declaration.
 pub(super) const FORMAT: Format =
@@ -58,13 +60,13 @@ const MIN_ELEMENT_BYTES: u64 = 4;
 /// Lines of data of a part, from here to the next keyword.
 struct NodeLines {
     part: usize,
-    lines: Cursor,
+    lines: TextRange,
 }
 
 /// Lines of solid elements of one type.
 struct ElementLines {
     part: usize,
-    lines: Cursor,
+    lines: TextRange,
     /// Number of nodes and type code of VTK.
     solid: (usize, u8),
     set: String,
@@ -127,13 +129,16 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
             sets: HashMap::new(),
         },
     };
+    let mut begin = 0;
     while let Some(line) = scan.cursor.line()? {
         if line.trim_ascii_start().first() == Some(&b'*') {
             let line = String::from_utf8_lossy(line).into_owned();
             if let Some(keyword) = Keyword::of_line(&line) {
+                scan.end_lines(begin);
                 scan.keyword(&keyword)?;
             }
         }
+        begin = scan.cursor.position();
     }
     let Scan { parts, mut mesh, .. } = scan;
     let place = |part: usize, name: &str| Instance {
@@ -165,6 +170,15 @@ struct Scan {
 }
 
 impl Scan {
+    /// Ends the lines of data that went on to here; those before have ended.
+    fn end_lines(&mut self, end: u64) {
+        let of_nodes = self.mesh.nodes.last_mut().map(|own| &mut own.lines);
+        let of_elements = self.mesh.elements.last_mut().map(|own| &mut own.lines);
+        for lines in of_nodes.into_iter().chain(of_elements) {
+            *lines = lines.until(end);
+        }
+    }
+
     fn keyword(&mut self, keyword: &Keyword) -> Result<()> {
         match keyword.name.as_str() {
             "INCLUDE" | "NGEN" | "ELGEN" | "NFILL" | "NCOPY" | "ELCOPY" | "SYSTEM" => {
@@ -181,7 +195,7 @@ impl Scan {
                 Err(error.got(keyword.parameter("SYSTEM")).expected("rectangular ones"))
             }
             "NODE" => {
-                self.mesh.nodes.push(NodeLines { part: self.part, lines: self.cursor.clone() });
+                self.mesh.nodes.push(NodeLines { part: self.part, lines: self.cursor.rest() });
                 Ok(())
             }
             "ELEMENT" => self.elements(keyword),
@@ -214,7 +228,7 @@ impl Scan {
             error.expected("C3D4, C3D5, C3D6, C3D8, C3D10, C3D13, C3D15, C3D20 and their variants")
         })?;
         let set = keyword.parameter("ELSET").to_owned();
-        self.mesh.elements.push(ElementLines { part: self.part, lines: self.cursor.clone(), solid, set });
+        self.mesh.elements.push(ElementLines { part: self.part, lines: self.cursor.rest(), solid, set });
         Ok(())
     }
 
@@ -312,16 +326,98 @@ fn data_line(cursor: &mut Cursor) -> Result<Option<String>> {
 }
 
 /// Number of a node or element of an instance among those of all.
-fn tag(instance: usize, number: u64, cursor: &Cursor) -> Result<u64> {
-    if number >> PART_SHIFT != 0 {
-        return Err(cursor.error("a number of the mesh is too large").got(number));
+fn tag(instance: usize, number: u64) -> Result<u64> {
+    match number >> PART_SHIFT {
+        0 => Ok((instance as u64) << PART_SHIFT | number),
+        _ => Err(Error::run("a number of the mesh is too large").got(number)),
     }
-    Ok((instance as u64) << PART_SHIFT | number)
 }
 
-fn parsed<T: std::str::FromStr>(word: &str, cursor: &Cursor) -> Result<T> {
-    let damaged = |_| cursor.error("a number is damaged").got(format_args!("'{word}'")).expected("a number");
-    word.trim().parse().map_err(damaged)
+/// Words of a line of data; none of a comment.
+fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    let line = line.trim_ascii();
+    let line = if line.starts_with(b"*") { b"" } else { line };
+    line.split(|&byte| byte == b',').map(<[u8]>::trim_ascii)
+}
+
+fn number<T: Target>(number_type: NumberType, word: &[u8]) -> Result<T> {
+    numbers::parse(number_type, word).map_err(|error| error.expected("a number"))
+}
+
+/// Number and position of the node of a line, if it has one.
+fn node(line: &[u8], nodes: &mut Vec<(u64, DVec3)>) -> Result<()> {
+    let text = line.trim_ascii();
+    if text.is_empty() || text.starts_with(b"*") {
+        return Ok(());
+    }
+    let mut words = words(text);
+    let own = number(NumberType::U64, words.next().unwrap_or_default())?;
+    tag(0, own)?;
+    let mut position = DVec3::ZERO;
+    for (axis, word) in words.take(3).enumerate().filter(|word| !word.1.is_empty()) {
+        position[axis] = number(NumberType::F64, word)?;
+    }
+    nodes.push((own, position));
+    Ok(())
+}
+
+/// Mark behind the numbers of a line; the place of the line follows.
+const LINE: u64 = u64::MAX;
+
+/// Numbers of the lines of a piece.
+fn element_numbers(piece: &TextPiece) -> Result<Vec<u64>> {
+    let mut all = Vec::with_capacity(piece.bytes.len() / 6);
+    for line in piece.lines() {
+        let count = all.len();
+        for word in words(line).filter(|word| !word.is_empty()) {
+            let own = number(NumberType::U64, word).and_then(|number| tag(0, number));
+            all.push(own.map_err(|error| piece.locate(error, line))?);
+        }
+        if all.len() > count {
+            all.extend([LINE, piece.place(line)]);
+        }
+    }
+    Ok(all)
+}
+
+impl ElementLines {
+    /// Calls `visit` with each element: its number, then those of its nodes.
+    fn each(&self, mut visit: impl FnMut(&[u64]) -> Result<()>) -> Result<()> {
+        let node_count = self.solid.0;
+        let (mut numbers, mut last) = (Vec::new(), 0);
+        self.lines.each_piece(
+            |rest| rest[0] == b'\n',
+            element_numbers,
+            |found| {
+                let mut rest = &found[..];
+                while let Some(end) = rest.iter().position(|&number| number == LINE) {
+                    numbers.extend_from_slice(&rest[..end]);
+                    last = rest.get(end + 1).copied().unwrap_or(0);
+                    rest = rest.get(end + 2..).unwrap_or_default();
+                    // An element goes on in the next line.
+                    if numbers.len() <= node_count {
+                        continue;
+                    }
+                    if numbers.len() > node_count + 1 {
+                        let error = Error::run(format!("element {} has too many nodes", numbers[0]));
+                        return Err(self
+                            .lines
+                            .locate(error.got(numbers.len() - 1).expected(node_count), last));
+                    }
+                    visit(&numbers)?;
+                    numbers.clear();
+                }
+                Ok(true)
+            },
+        )?;
+        match numbers.first() {
+            None => Ok(()),
+            Some(first) => {
+                let error = Error::run(format!("element {first} ends early")).got(numbers.len() - 1);
+                Err(self.lines.locate(error.expected(format_args!("{node_count} nodes")), last))
+            }
+        }
+    }
 }
 
 impl TaggedMesh for AbaqusMesh {
@@ -332,55 +428,42 @@ impl TaggedMesh for AbaqusMesh {
     fn each_node(&self, visit: VisitNode) -> Result<()> {
         for (number, instance) in self.instances.iter().enumerate() {
             for own in self.nodes.iter().filter(|own| own.part == instance.part) {
-                let mut lines = own.lines.clone();
-                while let Some(line) = data_line(&mut lines)? {
-                    let mut words = line.split(',');
-                    let node = parsed(words.next().unwrap_or_default(), &lines)?;
-                    let mut position = DVec3::ZERO;
-                    for (axis, word) in words.take(3).enumerate().filter(|word| !word.1.trim().is_empty()) {
-                        position[axis] = parsed(word, &lines)?;
-                    }
+                own.lines.rows(node, |(node, position)| {
                     // Moved first, then turned.
                     let moved = position + instance.translation;
                     let placed = instance.rotation * (moved - instance.pivot) + instance.pivot;
-                    visit(tag(number, node, &lines)?, placed)?;
-                }
+                    visit(tag(number, node)?, placed)
+                })?;
             }
         }
         Ok(())
     }
 
     fn each_element(&self, visit: VisitElement) -> Result<()> {
-        let mut numbers: Vec<u64> = Vec::new();
         for (number, instance) in self.instances.iter().enumerate() {
             for own in self.elements.iter().filter(|own| own.part == instance.part) {
-                let mut lines = own.lines.clone();
-                numbers.clear();
-                while let Some(line) = data_line(&mut lines)? {
-                    for word in line.split(',').filter(|word| !word.trim().is_empty()) {
-                        numbers.push(parsed(word, &lines)?);
+                let of_all = (!own.set.is_empty()).then(|| self.block(instance, own, 0));
+                let mut nodes = Vec::new();
+                own.each(|numbers| {
+                    nodes.clear();
+                    for &node in &numbers[1..] {
+                        nodes.push(tag(number, node)?);
                     }
-                    // An element goes on in the next line.
-                    let Some(&element) = numbers.first().filter(|_| numbers.len() > own.solid.0) else {
-                        continue;
+                    let listed;
+                    let block = match &of_all {
+                        Some(block) => block,
+                        None => {
+                            listed = self.block(instance, own, numbers[0]);
+                            &listed
+                        }
                     };
-                    if numbers.len() > own.solid.0 + 1 {
-                        let error = lines.error(format!("element {element} has too many nodes"));
-                        return Err(error.got(numbers.len() - 1).expected(own.solid.0));
-                    }
-                    for node in &mut numbers[1..] {
-                        *node = tag(number, *node, &lines)?;
-                    }
-                    let block = self.block(instance, own, element);
-                    let tag = tag(number, element, &lines)?;
-                    visit(&TaggedElement { tag, code: own.solid.1, block: &block, nodes: &numbers[1..] })?;
-                    numbers.clear();
-                }
-                if !numbers.is_empty() {
-                    let error =
-                        lines.error(format!("element {} ends early", numbers[0])).got(numbers.len() - 1);
-                    return Err(error.expected(format_args!("{} nodes", own.solid.0)));
-                }
+                    visit(&TaggedElement {
+                        tag: tag(number, numbers[0])?,
+                        code: own.solid.1,
+                        block,
+                        nodes: &nodes,
+                    })
+                })?;
             }
         }
         Ok(())

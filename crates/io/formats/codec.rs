@@ -8,6 +8,7 @@
 //! anywhere between the characters.
 
 use super::source::Source;
+use super::text::is_space;
 use lzma_rust2::XzReader;
 use std::io::Read;
 use voltet_core::{Error, Result, counted};
@@ -144,7 +145,7 @@ impl Base64Text<'_> {
             buffer.resize(wanted as usize, 0);
             self.source.read_at(self.at, &mut buffer)?;
             self.at += wanted;
-            text.extend(buffer.iter().copied().filter(|b| !b.is_ascii_whitespace()));
+            buffer.split(|&byte| is_space(byte)).for_each(|run| text.extend_from_slice(run));
         }
         Ok(text)
     }

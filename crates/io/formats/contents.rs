@@ -1,6 +1,7 @@
 //! The table of contents of a data set: what lies in which file, before anything is decoded.
 
 use super::codec::Codec;
+use super::hdf5_chunks::ChunkRows;
 use super::lattice::Lattice;
 use super::numbers::{ByteOrder, NumberType};
 use super::source::Source;
@@ -243,6 +244,9 @@ pub(super) type Compute = Arc<dyn Fn(&Meter) -> Result<Vec<f64>> + Send + Sync>;
 /// Reads the bytes of an array, in its type and byte order, from where they do not lie side by side (chunks of HDF5).
 pub(super) type Gather = Arc<dyn Fn() -> Result<Vec<u8>> + Send + Sync>;
 
+/// Finds the chunks of an array.
+pub(super) type FindChunks = Arc<dyn Fn() -> Option<ChunkRows> + Send + Sync>;
+
 /// Location and encoding of the values.
 #[derive(Clone)]
 pub(super) enum Encoding {
@@ -255,6 +259,8 @@ pub(super) enum Encoding {
     Xml { at: u64, end: u64, base64: bool, wide: bool, codec: Option<Codec> },
     /// Bytes from many places of the file.
     Gathered(Gather),
+    /// Chunks of HDF5 that are decoded here, or by the other function where the first finds none.
+    Chunked(FindChunks, Gather),
     /// Not in the file.
     Computed(Compute),
 }
@@ -318,7 +324,7 @@ impl Stored {
                     .map_err(|error| error.at_item(&self.name));
             }
             // Chunks were compared with their file when they were found.
-            Encoding::Gathered(_) | Encoding::Computed(_) => return Ok(()),
+            Encoding::Gathered(_) | Encoding::Chunked(..) | Encoding::Computed(_) => return Ok(()),
         };
         match self.promised()? {
             Some(count) if count > greatest => {

@@ -1,14 +1,22 @@
 //! A position in a file of text, or of text and bytes, that is read from front to back through a window.
 
+use super::contents::{Encoding, Meter, Stored};
 use super::numbers::{self, ByteOrder, NumberType, Target, convert};
 use super::source::Source;
+use super::text::{TextRange, is_space, line_ends, word_starts};
+use rayon::prelude::*;
 use std::sync::Arc;
+use voltet_core::progress::NoProgress;
 use voltet_core::{Error, Result};
 
 /// Bytes of the file that are read at a time.
 const WINDOW: usize = 1 << 18;
 /// No word or line of a sound file is longer.
 const LONGEST: usize = 1 << 22;
+/// Bytes whose words are counted at once.
+const BLOCK: usize = 254;
+/// Numbers that are too few for several threads.
+const FEW: u64 = 64;
 
 /// A place in a file and its line.
 #[derive(Clone, Copy, Default)]
@@ -94,7 +102,11 @@ impl Cursor {
 
     /// An error at this place.
     pub fn error(&self, what: impl Into<String>) -> Error {
-        let error = Error::run(what);
+        self.locate(Error::run(what))
+    }
+
+    /// An error with this place.
+    pub fn locate(&self, error: Error) -> Error {
         match self.binary {
             Some(_) => error.at_item(format!("byte {}", self.position())),
             None => error.at_line(self.last_line),
@@ -158,7 +170,7 @@ impl Cursor {
     /// Skips white space.
     pub fn skip_space(&mut self) -> Result<()> {
         loop {
-            while let Some(byte) = self.window.get(self.at).filter(|byte| byte.is_ascii_whitespace()) {
+            while let Some(byte) = self.window.get(self.at).filter(|byte| is_space(**byte)) {
                 self.line += usize::from(*byte == b'\n');
                 self.at += 1;
             }
@@ -172,7 +184,7 @@ impl Cursor {
     pub fn word(&mut self) -> Result<Option<&[u8]>> {
         self.skip_space()?;
         self.last_line = self.line;
-        let length = self.length(|byte| byte.is_ascii_whitespace(), "word")?;
+        let length = self.length(is_space, "word")?;
         let begin = self.at;
         self.at += length;
         Ok((length > 0).then(|| &self.window[begin..begin + length]))
@@ -234,12 +246,101 @@ impl Cursor {
         if self.binary.is_some() {
             return self.skip(count.saturating_mul(size));
         }
-        for _ in 0..count {
-            if self.word()?.is_none() {
+        self.skip_words(count, is_space)
+    }
+
+    /// Passes over words with such bytes between them.
+    fn skip_words(&mut self, count: u64, is_between: impl Fn(u8) -> bool + Copy) -> Result<()> {
+        for _ in self.pass_words(count, is_between)?..count {
+            self.until(|byte| !is_between(byte))?;
+            if self.until(is_between)?.is_empty() {
                 return Err(self.error("the file ends early").expected(format_args!("{count} numbers")));
             }
         }
         Ok(())
+    }
+
+    /// Passes over words while fewer than `count` begin in what is passed at once; gives their number.
+    fn pass_words(&mut self, count: u64, is_between: impl Fn(u8) -> bool + Copy) -> Result<u64> {
+        let (mut passed, mut may_begin) = (0, true);
+        loop {
+            if self.at == self.window.len() && !self.fill()? {
+                break;
+            }
+            let rest = &self.window[self.at..];
+            let block = &rest[..rest.len().min(BLOCK)];
+            let starts = u64::from(word_starts(block, may_begin, is_between));
+            let Some(&last) = block.last().filter(|_| passed + starts < count) else { break };
+            may_begin = is_between(last);
+            self.line += line_ends(block);
+            self.at += block.len();
+            passed += starts;
+        }
+        if !may_begin {
+            self.until(is_between)?;
+        }
+        Ok(passed)
+    }
+
+    /// The next numbers, of text or of this type, in parts that are parsed side by side.
+    pub fn numbers<T: Target>(&mut self, number_type: NumberType, count: u64, what: &str) -> Result<Vec<T>> {
+        if count < FEW {
+            return (0..count).map(|_| self.number(number_type, what)).collect();
+        }
+        self.numbers_between(number_type, count, what, is_space)
+    }
+
+    /// The next numbers, of text with such bytes between them or of this type.
+    pub fn numbers_between<T: Target>(
+        &mut self,
+        number_type: NumberType,
+        count: u64,
+        what: &str,
+        is_between: impl Fn(u8) -> bool + Sync + Copy,
+    ) -> Result<Vec<T>> {
+        let start = self.position();
+        let Some(order) = self.binary else {
+            self.skip_words(count, is_between)?;
+            let mut numbers = Vec::with_capacity(count as usize);
+            let range = TextRange::new(&self.source, start..self.position());
+            let parsed = range.numbers(number_type, is_between, &mut numbers, |_| Ok(()));
+            return parsed.map(|()| numbers).map_err(|error| error.expected(what));
+        };
+        self.skip(number_type.byte_count(count).unwrap_or(u64::MAX))?;
+        let stored = Stored {
+            number_type,
+            order,
+            ..Stored::of_f64(&self.source, what, 1, count, Encoding::Bytes(start))
+        };
+        stored.load(&Meter::new(&NoProgress, 1))
+    }
+
+    /// The next numbers of nodes of `what`, which are 1 to `node_count`, from 0.
+    pub fn node_numbers(&mut self, count: u64, node_count: u64, what: &str) -> Result<Vec<u32>> {
+        let start = self.clone();
+        let mut numbers: Vec<u32> = self.numbers(NumberType::I32, count, "the number of a node")?;
+        let is_wrong = |number: u32| number == 0 || u64::from(number) > node_count;
+        let has_wrong = |part: &[u32]| part.iter().fold(false, |found, &number| found | is_wrong(number));
+        if numbers.par_chunks(BLOCK).any(has_wrong) {
+            *self = start;
+            let wrong = numbers.iter().position(|&number| is_wrong(number)).unwrap_or(0);
+            self.skip_numbers(wrong as u64, 4)?;
+            let found: u32 = self.number(NumberType::I32, "the number of a node")?;
+            let error = self.error(format!("{what} names a node that does not exist")).got(found);
+            return Err(error.expected(format_args!("1 to {node_count}")));
+        }
+        numbers.par_iter_mut().with_min_len(BLOCK).for_each(|number| *number -= 1);
+        Ok(numbers)
+    }
+
+    /// The part of the file from here to another position.
+    pub fn range_to(&self, end: &Cursor) -> TextRange {
+        TextRange::new(&self.source, self.position()..end.position())
+    }
+
+    /// The rest of this part of the file.
+    pub fn rest(&self) -> TextRange {
+        TextRange::new(&self.source, self.position()..self.end)
     }
 
     /// Moves behind the next occurrence of a mark, and returns the place where it begins; `None` where there is none.
@@ -247,13 +348,15 @@ impl Cursor {
         let first = mark.first().copied().unwrap_or(0);
         loop {
             let length = {
-                let mut from = self.at;
-                while from < self.window.len() && self.window[from] != first {
-                    self.line += usize::from(self.window[from] == b'\n');
-                    from += 1;
-                }
-                from - self.at
+                let rest = &self.window[self.at..];
+                // Blocks without the byte are passed at once.
+                let has_first =
+                    |block: &&[u8]| block.iter().fold(false, |found, &byte| found | (byte == first));
+                let before: usize =
+                    rest.chunks(BLOCK).take_while(|block| !has_first(block)).map(<[u8]>::len).sum();
+                before + rest[before..].iter().take_while(|&&byte| byte != first).count()
             };
+            self.line += line_ends(&self.window[self.at..self.at + length]);
             self.at += length;
             if self.left() < mark.len() as u64 {
                 return Ok(None);

@@ -5,10 +5,13 @@
 
 use super::codec::{Base64Text, Codec};
 use super::contents::{Encoding, Meter, Stored, tuples};
-use super::numbers::{self, ByteOrder, NumberType, Target, convert};
+use super::hdf5_chunks::{ChunkBuffers, ChunkRows};
+use super::numbers::{ByteOrder, NumberType, Target, convert};
 use super::source::Source;
+use super::text::{TextRange, is_space};
 use bytemuck::Pod;
 use rayon::prelude::*;
+use std::ops::Range;
 use voltet_core::{Error, Result, counted};
 
 /// Values that one task decodes from data that is not cut into blocks: 2 MB of 64-bit values.
@@ -23,12 +26,21 @@ impl Stored {
     fn load_values<T: Target>(&self, meter: &Meter) -> Result<Vec<T>> {
         let promised = self.promised()?;
         let values = match self.find(meter)? {
-            Decodable::Text(text) => {
-                let values = numbers::numbers(self.number_type, &text)?;
-                meter.advance(text.len() as u64)?;
+            Decodable::Text(parts) => {
+                // A value takes a letter and a space.
+                let most = parts.iter().map(|part| part.len() / 2 + 1).sum::<u64>();
+                let mut values = Vec::with_capacity(promised.unwrap_or(0).min(most) as usize);
+                for part in &parts {
+                    part.numbers(self.number_type, is_space, &mut values, |bytes| meter.advance(bytes))?;
+                }
                 values
             }
             Decodable::Computed(values) => T::all_from(values),
+            Decodable::Chunks(chunks) => {
+                let mut values = vec![T::default(); self.count(0, promised)?];
+                self.decode_chunks(&chunks, &mut values, meter)?;
+                values
+            }
             Decodable::Plain(payload) => {
                 let mut values = vec![T::default(); self.count(payload.len(), promised)?];
                 self.decode(&Decodable::Plain(payload), PART, &mut values, meter)?;
@@ -119,6 +131,29 @@ impl Stored {
         values.par_chunks_mut(part_len).enumerate().try_for_each_init(Buffers::default, decode_part)
     }
 
+    /// Decodes rows of chunks in parallel.
+    fn decode_chunks<T: Target>(&self, chunks: &ChunkRows, values: &mut [T], meter: &Meter) -> Result<()> {
+        let (mut rest, mut parts) = (values, Vec::new());
+        let mut skipped = chunks.skipped;
+        while !rest.is_empty() {
+            let len = rest.len().min((chunks.row_count() - skipped) * chunks.columns);
+            let (part, after) = rest.split_at_mut(len);
+            parts.push((parts.len(), skipped, part));
+            (rest, skipped) = (after, 0);
+        }
+        let size = self.number_type.size().unwrap_or(1);
+        parts.into_par_iter().try_for_each_init(ChunkBuffers::default, |buffers, (row, skipped, to)| {
+            let bytes = chunks.read(&self.source, row, buffers)?;
+            convert(self.number_type, self.order, &bytes[skipped * chunks.columns * size..], to).map_err(
+                |index| {
+                    let error = Error::run(format!("value {index} of a row of chunks is out of range"));
+                    error.expected(T::ACCEPTED)
+                },
+            )?;
+            meter.advance(chunks.file_bytes(row))
+        })
+    }
+
     /// Decompresses block `index` into `to`, which has its size.
     fn block(
         &self,
@@ -149,11 +184,13 @@ struct Buffers {
 /// The bytes of an array, found and counted.
 pub(super) enum Decodable {
     /// Text, not yet parsed.
-    Text(Vec<u8>),
+    Text(Vec<TextRange>),
     /// Values side by side.
     Plain(Payload),
     /// Compressed blocks of `size` bytes each, `total` in all; `places` in the payload.
     Blocks { payload: Payload, codec: Codec, size: u64, total: u64, places: Vec<(u64, u32)> },
+    /// Chunks of HDF5.
+    Chunks(ChunkRows),
     /// Made by a function.
     Computed(Vec<f64>),
 }
@@ -207,16 +244,20 @@ impl Stored {
         match &self.encoding {
             Encoding::Computed(compute) => Ok(Decodable::Computed(compute(meter)?)),
             Encoding::Text(parts) => {
-                let mut text = Vec::new();
                 for part in parts {
-                    text.extend(source.read(part.start, part.end - part.start)?);
-                    text.push(b' ');
+                    source.check(part.start, part.end.saturating_sub(part.start))?;
                 }
-                Ok(Decodable::Text(text))
+                let range = |part: &Range<u64>| TextRange::new(&self.source, part.clone());
+                Ok(Decodable::Text(parts.iter().map(range).collect()))
             }
             // An empty array may have no bytes at all, not even a length.
             _ if self.promised()? == Some(0) => Ok(Decodable::Plain(Payload::Memory(Vec::new()))),
-            Encoding::Gathered(gather) => {
+            Encoding::Gathered(gather) | Encoding::Chunked(_, gather) => {
+                if let Encoding::Chunked(find, _) = &self.encoding
+                    && let Some(chunks) = find()
+                {
+                    return Ok(Decodable::Chunks(chunks));
+                }
                 let bytes = gather()?;
                 self.check_len(bytes.len() as u64)?;
                 Ok(Decodable::Plain(Payload::Memory(bytes)))

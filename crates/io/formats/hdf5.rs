@@ -6,6 +6,8 @@
 //! is read: a chunk or an array may be no larger than deflate can make of the whole file.
 
 use super::contents::{Encoding, Gather, Stored};
+use super::hdf5_chunks::ChunkRows;
+pub(super) use super::hdf5_chunks::Extent;
 use super::numbers::{ByteOrder, NumberType};
 use super::source::Source;
 use super::xml::{beside, open_named};
@@ -226,9 +228,10 @@ impl Group {
             Some((source, _)) => (source.clone(), source.len()),
             None => (self.file.source.clone(), self.file_bytes()),
         };
-        let place = owner.map(|(_, file)| place(&file, &dataset)).transpose();
+        let file = owner.map(|(_, file)| file);
+        let place = file.as_ref().map(|file| place(file, &dataset)).transpose();
         let place = place.map_err(|error| damaged(&path, &error))?.flatten();
-        Ok(Some(Array { source, len, dataset: Arc::new(dataset), place, path }))
+        Ok(Some(Array { source, file, len, dataset: Arc::new(dataset), place, path }))
     }
 
     /// The array of that name. Errors: there is none.
@@ -322,6 +325,8 @@ fn place(file: &Hdf5File, dataset: &hdf5_reader::Dataset) -> hdf5_reader::error:
 #[derive(Clone)]
 pub(super) struct Array {
     source: Arc<Source>,
+    /// The file that it lies in, if that is known.
+    file: Option<Hdf5File>,
     /// Most bytes of the file, or of the files, that it can lie in.
     len: u64,
     dataset: Arc<hdf5_reader::Dataset>,
@@ -359,9 +364,6 @@ impl<const N: usize> hdf5_reader::H5Type for Bytes<N> {
         hdf5_reader::dtype_element_size(datatype).is_ok_and(|size| size == N)
     }
 }
-
-/// Part of an array along one axis: the first number, how many, and the distance between them.
-pub(super) type Extent = (u64, u64, u64);
 
 impl Array {
     /// Name in its group.
@@ -447,7 +449,19 @@ impl Array {
                 let bytes = number_type.byte_count(offset).and_then(|bytes| bytes.checked_add(place));
                 Encoding::Bytes(bytes.ok_or_else(|| self.wrong("the dataset lies beyond the file"))?)
             }
-            None => Encoding::Gathered(self.gather(part, number_type, count)?),
+            None => {
+                let gather = self.gather(part, number_type, count)?;
+                match self.file.clone().zip(number_type.size()) {
+                    Some((file, size)) => {
+                        let (dataset, part) = (self.dataset.clone(), part.to_vec());
+                        Encoding::Chunked(
+                            Arc::new(move || ChunkRows::find(&file, &dataset, &part, size)),
+                            gather,
+                        )
+                    }
+                    None => Encoding::Gathered(gather),
+                }
+            }
         };
         Ok(Stored {
             source: self.source.clone(),
@@ -487,10 +501,13 @@ impl Array {
 
     fn bytes<const N: usize>(&self, selection: &SliceInfo) -> hdf5_reader::error::Result<Vec<u8>> {
         let values = self.dataset.read_slice_parallel::<Bytes<N>>(selection)?;
-        Ok(match values.as_slice() {
-            Some(values) => bytemuck::cast_slice(values).to_vec(),
-            None => values.iter().flat_map(|value| value.0).collect(),
-        })
+        if !values.is_standard_layout() {
+            return Ok(values.iter().flat_map(|value| value.0).collect());
+        }
+        let (values, first) = values.into_raw_vec_and_offset();
+        let mut bytes: Vec<u8> = bytemuck::cast_vec(values);
+        bytes.drain(..first.unwrap_or(0) * N);
+        Ok(bytes)
     }
 
     /// All numbers of a small array.

@@ -2,7 +2,9 @@
 //! gathered one by one.
 
 use super::contents::{ExternalFormat, Geometry};
+use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
+use voltet_core::grid::code::TETRA;
 use voltet_core::grid::{CellSet, Cells, Polyhedron};
 use voltet_core::progress::Progress;
 use voltet_core::reading::{GridHead, GridRead, OpenGrid};
@@ -59,7 +61,7 @@ impl Tags {
             Tags { sorted: tags, numbers: Vec::new() }
         } else {
             let mut numbers: Vec<u32> = (0..count).collect();
-            numbers.sort_by_key(|&number| tags[number as usize]);
+            numbers.par_sort_by_key(|&number| tags[number as usize]);
             Tags { sorted: numbers.iter().map(|&number| tags[number as usize]).collect(), numbers }
         };
         match tags.sorted.windows(2).find(|pair| pair[0] == pair[1]) {
@@ -115,6 +117,13 @@ pub(super) fn missing_node(element: u64, node: u64) -> Error {
     error.got(node).expected("the number of a node of the file")
 }
 
+/// Tetrahedra by the points of all of them.
+pub(super) fn tetrahedra(corners: Vec<u32>) -> Cells {
+    let copied = |(_, corners): (_, Vec<u32>)| corners.as_chunks().0.to_vec();
+    let tetrahedra: Vec<[u32; 4]> = bytemuck::try_cast_vec(corners).unwrap_or_else(copied);
+    Cells::Tetrahedra(tetrahedra.into())
+}
+
 /// Cells gathered one by one.
 pub(super) struct GatheredCells(CellSet);
 
@@ -132,6 +141,14 @@ impl GatheredCells {
         self.0.types.push(code);
     }
 
+    /// Adds cells of one VTK type, all of so many points, by the points of all.
+    pub fn add_all(&mut self, code: u8, point_count: usize, corners: &[u32]) {
+        let (begin, count) = (self.0.connectivity.len(), corners.len().checked_div(point_count).unwrap_or(0));
+        self.0.connectivity.extend_from_slice(&corners[..count * point_count]);
+        self.0.offsets.extend((1..=count).map(|cell| (begin + cell * point_count) as u64));
+        self.0.types.resize(self.0.types.len() + count, code);
+    }
+
     /// Adds a polyhedron by its faces.
     pub fn add_polyhedron(&mut self, faces: Vec<Vec<u32>>) {
         let mut corners = faces.concat();
@@ -139,6 +156,28 @@ impl GatheredCells {
         corners.dedup();
         self.0.polyhedra.push(Polyhedron { cell: self.0.types.len() as u32, faces });
         self.add(voltet_core::grid::code::POLYHEDRON, corners);
+    }
+
+    /// Adds the cells of another.
+    pub fn append(&mut self, other: GatheredCells) {
+        let (begin, first) = (self.0.connectivity.len() as u64, self.0.types.len() as u32);
+        self.0.connectivity.extend_from_slice(&other.0.connectivity);
+        self.0.offsets.extend(other.0.offsets[1..].iter().map(|end| begin + end));
+        self.0.types.extend_from_slice(&other.0.types);
+        let moved = |own: Polyhedron| Polyhedron { cell: first + own.cell, faces: own.faces };
+        self.0.polyhedra.extend(other.0.polyhedra.into_iter().map(moved));
+    }
+
+    /// All of them; as tetrahedra where they are nothing else.
+    pub fn into_cells(self) -> Cells {
+        let CellSet { types, connectivity, .. } = &self.0;
+        if types.is_empty()
+            || types.par_iter().any(|&code| code != TETRA)
+            || connectivity.len() != 4 * types.len()
+        {
+            return Cells::Mixed(self.0);
+        }
+        tetrahedra(self.0.connectivity)
     }
 
     /// All of them.

@@ -11,6 +11,7 @@ use super::contents::{
 use super::numbers::{ByteOrder, NumberType};
 use super::request::{Format, Request};
 use super::source::Source;
+use super::text::{is_space, line_ends, word_starts};
 use super::xml::is_before;
 use glam::{DMat3, DVec3};
 use std::sync::Arc;
@@ -21,6 +22,8 @@ use voltet_core::{Error, Result, counted};
 const WINDOW: u64 = 1 << 18;
 /// No word or line outside arrays is longer in a sound file.
 const LONGEST: usize = 1 << 14;
+/// Bytes whose words are counted at once.
+const BLOCK: usize = 254;
 
 /// First words of every legacy file.
 const MAGIC: &str = "# vtk DataFile Version";
@@ -632,11 +635,20 @@ impl Scanner {
                     .got(counted(seen, "value"))
                     .expected(count));
             };
-            // One byte is there; go through all that the window holds.
-            let first = (self.at - self.window_at) as usize;
-            let mut index = first;
-            for &byte in &self.window[first..] {
-                let space = byte.is_ascii_whitespace();
+            // One byte is there; go through all that the window holds, in blocks while they hold too few words.
+            let mut index = (self.at - self.window_at) as usize;
+            while let Some(block) = self.window.get(index..index + BLOCK) {
+                let starts = u64::from(word_starts(block, !inside, is_space));
+                if seen + starts >= count {
+                    break;
+                }
+                seen += starts;
+                inside = block.last().is_some_and(|&last| !is_space(last));
+                self.line += line_ends(block);
+                index += BLOCK;
+            }
+            for &byte in &self.window[index..] {
+                let space = is_space(byte);
                 if space && seen == count {
                     inside = false;
                     break;

@@ -5,11 +5,13 @@
 //! face, and in VTK after them.
 
 use super::contents::Dataset;
-use super::cursor::Cursor;
+use super::numbers::{self, NumberType};
 use super::request::{Format, Request};
 use super::source::Source;
 use super::tagged::{TaggedElement, TaggedMesh, VisitElement, VisitNode, dataset};
+use super::text::{TextPiece, TextRange};
 use glam::DVec3;
+use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
 use voltet_core::grid::code;
@@ -49,11 +51,28 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     dataset(&source, "Nastran bulk data".to_owned(), mesh, Vec::new(), request)
 }
 
-/// An entry: its name, its fields after the name, and its first line.
+/// An entry: its name, and its fields after the name.
 struct BulkEntry {
     name: String,
-    fields: Vec<String>,
-    line: usize,
+    fields: Fields,
+}
+
+/// Texts of fields, one after the other, and their ends.
+struct Fields {
+    text: String,
+    ends: Vec<usize>,
+}
+
+impl Fields {
+    fn push(&mut self, field: &str) {
+        self.text.push_str(field.trim());
+        self.ends.push(self.text.len());
+    }
+
+    fn get(&self, place: usize) -> &str {
+        let begin = place.checked_sub(1).and_then(|before| self.ends.get(before)).copied().unwrap_or(0);
+        self.ends.get(place).and_then(|&end| self.text.get(begin..end)).unwrap_or_default()
+    }
 }
 
 /// Characters of a line in which a tab reaches the next column of eight.
@@ -68,80 +87,119 @@ fn with_tab_stops(line: &str) -> Vec<char> {
     columns
 }
 
-/// Name and fields of a line; a name that is empty continues the entry before.
-fn fields(line: &str) -> (String, Vec<String>) {
-    let line = line.split('$').next().unwrap_or_default();
-    let is_large = |name: &str| name.contains('*');
-    let clean = |field: &str| field.trim().to_owned();
-    if line.contains(',') {
-        let mut words = line.split(',').map(clean);
-        let name = words.next().unwrap_or_default();
-        let count = if is_large(&name) { 4 } else { 8 };
-        let mut fields: Vec<String> = words.take(count).collect();
-        fields.resize(count, String::new());
-        return (name, fields);
-    }
-    let line = with_tab_stops(line);
-    let part = |from: usize, to: usize| {
-        clean(&line.get(from.min(line.len())..to.min(line.len())).unwrap_or(&[]).iter().collect::<String>())
-    };
-    let name = part(0, 8);
-    let width = if is_large(&name) { 16 } else { 8 };
-    let fields = (0..64 / width).map(|field| part(8 + field * width, 8 + (field + 1) * width)).collect();
-    (name, fields)
+/// Width of the fields of an entry, and their number in a line.
+fn field_width(name: &str) -> (usize, usize) {
+    if name.contains('*') { (16, 4) } else { (8, 8) }
 }
 
-/// Hands out the entries of these names.
-fn each_entry(
+/// Name of a line; an empty one continues the entry before.
+fn name_of(line: &str) -> Cow<'_, str> {
+    if let Some((name, _)) = line.split_once(',') {
+        return Cow::Borrowed(name.trim());
+    }
+    match line.is_ascii() && !line.contains('\t') {
+        true => Cow::Borrowed(line[..line.len().min(8)].trim()),
+        false => with_tab_stops(line).iter().take(8).collect::<String>().trim().to_owned().into(),
+    }
+}
+
+/// Adds the fields of a line of this name.
+fn add_fields(line: &str, name: &str, fields: &mut Fields) {
+    let (width, count) = field_width(name);
+    if let Some((_, rest)) = line.split_once(',') {
+        let mut words = rest.split(',');
+        (0..count).for_each(|_| fields.push(words.next().unwrap_or_default()));
+    } else if line.is_ascii() && !line.contains('\t') {
+        for begin in (0..count).map(|field| 8 + field * width) {
+            fields.push(&line[begin.min(line.len())..(begin + width).min(line.len())]);
+        }
+    } else {
+        let columns = with_tab_stops(line);
+        for begin in (0..count).map(|field| 8 + field * width) {
+            fields.push(&columns.iter().skip(begin).take(width).collect::<String>());
+        }
+    }
+}
+
+/// True where a line ends and the next begins an entry: one that goes on has a sign, a comma, or blanks as its first eight letters.
+fn is_end_of_entry(rest: &[u8]) -> bool {
+    let next = || rest[1..rest.len().min(9)].iter().find(|byte| !b" \t".contains(byte));
+    rest[0] == b'\n' && next().is_some_and(u8::is_ascii_alphabetic)
+}
+
+/// Results of a piece, and true if its data end in it.
+type EntryResults<R> = (Vec<R>, bool);
+
+/// Parses the entries of these names side by side; `take` gets what they give, in order.
+fn each_entry<R: Send>(
     source: &Arc<Source>,
     names: &[&str],
-    visit: &mut dyn FnMut(&BulkEntry) -> Result<()>,
+    parse: impl Fn(&BulkEntry) -> Result<R> + Sync,
+    mut take: impl FnMut(R) -> Result<()>,
 ) -> Result<()> {
-    let mut cursor = Cursor::new(source);
-    let mut entry: Option<BulkEntry> = None;
-    while let Some(line) = cursor.line()? {
-        let line = String::from_utf8_lossy(line).into_owned();
-        if line.starts_with('$') || line.trim().is_empty() {
+    let of_piece = |piece: &TextPiece| entries(piece, names, &parse);
+    TextRange::new(source, 0..source.len()).each_piece(is_end_of_entry, of_piece, |(results, is_end)| {
+        results.into_iter().try_for_each(&mut take).map(|()| !is_end)
+    })
+}
+
+fn entries<R>(
+    piece: &TextPiece,
+    names: &[&str],
+    parse: &impl Fn(&BulkEntry) -> Result<R>,
+) -> Result<EntryResults<R>> {
+    let mut results = Vec::new();
+    // The entry with its first line.
+    let mut open: Option<(BulkEntry, &[u8])> = None;
+    for line in piece.lines() {
+        let text = String::from_utf8_lossy(line);
+        let data = text.split('$').next().unwrap_or_default();
+        if data.trim().is_empty() {
             continue;
         }
-        if line.trim_start().get(..7).is_some_and(|word| word.eq_ignore_ascii_case("INCLUDE")) {
-            let error = cursor.error("files that a file includes are not read").got(format_args!("'{line}'"));
-            return Err(error.expected("all entries in this file"));
+        if data.trim_start().get(..7).is_some_and(|word| word.eq_ignore_ascii_case("INCLUDE")) {
+            let error = Error::run("files that a file includes are not read").got(format_args!("'{text}'"));
+            return Err(piece.locate(error.expected("all entries in this file"), line));
         }
-        let (name, fields) = fields(&line);
-        if name.is_empty() || name.starts_with(['+', '*']) {
-            if let Some(entry) = &mut entry {
-                entry.fields.extend(fields);
+        let own = name_of(data);
+        if own.is_empty() || own.starts_with(['+', '*']) {
+            if let Some((entry, _)) = &mut open {
+                add_fields(data, &own, &mut entry.fields);
             }
             continue;
         }
-        if let Some(complete) = entry.take() {
-            visit(&complete)?;
+        if let Some((complete, first)) = open.take() {
+            results.push(parse(&complete).map_err(|error| piece.locate(error, first))?);
         }
-        let mut name = name.trim_end_matches(['*', '_']).to_ascii_uppercase();
+        let mut name = own.trim_end_matches(['*', '_']).to_ascii_uppercase();
         // OptiStruct's.
         if name == "CPYRA" {
             name.push('M');
         }
         if name == "ENDDATA" {
-            return Ok(());
+            return Ok((results, true));
         }
         if names.contains(&name.as_str()) {
-            entry = Some(BulkEntry { name, fields, line: cursor.last_line() });
+            let mut fields = Fields { text: String::with_capacity(64), ends: Vec::with_capacity(16) };
+            add_fields(data, &own, &mut fields);
+            open = Some((BulkEntry { name, fields }, line));
         }
     }
-    entry.map_or(Ok(()), |complete| visit(&complete))
+    if let Some((complete, first)) = open {
+        results.push(parse(&complete).map_err(|error| piece.locate(error, first))?);
+    }
+    Ok((results, false))
 }
 
 impl BulkEntry {
     fn error(&self, what: &str, field: &str) -> Error {
         let error =
             Error::run(format!("{} of a {} is damaged", what, self.name)).got(format_args!("'{field}'"));
-        error.expected("a number").at_line(self.line)
+        error.expected("a number")
     }
 
     fn field(&self, place: usize) -> &str {
-        self.fields.get(place).map_or("", String::as_str)
+        self.fields.get(place)
     }
 
     fn integer(&self, place: usize, what: &str) -> Result<u64> {
@@ -153,6 +211,9 @@ impl BulkEntry {
         let field = self.field(place);
         if field.is_empty() {
             return Ok(0.0);
+        }
+        if let Ok(number) = numbers::parse(NumberType::F64, field.as_bytes()) {
+            return Ok(number);
         }
         let plain = field.to_ascii_lowercase().replace('d', "e");
         let sign = plain
@@ -167,13 +228,34 @@ impl BulkEntry {
     }
 }
 
+/// An element of the file.
+struct BulkElement {
+    tag: u64,
+    code: u8,
+    block: String,
+    nodes: Vec<u64>,
+}
+
 impl TaggedMesh for NastranMesh {
+    fn count_nodes(&self) -> Result<u64> {
+        let mut count = 0;
+        each_entry(
+            &self.0,
+            &["GRID"],
+            |_| Ok(()),
+            |()| {
+                count += 1;
+                Ok(())
+            },
+        )?;
+        Ok(count)
+    }
+
     fn each_node(&self, visit: VisitNode) -> Result<()> {
-        each_entry(&self.0, &["GRID"], &mut |entry| {
+        let parse = |entry: &BulkEntry| {
             let system = entry.field(1);
             if !["", "0"].contains(&system) {
-                let error =
-                    Error::run("coordinates of a system of their own are not read").at_line(entry.line);
+                let error = Error::run("coordinates of a system of their own are not read");
                 return Err(error
                     .got(format_args!("GRID in the system {system}"))
                     .expected("the basic system, 0"));
@@ -182,35 +264,36 @@ impl TaggedMesh for NastranMesh {
             for axis in 0..3 {
                 position[axis] = entry.real(2 + axis, "a coordinate")?;
             }
-            visit(entry.integer(0, "the number")?, position)
-        })
+            Ok((entry.integer(0, "the number")?, position))
+        };
+        each_entry(&self.0, &["GRID"], parse, |(tag, position)| visit(tag, position))
     }
 
     fn each_element(&self, visit: VisitElement) -> Result<()> {
-        let mut nodes = Vec::new();
-        each_entry(&self.0, &ELEMENTS.map(|element| element.0), &mut |entry| {
-            let Some((_, corners, codes, order)) = ELEMENTS.iter().find(|element| element.0 == entry.name)
-            else {
-                return Ok(());
-            };
-            let on_edges =
-                order[*corners..].iter().filter(|&&place| !entry.field(2 + place).is_empty()).count();
-            let is_quadratic = on_edges == order.len() - corners;
-            if on_edges > 0 && !is_quadratic {
-                let error = Error::run(format!("a {} has nodes on some of its edges alone", entry.name));
-                return Err(error.got(on_edges).expected(order.len() - corners).at_line(entry.line));
-            }
-            nodes.clear();
-            for &place in if is_quadratic { order } else { &order[..*corners] } {
-                nodes.push(entry.integer(2 + place, "a node")?);
-            }
-            let tag = entry.integer(0, "the number")?;
-            visit(&TaggedElement {
-                tag,
-                code: codes[usize::from(is_quadratic)],
-                block: entry.field(1),
-                nodes: &nodes,
-            })
+        let names = ELEMENTS.map(|element| element.0);
+        each_entry(&self.0, &names, element, |BulkElement { tag, code, block, nodes }| {
+            visit(&TaggedElement { tag, code, block: &block, nodes: &nodes })
         })
     }
+}
+
+/// The element of an entry.
+fn element(entry: &BulkEntry) -> Result<BulkElement> {
+    let Some((_, corners, codes, order)) = ELEMENTS.iter().find(|element| element.0 == entry.name) else {
+        return Err(Error::run("an entry is no element").got(&entry.name));
+    };
+    let on_edges = order[*corners..].iter().filter(|&&place| !entry.field(2 + place).is_empty()).count();
+    let is_quadratic = on_edges == order.len() - corners;
+    if on_edges > 0 && !is_quadratic {
+        let error = Error::run(format!("a {} has nodes on some of its edges alone", entry.name));
+        return Err(error.got(on_edges).expected(order.len() - corners));
+    }
+    let places = if is_quadratic { order } else { &order[..*corners] };
+    let nodes = places.iter().map(|&place| entry.integer(2 + place, "a node")).collect::<Result<_>>()?;
+    Ok(BulkElement {
+        tag: entry.integer(0, "the number")?,
+        code: codes[usize::from(is_quadratic)],
+        block: entry.field(1).to_owned(),
+        nodes,
+    })
 }

@@ -201,7 +201,96 @@ pub(super) fn convert<T: Target>(
 }
 
 /// One word of text as a value of `number_type`.
+#[inline]
 pub(super) fn parse<T: Target>(number_type: NumberType, word: &[u8]) -> Result<T> {
+    let short = match number_type {
+        NumberType::F32 | NumberType::F64 => short_float(word).map(T::from_f64),
+        NumberType::I8 => None,
+        _ => short_integer(word).map(T::from_i64),
+    };
+    match short {
+        Some((value, true)) => Ok(value),
+        _ => parse_any(number_type, word),
+    }
+}
+
+/// True for a sign before a negative number, and what follows it.
+#[inline]
+fn signed(word: &[u8]) -> (bool, &[u8]) {
+    match word {
+        [b'-', digits @ ..] => (true, digits),
+        _ => (false, word),
+    }
+}
+
+/// A whole number of few digits.
+#[inline]
+fn short_integer(word: &[u8]) -> Option<i64> {
+    let (is_negative, digits) = signed(word);
+    if digits.is_empty() || digits.len() > 18 {
+        return None;
+    }
+    let mut value = 0_i64;
+    for byte in digits {
+        let digit = byte.wrapping_sub(b'0');
+        if digit > 9 {
+            return None;
+        }
+        value = value * 10 + i64::from(digit);
+    }
+    Some(if is_negative { -value } else { value })
+}
+
+/// Powers of ten that 64-bit floats hold exactly.
+const POWERS: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18,
+    1e19, 1e20, 1e21, 1e22,
+];
+/// Letters of a number that may have digits enough for one operation.
+const SHORT: usize = 22;
+
+/// A number whose digits make a whole number below 2^53: a product or quotient of two floats that are exact is rounded once (Clinger,
+/// How to read floating point numbers accurately, 1990).
+#[inline]
+fn short_float(word: &[u8]) -> Option<f64> {
+    let (is_negative, digits) = signed(word);
+    if digits.len() > SHORT {
+        return None;
+    }
+    let (mut value, mut count, mut place, mut point) = (0_u64, 0, 0, None);
+    while let Some(&byte) = digits.get(place) {
+        let digit = byte.wrapping_sub(b'0');
+        if digit <= 9 {
+            value = value.wrapping_mul(10).wrapping_add(u64::from(digit));
+            count += 1;
+        } else if byte == b'.' && point.is_none() {
+            point = Some(count);
+        } else {
+            break;
+        }
+        place += 1;
+    }
+    // Nineteen digits cannot leave 64 bits.
+    if count == 0 || count > 19 || value > 1 << 53 {
+        return None;
+    }
+    let exponent = match digits.get(place) {
+        None => 0,
+        Some(b'e' | b'E') => {
+            let own = match &digits[place + 1..] {
+                [b'+', rest @ ..] | rest => short_integer(rest)?,
+            };
+            i32::try_from(own).ok().filter(|own| own.abs() < 1000)?
+        }
+        Some(_) => return None,
+    };
+    let power = exponent - point.map_or(0, |point| count - point);
+    let size = *POWERS.get(power.unsigned_abs() as usize)?;
+    let value = if power < 0 { value as f64 / size } else { value as f64 * size };
+    Some(if is_negative { -value } else { value })
+}
+
+fn parse_any<T: Target>(number_type: NumberType, word: &[u8]) -> Result<T> {
     let wrong = || {
         Error::run("a number is damaged")
             .got(format_args!("'{}'", String::from_utf8_lossy(&word[..word.len().min(40)])))
@@ -272,4 +361,68 @@ fn parts(mut text: &[u8]) -> Vec<&[u8]> {
     }
     parts.push(text);
     parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn floats_of_few_digits_are_those_of_the_standard_library() {
+        let mut state = 1_u64;
+        let mut random = |below: u64| {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 33) % below
+        };
+        let mut short = 0;
+        for _ in 0..200_000 {
+            let digits = random(1 << 31) * random(1 << 24) / (1 + random(1 << 22));
+            let mut word = digits.to_string();
+            word.insert((random(word.len() as u64 + 1)) as usize, '.');
+            for (chance, before, after) in [(2, "-", ""), (3, "", "e-05"), (5, "", "E+12"), (7, "", "e3")] {
+                if random(chance) == 0 {
+                    word = format!("{before}{word}{after}");
+                }
+            }
+            let found = short_float(word.as_bytes());
+            short += usize::from(found.is_some());
+            assert!(
+                found.is_none_or(|found| Ok(found.to_bits()) == word.parse::<f64>().map(f64::to_bits)),
+                "{word}"
+            );
+        }
+        assert!(short > 50_000, "{short}");
+        for word in [
+            "",
+            "-",
+            ".",
+            "+-1",
+            "1.2.3",
+            "1e",
+            "1e+",
+            "e5",
+            "--1",
+            "1e2e3",
+            "1x",
+            "9007199254740993",
+            "1e23",
+        ] {
+            assert_eq!(short_float(word.as_bytes()), None, "{word}");
+        }
+        assert_eq!(
+            (short_float(b"-0"), short_float(b"-0.").map(f64::is_sign_negative)),
+            (Some(-0.0), Some(true))
+        );
+    }
+
+    #[test]
+    fn whole_numbers_stay_within_their_type() {
+        assert_eq!(parse::<u32>(NumberType::I64, b"4294967295").ok(), Some(u32::MAX));
+        assert_eq!(parse::<u64>(NumberType::U64, b"18446744073709551615").ok(), Some(u64::MAX));
+        assert_eq!(parse::<i64>(NumberType::I64, b"-9223372036854775808").ok(), Some(i64::MIN));
+        assert_eq!(parse::<i64>(NumberType::I8, b"255").ok(), Some(-1));
+        for word in ["4294967296", "-1", "", "-", "1.0", "1-2"] {
+            assert!(parse::<u32>(NumberType::I64, word.as_bytes()).is_err(), "{word}");
+        }
+    }
 }

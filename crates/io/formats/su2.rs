@@ -10,11 +10,12 @@ use super::source::Source;
 use super::tagged::{
     PART_SHIFT, TaggedElement, TaggedMesh, VisitElement, VisitNode, dataset, number_in_part,
 };
+use super::text::{TextRange, is_space};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
-use voltet_core::Result;
 use voltet_core::grid::{CellType, code};
+use voltet_core::{Error, Result};
 
 /// The declaration.
 pub(super) const FORMAT: Format =
@@ -27,15 +28,15 @@ fn matches(head: &[u8], path: &Path, _: &Request) -> bool {
 /// Points and elements of one zone.
 struct Zone {
     name: String,
-    elements: (Cursor, u64),
-    points: (Cursor, u64),
+    elements: (TextRange, u64),
+    points: (TextRange, u64),
 }
 
 struct Su2Mesh(Vec<Zone>);
 
 fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     let mut cursor = Cursor::new(&source);
-    let empty = || (Cursor::within(&source, 0, 0, 1), 0);
+    let empty = || (TextRange::new(&source, 0..0), 0);
     let mut zones: Vec<Zone> = Vec::new();
     let mut zone_name = String::new();
     let mut lines_to_skip = 0;
@@ -58,7 +59,10 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
             }
             "IZONE" => zone_name = format!("zone {value}"),
             "NELEM" | "NPOIN" => {
-                let (count, part) = (count()?, cursor.clone());
+                let count = count()?;
+                let start = cursor.clone();
+                skip_rows(&mut cursor, count)?;
+                let part = start.range_to(&cursor);
                 let is_new = zones.last().is_none_or(|zone| zone.name != zone_name);
                 if is_new {
                     zones.push(Zone { name: zone_name.clone(), elements: empty(), points: empty() });
@@ -66,7 +70,6 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
                 if let Some(zone) = zones.last_mut() {
                     if key == "NELEM" { zone.elements = (part, count) } else { zone.points = (part, count) }
                 }
-                lines_to_skip = count;
             }
             "MARKER_ELEMS" => lines_to_skip = count()?,
             _ => {}
@@ -75,15 +78,79 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     dataset(&source, "SU2".to_owned(), Su2Mesh(zones), Vec::new(), request)
 }
 
-/// The numbers of the next line that has some.
-fn row(cursor: &mut Cursor, what: &str) -> Result<Vec<f64>> {
-    loop {
-        let line = cursor.text_line(what)?;
-        let text = line.split('%').next().unwrap_or_default();
-        if !text.trim().is_empty() {
-            let numbers = numbers::numbers(NumberType::F64, text.as_bytes());
-            return numbers.map_err(|error| error.at_line(cursor.last_line()));
+/// Passes over so many lines that have numbers.
+fn skip_rows(cursor: &mut Cursor, count: u64) -> Result<()> {
+    let mut left = count;
+    while left > 0
+        && let Some(line) = cursor.line()?
+    {
+        left -= u64::from(words(line).next().is_some());
+    }
+    Ok(())
+}
+
+/// Words of a line before its comment.
+fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    let text = line.split(|&byte| byte == b'%').next().unwrap_or_default();
+    text.split(|&byte| is_space(byte)).filter(|word| !word.is_empty())
+}
+
+fn number(word: &[u8]) -> Result<f64> {
+    numbers::parse(NumberType::F64, word)
+}
+
+/// An element with a volume.
+struct Su2Element {
+    code: u8,
+    nodes: [u64; 8],
+    node_count: usize,
+    /// Number of the elements before it in its piece.
+    place: u64,
+}
+
+/// Elements of a piece: those with a volume, and the number of all.
+#[derive(Default)]
+struct Su2Elements {
+    volumes: Vec<Su2Element>,
+    count: u64,
+}
+
+impl Su2Elements {
+    /// Adds the element of a line, if it has one.
+    fn add(&mut self, line: &[u8]) -> Result<()> {
+        let mut words = words(line);
+        let Some(first) = words.next() else { return Ok(()) };
+        let type_number = number(first)?;
+        let code = type_number as u8;
+        let kind = CellType::from_code(code).filter(|_| f64::from(code) == type_number);
+        let mut nodes = [0; 8];
+        let node_count = kind.and_then(|kind| kind.point_count).map_or(0, usize::from);
+        let damaged = || {
+            let error = Error::run("an element is damaged");
+            let found = String::from_utf8_lossy(line);
+            error.got(format_args!("'{found}'")).expected("a type (10, 12, 13 or 14) and its points")
+        };
+        let kind = kind.filter(|_| node_count > 0).ok_or_else(damaged)?;
+        self.count += 1;
+        if kind.dimension == 3
+            && !matches!(code, code::TETRA | code::HEXAHEDRON | code::WEDGE | code::PYRAMID)
+        {
+            return Err(Error::run("an element of this type is not read").got(kind.name));
         }
+        for place in 0..node_count {
+            let node = number(words.next().ok_or_else(damaged)?)?;
+            if !(0.0..MAX_POINT).contains(&node) || node.fract() != 0.0 {
+                let error = Error::run("the number of a point is damaged").got(node);
+                return Err(error.expected("a whole number from 0"));
+            }
+            if let Some(own) = nodes.get_mut(place) {
+                *own = node as u64;
+            }
+        }
+        if kind.dimension == 3 {
+            self.volumes.push(Su2Element { code, nodes, node_count, place: self.count - 1 });
+        }
+        Ok(())
     }
 }
 
@@ -100,50 +167,59 @@ impl TaggedMesh for Su2Mesh {
         number_in_part(tag)
     }
 
+    fn count_nodes(&self) -> Result<u64> {
+        Ok(self.0.iter().map(|zone| zone.points.1).fold(0, u64::saturating_add))
+    }
+
     fn each_node(&self, visit: VisitNode) -> Result<()> {
-        for (zone, own) in self.0.iter().enumerate() {
-            let (mut cursor, count) = own.points.clone();
-            for point in 0..count {
-                let numbers = row(&mut cursor, "a point")?;
-                let Some(&[x, y, z]) = numbers.first_chunk() else {
-                    return Err(cursor.error("a point is damaged").expected("three coordinates"));
-                };
-                visit(tag(zone, point), DVec3::new(x, y, z))?;
-            }
+        for (zone, (points, count)) in self.0.iter().map(|own| &own.points).enumerate() {
+            let parse = |line: &[u8], points: &mut Vec<DVec3>| {
+                let mut words = words(line);
+                let Some(first) = words.next() else { return Ok(()) };
+                let mut point = DVec3::new(number(first)?, 0.0, 0.0);
+                for axis in 1..3 {
+                    let word = words.next();
+                    let missing = || Error::run("a point is damaged").expected("three coordinates");
+                    point[axis] = number(word.ok_or_else(missing)?)?;
+                }
+                points.push(point);
+                Ok(())
+            };
+            let mut number = 0;
+            points.rows(parse, |point| {
+                number += 1;
+                visit(tag(zone, number - 1), point)
+            })?;
+            all_there(number, *count, "points")?;
         }
         Ok(())
     }
 
     fn each_element(&self, visit: VisitElement) -> Result<()> {
         for (zone, own) in self.0.iter().enumerate() {
-            let (mut cursor, count) = own.elements.clone();
-            for element in 0..count {
-                let numbers = row(&mut cursor, "an element")?;
-                let code = numbers[0] as u8;
-                let kind = CellType::from_code(code).filter(|_| f64::from(code) == numbers[0]);
-                let point_count = kind.and_then(|kind| kind.point_count).map(usize::from);
-                let nodes = point_count.and_then(|count| numbers.get(1..=count));
-                let Some((kind, nodes)) = kind.zip(nodes) else {
-                    let error = cursor.error("an element is damaged").got(format_args!("{numbers:?}"));
-                    return Err(error.expected("a type (10, 12, 13 or 14) and its points"));
-                };
-                if kind.dimension < 3 {
-                    continue;
-                }
-                if !matches!(code, code::TETRA | code::HEXAHEDRON | code::WEDGE | code::PYRAMID) {
-                    return Err(cursor.error("an element of this type is not read").got(kind.name));
-                }
-                if let Some(node) =
-                    nodes.iter().find(|node| !(0.0..MAX_POINT).contains(*node) || node.fract() != 0.0)
-                {
-                    let error = cursor.error("the number of a point is damaged").got(node);
-                    return Err(error.expected("a whole number from 0"));
-                }
-                let nodes: Vec<u64> = nodes.iter().map(|&node| tag(zone, node as u64)).collect();
-                let tag = tag(zone, element);
-                visit(&TaggedElement { tag, code, block: &own.name, nodes: &nodes })?;
-            }
+            let mut first = 0;
+            own.elements.0.lines(
+                |line, elements: &mut Su2Elements| elements.add(line),
+                |elements| {
+                    for Su2Element { code, mut nodes, node_count, place } in elements.volumes {
+                        nodes.iter_mut().for_each(|node| *node = tag(zone, *node));
+                        let (tag, nodes) = (tag(zone, first + place), &nodes[..node_count]);
+                        visit(&TaggedElement { tag, code, block: &own.name, nodes })?;
+                    }
+                    first += elements.count;
+                    Ok(())
+                },
+            )?;
+            all_there(first, own.elements.1, "elements")?;
         }
         Ok(())
+    }
+}
+
+/// Errors: the file ends before all rows of a table.
+fn all_there(found: u64, count: u64, what: &str) -> Result<()> {
+    match found == count {
+        true => Ok(()),
+        false => Err(Error::run("the file ends early").got(found).expected(format_args!("{count} {what}"))),
     }
 }

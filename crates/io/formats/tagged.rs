@@ -10,7 +10,7 @@ use glam::DVec3;
 use std::collections::HashMap;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::grid::{Association, Cells};
+use voltet_core::grid::Association;
 use voltet_core::reading::FileArray;
 
 /// Name of the block of elements that are in none, in a file with blocks.
@@ -47,6 +47,16 @@ pub(super) type VisitValues<'a> = &'a mut dyn FnMut(u64, &[f64]) -> Result<()>;
 pub(super) trait TaggedMesh: Send + Sync + 'static {
     /// Hands out the nodes.
     fn each_node(&self, visit: VisitNode) -> Result<()>;
+
+    /// Number of the nodes.
+    fn count_nodes(&self) -> Result<u64> {
+        let mut count = 0;
+        self.each_node(&mut |_, _| {
+            count += 1;
+            Ok(())
+        })?;
+        Ok(count)
+    }
 
     /// Hands out the volume elements.
     fn each_element(&self, visit: VisitElement) -> Result<()>;
@@ -85,7 +95,7 @@ pub(super) fn dataset(
     let mut block_places: HashMap<String, usize> = HashMap::new();
     let mut last = 0;
     mesh.each_element(&mut |element| {
-        if blocks.get(last).is_none_or(|name| name != element.block) {
+        if blocks.get(last).is_none_or(|name| !is_same(name, element.block)) {
             last = block_places.get(element.block).copied().unwrap_or(blocks.len());
         }
         if last == blocks.len() {
@@ -97,11 +107,7 @@ pub(super) fn dataset(
         counts[last][1] += element.nodes.len() as u64;
         Ok(())
     })?;
-    let mut node_count = 0;
-    mesh.each_node(&mut |_, _| {
-        node_count += 1;
-        Ok(())
-    })?;
+    let node_count = mesh.count_nodes()?;
     if blocks == [""] {
         blocks.clear();
     }
@@ -127,7 +133,7 @@ pub(super) fn dataset(
         arrays: arrays.collect(),
         geometry: geometry(counts, {
             let of = open.clone();
-            move |_| Ok((of.read_nodes()?, Cells::Mixed(of.read_elements()?.0.into_set())))
+            move |_| Ok((of.read_nodes()?, of.read_elements()?.0.into_cells()))
         }),
         is_old_order: false,
         blocks: CellBlocks::One(0),
@@ -136,6 +142,11 @@ pub(super) fn dataset(
         piece.blocks = CellBlocks::Each(Arc::new(move |_: &Meter| Ok(open.read_elements()?.1)));
     }
     Ok(Dataset { format, pieces: vec![piece], blocks, file_bytes: source.len(), ..Dataset::default() })
+}
+
+/// True for the same names, of which most are empty.
+fn is_same(a: &str, b: &str) -> bool {
+    a.len() == b.len() && (a.is_empty() || a == b)
 }
 
 impl<M: TaggedMesh> OpenMesh<M> {
@@ -170,7 +181,7 @@ impl<M: TaggedMesh> OpenMesh<M> {
         let (mut cells, mut tags, mut blocks) = (GatheredCells::default(), Vec::new(), Vec::new());
         let (mut corners, mut block) = (Vec::new(), 0);
         self.mesh.each_element(&mut |element| {
-            if self.blocks.get(block).is_some_and(|last| last != element.block) {
+            if self.blocks.get(block).is_some_and(|last| !is_same(last, element.block)) {
                 block = self.block_places.get(element.block).copied().unwrap_or(0);
             }
             if !self.is_selected[block] {

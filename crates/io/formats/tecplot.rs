@@ -40,6 +40,9 @@ enum ZoneKind {
     Flat(u64),
 }
 
+/// Rows of a table that are in memory at a time.
+const BATCH: u64 = 1 << 18;
+
 /// One zone, whose numbers are not yet read.
 struct TecplotZone {
     name: String,
@@ -56,6 +59,8 @@ struct TecplotZone {
     shared_cells: Option<usize>,
     time: Option<f64>,
     data: Place,
+    /// True if some number of the data stands for several.
+    has_repeats: bool,
     connectivity: Place,
 }
 
@@ -247,6 +252,7 @@ impl TecplotFile {
                 })?),
             },
             data: Place::default(),
+            has_repeats: false,
             connectivity: Place::default(),
         };
         let lists = |key: &str| {
@@ -300,10 +306,10 @@ impl TecplotFile {
         zone.data = cursor.place();
         let number_count = (0..self.variables.len()).filter(|&variable| zone.shared[variable].is_none());
         let number_count = number_count.fold(0_u64, |sum, variable| sum.saturating_add(zone.len(variable)));
-        skip_numbers(cursor, number_count)?;
+        zone.has_repeats = skip_numbers(cursor, number_count)?;
         zone.connectivity = cursor.place();
         if zone.shared_cells.is_none() {
-            skip_numbers(cursor, zone.cell_count.saturating_mul(zone.corners()))?;
+            cursor.skip_numbers(zone.cell_count.saturating_mul(zone.corners()), 0)?;
         }
         Ok(zone)
     }
@@ -317,6 +323,9 @@ impl TecplotFile {
         let stored: Vec<usize> =
             (0..self.variables.len()).filter(|&other| own.shared[other].is_none()).collect();
         let mut cursor = Cursor::at(&self.source, own.data);
+        if !own.has_repeats {
+            return plain_values(&mut cursor, own, &stored, variable);
+        }
         let mut values = Vec::new();
         if own.is_block {
             let before = stored.iter().filter(|&&other| other < variable).map(|&other| own.len(other)).sum();
@@ -357,20 +366,15 @@ impl TecplotFile {
         let code = if own.kind == ZoneKind::Tetrahedra { code::TETRA } else { code::HEXAHEDRON };
         let (mut cursor, mut cells) =
             (Cursor::at(&self.source, holder.connectivity), GatheredCells::default());
-        let mut corners = Vec::new();
-        for _ in 0..own.cell_count {
-            corners.clear();
-            for _ in 0..own.corners() {
-                let node: u32 = cursor.number(NumberType::I64, "the number of a node")?;
-                if node == 0 || u64::from(node) > own.node_count {
-                    let error = cursor.error("a cell names a node that does not exist").got(node);
-                    return Err(error.expected(format_args!("1 to {}", own.node_count)));
-                }
-                corners.push(node - 1);
-            }
-            cells.add(code, corners.iter().copied());
+        let mut left = own.cell_count;
+        while left > 0 {
+            let count = left.min(BATCH);
+            let corners =
+                cursor.node_numbers(count.saturating_mul(own.corners()), own.node_count, "a cell")?;
+            cells.add_all(code, own.corners() as usize, &corners);
+            left -= count;
         }
-        Ok((points, Cells::Mixed(cells.into_set())))
+        Ok((points, cells.into_cells()))
     }
 }
 
@@ -449,8 +453,39 @@ impl Run<'_> {
     }
 }
 
-fn skip_numbers(cursor: &mut Cursor, count: u64) -> Result<()> {
-    Run::new(cursor).skip(count)
+/// Passes over numbers; true if some stand for several.
+fn skip_numbers(cursor: &mut Cursor, count: u64) -> Result<bool> {
+    let start = cursor.clone();
+    // Fewer words than numbers may end before the file does.
+    if cursor.skip_numbers(count, 0).is_ok() && !start.range_to(cursor).contains(b'*')? {
+        return Ok(false);
+    }
+    *cursor = start;
+    Run::new(cursor).skip(count).map(|()| true)
+}
+
+/// Values of a variable in a zone whose numbers stand for one each; `stored`: the variables that it holds.
+fn plain_values(
+    cursor: &mut Cursor,
+    zone: &TecplotZone,
+    stored: &[usize],
+    variable: usize,
+) -> Result<Vec<f64>> {
+    if zone.is_block {
+        let before = stored.iter().filter(|&&other| other < variable).map(|&other| zone.len(other)).sum();
+        cursor.skip_numbers(before, 0)?;
+        return cursor.numbers(NumberType::F64, zone.len(variable), "a number");
+    }
+    let place = stored.iter().position(|&other| other == variable);
+    let (mut values, mut left) = (Vec::new(), zone.node_count);
+    while let Some(place) = place.filter(|_| left > 0) {
+        let count = left.min(BATCH);
+        let rows: Vec<f64> =
+            cursor.numbers(NumberType::F64, count.saturating_mul(stored.len() as u64), "a number")?;
+        values.extend(rows.iter().skip(place).step_by(stored.len()));
+        left -= count;
+    }
+    Ok(values)
 }
 
 /// Keys and values up to the first line of numbers, or to the end of the file.

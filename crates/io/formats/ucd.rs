@@ -5,10 +5,11 @@
 
 use super::contents::Dataset;
 use super::cursor::Cursor;
-use super::numbers::NumberType;
+use super::numbers::{self, NumberType, Target};
 use super::request::{Format, Request};
 use super::source::Source;
 use super::tagged::{TaggedElement, TaggedMesh, VisitElement, VisitNode, VisitValues, dataset};
+use super::text::{TextRange, is_space, next_word};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
@@ -46,19 +47,17 @@ const CELLS: [(&str, u8, &[usize]); 8] = [
     ("pt", 0, &[0]),
 ];
 
-/// Places of a file's parts.
+/// Lines of a file's parts.
 struct UcdMesh {
-    nodes: Cursor,
+    nodes: TextRange,
     node_count: u64,
-    cells: Cursor,
-    cell_count: u64,
+    cells: TextRange,
     /// For each array: the rows with its values, their number, numbers of a row, and its own among them.
     arrays: Vec<UcdArray>,
 }
 
 struct UcdArray {
-    rows: Cursor,
-    row_count: u64,
+    rows: TextRange,
     width: usize,
     first: usize,
     component_count: usize,
@@ -81,10 +80,8 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     }
     let [node_count, cell_count, of_nodes, of_cells, _] = counts;
     cursor.line()?;
-    let nodes = cursor.clone();
-    skip_lines(&mut cursor, node_count, "a node")?;
-    let cells = cursor.clone();
-    skip_lines(&mut cursor, cell_count, "a cell")?;
+    let nodes = skip_lines(&mut cursor, node_count, "a node")?;
+    let cells = skip_lines(&mut cursor, cell_count, "a cell")?;
     let (mut arrays, mut heads) = (Vec::new(), Vec::new());
     for (association, width, row_count) in
         [(Association::Point, of_nodes, node_count), (Association::Cell, of_cells, cell_count)]
@@ -96,33 +93,69 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
                 let error = cursor.error("the rows of values do not fit the file");
                 return Err(error.got(format_args!("{row_count} rows of {width} values")));
             }
+            let rows = skip_lines(&mut cursor, row_count, "a row of values")?;
             let mut first = 0;
             for head in found {
                 let component_count = head.component_count;
-                arrays.push(UcdArray {
-                    rows: cursor.clone(),
-                    row_count,
-                    width: width as usize,
-                    first,
-                    component_count,
-                });
+                arrays.push(UcdArray { rows: rows.clone(), width: width as usize, first, component_count });
                 first += component_count;
                 heads.push(head);
             }
-            skip_lines(&mut cursor, row_count, "a row of values")?;
         }
     }
-    let mesh = UcdMesh { nodes, node_count, cells, cell_count, arrays };
+    let mesh = UcdMesh { nodes, node_count, cells, arrays };
     dataset(&source, "AVS UCD, ASCII".to_owned(), mesh, heads, request)
 }
 
-fn skip_lines(cursor: &mut Cursor, count: u64, what: &str) -> Result<()> {
+fn skip_lines(cursor: &mut Cursor, count: u64, what: &str) -> Result<TextRange> {
+    let start = cursor.clone();
     for _ in 0..count {
         if cursor.line()?.is_none() {
             return Err(cursor.error("the file ends early").expected(what));
         }
     }
-    Ok(())
+    Ok(start.range_to(cursor))
+}
+
+/// A cell of the file.
+struct UcdCell {
+    tag: u64,
+    material: i64,
+    code: u8,
+    nodes: [u64; 8],
+    node_count: usize,
+}
+
+/// Words of a line that are read one by one.
+struct LineWords<'a>(&'a [u8]);
+
+impl LineWords<'_> {
+    fn word(&mut self) -> &[u8] {
+        let (word, rest) = next_word(self.0, is_space);
+        self.0 = rest;
+        word
+    }
+
+    fn number<T: Target>(&mut self, number_type: NumberType, what: &str) -> Result<T> {
+        numbers::parse(number_type, self.word()).map_err(|error| error.expected(what))
+    }
+
+    fn cell(&mut self) -> Result<UcdCell> {
+        let tag = self.number(NumberType::U64, "the number of a cell")?;
+        let material = self.number(NumberType::I64, "the material of a cell")?;
+        let word = self.word();
+        let Some((_, code, order)) = CELLS.iter().find(|cell| cell.0.as_bytes() == word) else {
+            let found = String::from_utf8_lossy(word);
+            let error = Error::run("the type of a cell is not read").got(format_args!("'{found}'"));
+            return Err(error.expected("tet, hex, prism, pyr, tri, quad, line or pt"));
+        };
+        let mut given = [0; 8];
+        for node in &mut given[..order.len()] {
+            *node = self.number(NumberType::U64, "the number of a node")?;
+        }
+        let nodes = std::array::from_fn(|place| order.get(place).map_or(0, |&place| given[place]));
+        Ok(UcdCell { tag, material, code: *code, nodes, node_count: order.len() })
+    }
 }
 
 /// Arrays whose components make up rows of this width.
@@ -145,58 +178,63 @@ fn array_heads(cursor: &mut Cursor, association: Association, width: u64) -> Res
 }
 
 impl TaggedMesh for UcdMesh {
+    fn count_nodes(&self) -> Result<u64> {
+        Ok(self.node_count)
+    }
+
     fn each_node(&self, visit: VisitNode) -> Result<()> {
-        let mut cursor = self.nodes.clone();
-        for _ in 0..self.node_count {
-            let tag = cursor.number(NumberType::U64, "the number of a node")?;
+        let parse = |line: &[u8], nodes: &mut Vec<(u64, DVec3)>| {
+            let mut row = LineWords(line);
+            let tag = row.number(NumberType::U64, "the number of a node")?;
             let mut position = DVec3::ZERO;
             for axis in 0..3 {
-                position[axis] = cursor.number(NumberType::F64, "a coordinate")?;
+                position[axis] = row.number(NumberType::F64, "a coordinate")?;
             }
-            visit(tag, position)?;
-        }
-        Ok(())
+            nodes.push((tag, position));
+            Ok(())
+        };
+        self.nodes.rows(parse, |(tag, position)| visit(tag, position))
     }
 
     fn each_element(&self, visit: VisitElement) -> Result<()> {
-        let mut cursor = self.cells.clone();
-        let (mut given, mut nodes) = (Vec::<u64>::new(), Vec::new());
-        for _ in 0..self.cell_count {
-            let tag = cursor.number(NumberType::U64, "the number of a cell")?;
-            let material: i64 = cursor.number(NumberType::I64, "the material of a cell")?;
-            let word =
-                cursor.word()?.map(|word| String::from_utf8_lossy(word).into_owned()).unwrap_or_default();
-            let Some((_, code, order)) = CELLS.iter().find(|cell| cell.0 == word) else {
-                let error = cursor.error("the type of a cell is not read").got(format_args!("'{word}'"));
-                return Err(error.expected("tet, hex, prism, pyr, tri, quad, line or pt"));
-            };
-            given.clear();
-            for _ in 0..order.len() {
-                given.push(cursor.number(NumberType::U64, "the number of a node")?);
+        let parse = |line: &[u8], cells: &mut Vec<UcdCell>| {
+            cells.push(LineWords(line).cell()?);
+            Ok(())
+        };
+        let (mut material, mut block) = (0, "0".to_owned());
+        self.cells.rows(parse, |cell| {
+            if cell.material != material {
+                (material, block) = (cell.material, cell.material.to_string());
             }
-            if *code > 0 {
-                nodes.clear();
-                nodes.extend(order.iter().map(|&place| given[place]));
-                visit(&TaggedElement { tag, code: *code, block: &material.to_string(), nodes: &nodes })?;
+            let (tag, code) = (cell.tag, cell.code);
+            match code > 0 {
+                true => {
+                    visit(&TaggedElement { tag, code, block: &block, nodes: &cell.nodes[..cell.node_count] })
+                }
+                false => Ok(()),
             }
-        }
-        Ok(())
+        })
     }
 
     fn each_tuple(&self, array: usize, visit: VisitValues) -> Result<()> {
         let Some(array) = self.arrays.get(array) else {
             return Err(Error::run("the file has no such array"));
         };
-        let mut cursor = array.rows.clone();
-        let mut row = Vec::new();
-        for _ in 0..array.row_count {
-            let tag = cursor.number(NumberType::U64, "the number of a node or cell")?;
-            row.clear();
-            for _ in 0..array.width {
-                row.push(cursor.number(NumberType::F64, "a value")?);
+        let n = array.component_count;
+        let own = array.first..array.first + n;
+        let parse = |line: &[u8], rows: &mut (Vec<u64>, Vec<f64>)| {
+            let mut row = LineWords(line);
+            rows.0.push(row.number(NumberType::U64, "the number of a node or cell")?);
+            for place in 0..array.width {
+                let value = row.number(NumberType::F64, "a value")?;
+                if own.contains(&place) {
+                    rows.1.push(value);
+                }
             }
-            visit(tag, &row[array.first..array.first + array.component_count])?;
-        }
-        Ok(())
+            Ok(())
+        };
+        array.rows.lines(parse, |(tags, values)| {
+            tags.iter().zip(values.chunks(n)).try_for_each(|(&tag, tuple)| visit(tag, tuple))
+        })
     }
 }

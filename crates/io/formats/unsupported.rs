@@ -44,7 +44,9 @@ pub(super) const IN_HDF5: &[UnsupportedFormat] =
 
 /// Formats that their first bytes tell for sure. Of containers those that are told by what is inside stand first.
 pub(super) const BY_MAGIC: &[UnsupportedFormat] = &[
-    ("a CGNS file in ADF, its older form", CGNS_ADF, |file| file.holds(&["ADF Database Version"])),
+    ("a CGNS file in ADF, its older form", CGNS_ADF, |file| {
+        !file.is_container() && file.holds(&["ADF Database Version"])
+    }),
     ("data of Abaqus (.odb)", ABAQUS, |file| file.begins(&["HKSRD0"])),
     ("a file of OpenFOAM", OPENFOAM, |file| file.has_line(|line| line.trim() == "FoamFile")),
     ("a mesh or case of Ansys Fluent", PARAVIEW, |file| file.begins(&["(0 ", "(1 ", "(2 "])),
@@ -120,6 +122,18 @@ fn refusal(what: &str, remedy: &str) -> Error {
     Error::run("the format of the file is known, but not read").got(what).expected(remedy)
 }
 
+/// True if a word stands anywhere in the bytes.
+fn holds(bytes: &[u8], word: &[u8]) -> bool {
+    let mut rest = bytes;
+    while let Some(place) = rest.iter().position(|byte| word.first() == Some(byte)) {
+        if rest[place..].starts_with(word) {
+            return true;
+        }
+        rest = &rest[place + 1..];
+    }
+    false
+}
+
 impl FileStart {
     fn text(&self) -> &[u8] {
         self.bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&self.bytes)
@@ -141,7 +155,7 @@ impl FileStart {
 
     /// True if one of the words stands anywhere.
     fn holds(&self, words: &[&str]) -> bool {
-        words.iter().any(|word| self.bytes.windows(word.len()).any(|window| window == word.as_bytes()))
+        words.iter().any(|word| holds(&self.bytes, word.as_bytes()))
     }
 
     /// True if some line of text is one of those; bytes that are no text have none.

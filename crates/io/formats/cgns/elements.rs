@@ -5,7 +5,8 @@
 //! sections, from 1; values of cells are those of the three-dimensional ones, in that order. Nodes are numbered from 1.
 
 use crate::formats::contents::{Meter, Stored};
-use crate::formats::lazy::GatheredCells;
+use crate::formats::lazy::{self, GatheredCells};
+use rayon::prelude::*;
 use voltet_core::grid::{Cells, code};
 use voltet_core::{Error, Result, counted};
 
@@ -72,6 +73,9 @@ const ELEMENTS: &[ElementType] = &[
     element(27, "QUAD_12", 2, 12),
     element(28, "QUAD_16", 2, 16),
 ];
+
+/// Numbers that one task looks at.
+const PART: usize = 1 << 14;
 
 /// A run of elements.
 pub(super) struct Section {
@@ -179,13 +183,16 @@ fn nodes(section: &Section, element: &ElementType, meter: &Meter) -> Result<Vec<
 
 fn tetrahedra(section: &Section, cell_count: u64, meter: &Meter) -> Result<Cells> {
     let mut nodes = nodes(section, known(section, TETRA_4)?, meter)?;
-    for node in &mut nodes {
-        *node = point(section, *node)?;
+    let wrong =
+        nodes.par_chunks(PART).any(|part| part.iter().fold(false, |wrong, &node| wrong | (node == 0)));
+    if wrong {
+        point(section, 0)?;
     }
-    let tetrahedra = nodes.as_chunks().0.to_vec();
-    match tetrahedra.len() as u64 == cell_count {
-        true => Ok(Cells::Tetrahedra(tetrahedra.into())),
-        false => Err(wrong_count(tetrahedra.len() as u64, cell_count)),
+    nodes.par_iter_mut().with_min_len(PART).for_each(|node| *node -= 1);
+    let cells = lazy::tetrahedra(nodes);
+    match cells.count() as u64 == cell_count {
+        true => Ok(cells),
+        false => Err(wrong_count(cells.count() as u64, cell_count)),
     }
 }
 

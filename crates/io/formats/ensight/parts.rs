@@ -5,6 +5,7 @@ use crate::formats::lazy::GatheredCells;
 use crate::formats::numbers::{ByteOrder, NumberType, Target};
 use crate::formats::source::Source;
 use glam::DVec3;
+use rayon::prelude::*;
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -29,6 +30,9 @@ const TYPES: [(&str, usize, u8); 15] = [
     ("quad4", 4, 0),
     ("quad8", 8, 0),
 ];
+
+/// Elements whose nodes are in memory at a time beside the cells.
+const BATCH: u64 = 1 << 18;
 
 /// Elements of one type within a part.
 pub(super) struct GoldElements {
@@ -140,10 +144,7 @@ impl GoldFile {
     }
 
     fn numbers<T: Target>(&mut self, number_type: NumberType, count: u64) -> Result<Vec<T>> {
-        let mut numbers = Vec::new();
-        for _ in 0..count {
-            numbers.push(self.cursor.number(number_type, "a number")?);
-        }
+        let numbers = self.cursor.numbers(number_type, count, "a number")?;
         if count > 0 {
             self.end_line()?;
         }
@@ -234,7 +235,7 @@ impl GoldGeometry {
         let n = part.node_count;
         let mut axis = || file.numbers::<f64>(NumberType::F32, n);
         let (x, y, z) = (axis()?, axis()?, axis()?);
-        let points = x.into_iter().zip(y).zip(z).map(|((x, y), z)| DVec3::new(x, y, z)).collect();
+        let points = x.par_iter().zip(&y).zip(&z).map(|((&x, &y), &z)| DVec3::new(x, y, z)).collect();
         if let Some(block) = part.block {
             return Ok((points, Cells::Structured(block.map(|n| n as usize))));
         }
@@ -245,12 +246,16 @@ impl GoldGeometry {
                 polyhedra(&mut file, own.count, n, &mut cells)?;
                 continue;
             }
-            for _ in 0..own.count {
-                let corners: Vec<u32> = file.cursor_numbers(own.kind.0 as u64)?;
-                cells.add(own.kind.1, checked(&file, corners, n)?);
+            let mut left = own.count;
+            while left > 0 {
+                let count = left.min(BATCH);
+                let corners =
+                    file.cursor.node_numbers(count.saturating_mul(own.kind.0 as u64), n, "an element")?;
+                cells.add_all(own.kind.1, own.kind.0, &corners);
+                left -= count;
             }
         }
-        Ok((points, Cells::Mixed(cells.into_set())))
+        Ok((points, cells.into_cells()))
     }
 
     /// Values of a variable at the points or volume elements of a part; not a number where it has none.
@@ -341,30 +346,12 @@ impl GoldGeometry {
     }
 }
 
-impl GoldFile {
-    fn cursor_numbers(&mut self, count: u64) -> Result<Vec<u32>> {
-        (0..count).map(|_| self.cursor.number(NumberType::I32, "the number of a node")).collect()
-    }
-}
-
 /// All values of the first component, then of the next, as tuples.
 fn interleave(values: &[f64], component_count: usize, all: &mut Vec<f64>) {
     let count = values.len() / component_count;
     all.extend(
         (0..count).flat_map(|i| (0..component_count).map(move |component| values[component * count + i])),
     );
-}
-
-/// Node numbers from 0. Errors: one beyond the nodes of the part.
-fn checked(file: &GoldFile, mut corners: Vec<u32>, node_count: u64) -> Result<Vec<u32>> {
-    for corner in &mut corners {
-        if *corner == 0 || u64::from(*corner) > node_count {
-            let error = file.cursor.error("an element names a node that does not exist").got(*corner);
-            return Err(error.expected(format_args!("1 to {node_count}")));
-        }
-        *corner -= 1;
-    }
-    Ok(corners)
 }
 
 /// Head of a part behind its name.
@@ -436,8 +423,7 @@ fn polyhedra(file: &mut GoldFile, count: u64, node_count: u64, cells: &mut Gathe
     for face_count in face_counts {
         let mut faces = Vec::new();
         for size in sizes.by_ref().take(face_count as usize) {
-            let face = file.cursor_numbers(size.into())?;
-            faces.push(checked(file, face, node_count)?);
+            faces.push(file.cursor.node_numbers(size.into(), node_count, "an element")?);
         }
         cells.add_polyhedron(faces);
     }

@@ -4,6 +4,7 @@
 //! the other. An element with nodes that VTK's cell lacks (in faces or the middle) becomes the cell without these.
 
 use crate::formats::contents::{Meter, Stored};
+use crate::formats::lazy::tetrahedra;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -62,6 +63,9 @@ pub(super) fn element_shape(name: &str, node_count: u64) -> Option<ElementShape>
     Some(ElementShape { code, nodes })
 }
 
+/// Numbers that one task looks at.
+const PART: usize = 1 << 14;
+
 /// The elements of a block.
 pub(super) struct BlockElements {
     pub shape: ElementShape,
@@ -101,35 +105,49 @@ impl Mesh {
     fn points(&self, meter: &Meter) -> Result<Vec<DVec3>> {
         let axes: Result<Vec<Vec<f64>>> = self.coordinates.iter().map(|axis| axis.load(meter)).collect();
         let axes = axes?;
+        if let [x, y, z] = &axes[..] {
+            return Ok(x.par_iter().zip(y).zip(z).map(|((&x, &y), &z)| DVec3::new(x, y, z)).collect());
+        }
         let at = |axis: usize, point: usize| axes.get(axis).map_or(0.0, |axis| axis[point]);
         let count = axes.first().map_or(0, Vec::len);
         Ok((0..count).into_par_iter().map(|i| DVec3::new(at(0, i), at(1, i), at(2, i))).collect())
     }
 
     fn cells(&self, point_count: usize, meter: &Meter) -> Result<Cells> {
-        let (mut types, mut offsets, mut connectivity) = (Vec::new(), vec![0], Vec::new());
-        for BlockElements { shape: ElementShape { code, nodes }, connectivity: stored } in &self.blocks {
-            let numbers: Vec<u32> = stored.load(meter)?;
-            let elements = numbers.par_chunks_exact(stored.component_count);
-            types.resize(types.len() + elements.len(), *code);
-            let begin = connectivity.len() as u64;
-            offsets
-                .par_extend((1..=elements.len()).into_par_iter().map(|i| begin + (i * nodes.len()) as u64));
-            // A number of 0 becomes one beyond all.
-            connectivity.par_extend(
-                elements.flat_map_iter(|element| nodes.iter().map(|&node| element[node].wrapping_sub(1))),
-            );
-            if let Some(wrong) =
-                numbers.par_iter().find_any(|&&number| number == 0 || number as usize > point_count)
-            {
-                let error = Error::run("an element names a node that does not exist").got(wrong);
+        let mut connectivity = Vec::new();
+        for BlockElements { shape: ElementShape { nodes, .. }, connectivity: stored } in &self.blocks {
+            let mut numbers: Vec<u32> = stored.load(meter)?;
+            let is_wrong = |number: u32| number == 0 || number as usize > point_count;
+            let has_wrong = |part: &[u32]| part.iter().fold(false, |found, &number| found | is_wrong(number));
+            if let Some(wrong) = numbers.par_chunks(PART).find_first(|part| has_wrong(part)) {
+                let error = Error::run("an element names a node that does not exist");
+                let found = wrong.iter().find(|number| is_wrong(**number)).copied().unwrap_or(0);
                 return Err(error
+                    .got(found)
                     .expected(format_args!("a number from 1 to {point_count}"))
                     .at_item(&stored.name));
             }
+            numbers.par_iter_mut().with_min_len(PART).for_each(|number| *number -= 1);
+            let is_in_order = nodes.iter().copied().eq(0..stored.component_count);
+            match is_in_order {
+                true if connectivity.is_empty() => connectivity = numbers,
+                true => connectivity.extend_from_slice(&numbers),
+                false => connectivity.par_extend(
+                    numbers
+                        .par_chunks_exact(stored.component_count)
+                        .flat_map_iter(|element| nodes.iter().map(|&node| element[node])),
+                ),
+            }
         }
-        if !types.is_empty() && types.par_iter().all(|&code| code == code::TETRA) {
-            return Ok(Cells::Tetrahedra(connectivity.as_chunks().0.to_vec().into()));
+        if !connectivity.is_empty() && self.blocks.iter().all(|block| block.shape.code == code::TETRA) {
+            return Ok(tetrahedra(connectivity));
+        }
+        let (mut types, mut offsets) = (Vec::new(), vec![0]);
+        for BlockElements { shape: ElementShape { code, nodes }, connectivity: stored } in &self.blocks {
+            let (count, begin) = (stored.tuple_count.unwrap_or(0), offsets.last().copied().unwrap_or(0));
+            types.resize(types.len() + count as usize, *code);
+            offsets
+                .par_extend((1..=count as usize).into_par_iter().map(|i| begin + (i * nodes.len()) as u64));
         }
         Ok(Cells::Mixed(CellSet { types, offsets, connectivity, polyhedra: Vec::new() }))
     }

@@ -2,8 +2,9 @@
 
 use super::file::{FoamFile, misfit};
 use crate::formats::lazy::GatheredCells;
+use rayon::prelude::*;
 use std::path::PathBuf;
-use voltet_core::grid::{CellSet, code};
+use voltet_core::grid::{Cells, code};
 use voltet_core::{Error, Result};
 
 /// Files of a mesh.
@@ -53,7 +54,7 @@ impl FaceCells {
     }
 
     /// Selected cells, in VTK's terms.
-    pub fn cells(&self, is_selected: impl Fn(usize) -> bool) -> CellSet {
+    pub fn cells(&self, is_selected: impl Fn(usize) -> bool + Sync) -> Cells {
         let mut begins = vec![0_u32; self.cell_count + 1];
         let both = || self.owner.iter().chain(&self.neighbour);
         both().for_each(|&cell| begins[cell as usize + 1] += 1);
@@ -68,21 +69,32 @@ impl FaceCells {
                 *place += 1;
             }
         }
+        let of_part = |part: usize| {
+            let mut gathered = GatheredCells::default();
+            let mut faces = Vec::new();
+            let part = part * PART..self.cell_count.min((part + 1) * PART);
+            for cell in part.filter(|&cell| is_selected(cell)) {
+                faces.clear();
+                for &entry in &of_cells[begins[cell] as usize..begins[cell + 1] as usize] {
+                    faces.push((self.face((entry >> 1) as usize), entry & 1 == 0));
+                }
+                match simple_cell(&faces) {
+                    Some((code, corners)) => gathered.add(code, corners.iter().copied()),
+                    None => gathered.add_polyhedron(faces.iter().map(|&face| outward(face)).collect()),
+                }
+            }
+            gathered
+        };
+        let parts: Vec<GatheredCells> =
+            (0..self.cell_count.div_ceil(PART)).into_par_iter().map(of_part).collect();
         let mut gathered = GatheredCells::default();
-        let mut faces = Vec::new();
-        for cell in (0..self.cell_count).filter(|&cell| is_selected(cell)) {
-            faces.clear();
-            for &entry in &of_cells[begins[cell] as usize..begins[cell + 1] as usize] {
-                faces.push((self.face((entry >> 1) as usize), entry & 1 == 0));
-            }
-            match simple_cell(&faces) {
-                Some((code, corners)) => gathered.add(code, corners),
-                None => gathered.add_polyhedron(faces.iter().map(|&face| outward(face)).collect()),
-            }
-        }
-        gathered.into_set()
+        parts.into_iter().for_each(|part| gathered.append(part));
+        gathered.into_cells()
     }
 }
+
+/// Cells that one task makes.
+const PART: usize = 1 << 12;
 
 /// Zones of the cells of a mesh.
 #[derive(Default)]
@@ -138,8 +150,26 @@ fn outward((points, is_outward): Side) -> Vec<u32> {
     if is_outward { points.to_vec() } else { points.iter().rev().copied().collect() }
 }
 
+/// At most eight corners of a cell.
+struct CellCorners([u32; 8], usize);
+
+impl CellCorners {
+    fn push(&mut self, corner: u32) {
+        self.0[self.1] = corner;
+        self.1 += 1;
+    }
+}
+
+impl std::ops::Deref for CellCorners {
+    type Target = [u32];
+
+    fn deref(&self) -> &[u32] {
+        &self.0[..self.1]
+    }
+}
+
 /// Type and corners of the cell that these faces enclose, if it is one of four.
-fn simple_cell(faces: &[Side]) -> Option<(u8, Vec<u32>)> {
+fn simple_cell(faces: &[Side]) -> Option<(u8, CellCorners)> {
     let count = |corners: usize| faces.iter().filter(|face| face.0.len() == corners).count();
     let (code, base_corners) = match (faces.len(), count(3), count(4)) {
         (4, 4, 0) => (code::TETRA, 3),
@@ -149,10 +179,12 @@ fn simple_cell(faces: &[Side]) -> Option<(u8, Vec<u32>)> {
         _ => return None,
     };
     let base = faces.iter().position(|face| face.0.len() == base_corners)?;
-    let mut corners = outward(faces[base]);
+    let (points, is_outward) = faces[base];
+    let mut corners = CellCorners([0; 8], 0);
     // VTK's wedge alone has a base that points outward.
-    if code != code::WEDGE {
-        corners.reverse();
+    match is_outward == (code == code::WEDGE) {
+        true => points.iter().for_each(|&point| corners.push(point)),
+        false => points.iter().rev().for_each(|&point| corners.push(point)),
     }
     let is_base = |point: &u32| faces[base].0.contains(point);
     let others = || faces.iter().enumerate().filter(|&(face, _)| face != base).map(|(_, face)| face.0);

@@ -4,14 +4,13 @@
 //! its sources. Numbers of bytes have the order and the widths that the entry `arch` of the head says.
 
 use crate::formats::cursor::Cursor;
-use crate::formats::numbers::{self, ByteOrder, NumberType, Target, convert};
+use crate::formats::numbers::{self, ByteOrder, NumberType, Target};
 use crate::formats::source::Source;
+use crate::formats::text::is_space;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 
-/// Binary numbers that are converted at a time.
-const PART: u64 = 1 << 16;
 /// Bytes of a packed file that are unpacked for its head.
 const HEAD_BYTES: u64 = 1 << 16;
 /// First bytes of a packed file.
@@ -192,38 +191,20 @@ impl FoamFile {
         if count > self.cursor.left() / least + 1 {
             return Err(self.cursor.error("a list ends early").expected(format_args!("{count} numbers")));
         }
-        let mut values = Vec::with_capacity(count as usize);
-        if let Some(order) = self.binary {
-            while (values.len() as u64) < count {
-                let part = (count - values.len() as u64).min(PART);
-                let first = values.len();
-                values.resize(first + part as usize, T::default());
-                let bytes = self.cursor.bytes((part * size) as usize)?;
-                if convert(number_type, order, bytes, &mut values[first..]).is_err() {
-                    return Err(self.cursor.error("a number is out of range").expected(T::ACCEPTED));
-                }
-            }
-            return Ok(values);
+        // Values alone are too few for several threads.
+        if count < 16 && self.binary.is_none() {
+            return (0..count).map(|_| self.number(number_type)).collect();
         }
-        while (values.len() as u64) < count {
-            match self.cursor.peek()? {
-                Some(b'(' | b')') => {
-                    self.cursor.bytes(1)?;
-                    continue;
-                }
-                None => {
-                    return Err(self
-                        .cursor
-                        .error("a list ends early")
-                        .expected(format_args!("{count} numbers")));
-                }
-                Some(_) => {}
-            }
-            let word = self.cursor.until(|byte| byte.is_ascii_whitespace() || is_sign(byte))?;
-            let parsed = numbers::parse(number_type, word);
-            values.push(parsed.map_err(|error| error.at_line(self.cursor.line_number()))?);
+        self.cursor.numbers_between(number_type, count, T::ACCEPTED, is_between)
+    }
+
+    /// A number of text with parentheses before it.
+    fn number<T: Target>(&mut self, number_type: NumberType) -> Result<T> {
+        while let Some(b'(' | b')') = self.cursor.peek()? {
+            self.cursor.bytes(1)?;
         }
-        Ok(values)
+        let word = self.cursor.until(|byte| byte.is_ascii_whitespace() || is_sign(byte))?;
+        numbers::parse(number_type, word).map_err(|error| error.at_line(self.cursor.line_number()))
     }
 
     /// A list of labels.
@@ -272,13 +253,25 @@ impl FoamFile {
             return Err(error.expected("faceCompactList"));
         }
         let (count, _) = self.list_head()?;
-        let (mut points, mut ends) = (Vec::new(), Vec::new());
-        for _ in 0..count {
-            let own = self.list_of_labels()?;
-            points.extend(own);
-            ends.push(points.len() as u32);
+        let (mut points, mut ends) = (Vec::new(), Vec::<u32>::new());
+        let is_whole = self.cursor.rest().stream(self.label, is_between, |shown: &[u32]| {
+            let mut used = 0;
+            while (ends.len() as u64) < count {
+                let own = shown[used..].split_first().and_then(|(&len, rest)| rest.get(..len as usize));
+                let Some(own) = own else { return Ok(Some(used)) };
+                points.extend_from_slice(own);
+                ends.push(points.len() as u32);
+                used += 1 + own.len();
+            }
+            match shown.len() == used {
+                true => Ok(None),
+                false => Err((used, Error::run("a list is longer than its length says").expected(")"))),
+            }
+        })?;
+        match is_whole || ends.len() as u64 == count {
+            true => Ok((points, ends)),
+            false => Err(self.cursor.error("a list ends early").expected(format_args!("{count} faces"))),
         }
-        Ok((points, ends))
     }
 
     /// Number of the points that follow, of which nothing is read.
@@ -392,6 +385,11 @@ impl FoamFile {
     pub fn position(&self) -> u64 {
         self.cursor.position()
     }
+}
+
+/// True for what stands between the numbers of a list.
+fn is_between(byte: u8) -> bool {
+    is_space(byte) | (byte == b'(') | (byte == b')')
 }
 
 fn is_sign(byte: u8) -> bool {

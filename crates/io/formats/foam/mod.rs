@@ -295,12 +295,13 @@ fn piece(
 
 fn read_mesh(mesh: &MeshPaths, cell_count: u64, selection: &CellSelection) -> Result<(Vec<DVec3>, Cells)> {
     let coordinates = FoamFile::open(&mesh.points, false)?.points()?;
-    let points = coordinates.as_chunks().0.iter().map(|&point| DVec3::from_array(point)).collect();
+    let copied = |(_, numbers): (_, Vec<f64>)| bytemuck::cast_slice(&numbers).to_vec();
+    let points = bytemuck::try_cast_vec(coordinates).unwrap_or_else(copied);
     let faces = FaceCells::read(mesh)?;
     if faces.cell_count as u64 != cell_count {
         return Err(misfit("cells", faces.cell_count, format!("{cell_count}, as it notes"), &mesh.owner));
     }
-    Ok((points, Cells::Mixed(faces.cells(|cell| selection.contains(cell)))))
+    Ok((points, faces.cells(|cell| selection.contains(cell))))
 }
 
 /// A field of a time, whose head was read.

@@ -5,9 +5,10 @@
 
 use crate::formats::cursor::Cursor;
 use crate::formats::numbers::NumberType;
+use crate::formats::text::is_space;
 use std::collections::HashMap;
-use voltet_core::Result;
 use voltet_core::grid::code;
+use voltet_core::{Error, Result};
 
 /// A type of volume elements.
 pub(super) struct GmshElement {
@@ -124,14 +125,14 @@ pub(super) fn each(
 }
 
 /// The type with this number, and how many nodes it has.
-fn element_type(cursor: &Cursor, number: u64) -> Result<(Option<&'static GmshElement>, usize)> {
+fn element_type(number: u64) -> Result<(Option<&'static GmshElement>, usize)> {
     if let Some(volume) = VOLUMES.iter().find(|volume| volume.number == number) {
         let count = if number == 14 { 14 } else { volume.order.len() };
         return Ok((Some(volume), count));
     }
     match PASSED_OVER.iter().find(|flat| flat.0 == number) {
         Some(flat) => Ok((None, flat.1.into())),
-        None => Err(cursor.error("elements of this type of Gmsh are not read").got(number).expected(
+        None => Err(Error::run("elements of this type of Gmsh are not read").got(number).expected(
             "tetrahedra of the orders 1 to 3; hexahedra, prisms and pyramids of the orders 1 and 2",
         )),
     }
@@ -143,17 +144,30 @@ fn each_of_4(
     groups: &HashMap<i64, i64>,
     visit: &mut dyn FnMut(&MeshElement) -> Result<()>,
 ) -> Result<()> {
-    let size = NumberType::U64;
-    let mut nodes = Vec::new();
     each_entity(cursor, groups, &mut |cursor, entity| {
         let &EntityElements { volume, group, count, node_count } = entity;
-        for _ in 0..count {
-            let tag = cursor.number(size, "the tag of an element")?;
-            read_nodes(cursor, size, node_count, &mut nodes)?;
-            visit(&MeshElement { volume: Some(volume), tag, group, nodes: &nodes })?;
-        }
-        Ok(())
+        each_batch(count, |count| {
+            let numbers = count * (1 + node_count as u64);
+            let rows: Vec<u64> = cursor.numbers(NumberType::U64, numbers, "the tag of an element or node")?;
+            rows.chunks_exact(1 + node_count).try_for_each(|row| {
+                visit(&MeshElement { volume: Some(volume), tag: row[0], group, nodes: &row[1..] })
+            })
+        })
     })
+}
+
+/// Rows of a table that are in memory at a time.
+const BATCH: u64 = 1 << 18;
+
+/// Calls `read` with the number of rows of each part of a table of `count` rows.
+pub(super) fn each_batch(count: u64, mut read: impl FnMut(u64) -> Result<()>) -> Result<()> {
+    let mut left = count;
+    while left > 0 {
+        let rows = left.min(BATCH);
+        read(rows)?;
+        left -= rows;
+    }
+    Ok(())
 }
 
 /// Volume elements of an entity of version 4.1.
@@ -180,7 +194,7 @@ fn each_entity(
         let entity: i64 = cursor.number(NumberType::I32, "the tag of an entity")?;
         let number: u64 = cursor.number(NumberType::I32, "a type of elements")?;
         let count: u64 = cursor.number(size, "a number of elements")?;
-        let (volume, node_count) = element_type(cursor, number)?;
+        let (volume, node_count) = element_type(number).map_err(|error| cursor.locate(error))?;
         let group = if dimension == 3 { groups.get(&entity).copied().unwrap_or(0) } else { 0 };
         match volume {
             Some(volume) => visit(cursor, &EntityElements { volume, group, count, node_count })?,
@@ -217,53 +231,95 @@ pub(super) fn count(
 
 /// Version 2: elements with tags, in bytes after a head for several of one type.
 fn each_of_2(cursor: &mut Cursor, visit: &mut dyn FnMut(&MeshElement) -> Result<()>) -> Result<()> {
-    let int = NumberType::I32;
     let binary = cursor.binary.take();
     let count: u64 = cursor.number(NumberType::U64, "the number of elements")?;
-    if binary.is_some() {
-        cursor.line()?;
-        cursor.binary = binary;
+    if binary.is_none() {
+        return each_of_text_2(cursor, count, visit);
     }
-    let mut nodes = Vec::new();
-    let (mut seen, mut tag, mut group_count) = (0, 0, 1);
-    while seen < count {
-        if binary.is_none() {
-            tag = cursor.number(NumberType::U64, "the number of an element")?;
-        }
+    cursor.line()?;
+    cursor.binary = binary;
+    let int = NumberType::I32;
+    let (mut passed, mut nodes) = (0, Vec::new());
+    while passed < count {
         let number: u64 = cursor.number(int, "a type of elements")?;
-        if binary.is_some() {
-            group_count = cursor.number(int, "a number of elements")?;
-        }
+        let group_count: u64 = cursor.number(int, "a number of elements")?;
         let tag_count: u64 = cursor.number(int, "the number of tags")?;
-        let (volume, node_count) = element_type(cursor, number)?;
-        if group_count == 0 || group_count > count - seen {
+        let (volume, node_count) = element_type(number).map_err(|error| cursor.locate(error))?;
+        if group_count == 0 || group_count > count - passed {
             return Err(cursor
                 .error("a group of elements does not fit their number")
                 .got(group_count)
-                .expected(format_args!("1 to {}", count - seen)));
+                .expected(format_args!("1 to {}", count - passed)));
         }
-        for _ in 0..group_count {
-            if binary.is_some() {
-                tag = cursor.number(int, "the number of an element")?;
-            }
-            let mut group = 0;
-            for place in 0..tag_count {
-                let value: i64 = cursor.number(int, "a tag")?;
-                // A negative one turns the element round.
-                group = if place == 0 { value.saturating_abs() } else { group };
-            }
-            read_nodes(cursor, int, node_count, &mut nodes)?;
-            visit(&MeshElement { volume, tag, group, nodes: &nodes })?;
-        }
-        seen += group_count;
+        let width = tag_count.saturating_add(1 + node_count as u64);
+        each_batch(group_count, |count| {
+            let rows: Vec<i64> = cursor.numbers(
+                int,
+                count.saturating_mul(width),
+                "a number, a tag or a node of an element",
+            )?;
+            rows.chunks_exact(width as usize).try_for_each(|row| {
+                let (tags, own) = row[1..].split_at(tag_count as usize);
+                let tag = whole(row[0]).and_then(|tag| whole_nodes(own, &mut nodes).map(|()| tag));
+                let tag = tag.map_err(|error| cursor.error(error))?;
+                visit(&MeshElement { volume, tag, group: group_of(tags), nodes: &nodes })
+            })
+        })?;
+        passed += group_count;
     }
     Ok(())
 }
 
-fn read_nodes(cursor: &mut Cursor, kind: NumberType, count: usize, nodes: &mut Vec<u64>) -> Result<()> {
-    nodes.clear();
-    for _ in 0..count {
-        nodes.push(cursor.number(kind, "the tag of a node")?);
+/// Rows of text: the number of an element, its type, the number of tags, tags, nodes.
+fn each_of_text_2(
+    cursor: &mut Cursor,
+    count: u64,
+    visit: &mut dyn FnMut(&MeshElement) -> Result<()>,
+) -> Result<()> {
+    let (mut passed, mut nodes) = (0, Vec::new());
+    let is_whole = cursor.rest().stream(NumberType::I64, is_space, |shown: &[i64]| {
+        let mut used = 0;
+        while passed < count {
+            let row = &shown[used..];
+            let &[tag, number, tag_count, ref rest @ ..] = row else { return Ok(Some(used)) };
+            let at = |place: usize| move |error: String| (used + place, Error::run(error));
+            let tag = whole(tag).map_err(at(0))?;
+            let tag_count = whole(tag_count).map_err(at(2))?;
+            let of_type = whole(number).map_err(at(1))?;
+            let (volume, node_count) = element_type(of_type).map_err(|error| (used + 1, error))?;
+            let Some((tags, rest)) =
+                usize::try_from(tag_count).ok().and_then(|count| rest.split_at_checked(count))
+            else {
+                return Ok(Some(used));
+            };
+            let Some(own) = rest.get(..node_count) else { return Ok(Some(used)) };
+            whole_nodes(own, &mut nodes).map_err(at(3 + tags.len()))?;
+            visit(&MeshElement { volume, tag, group: group_of(tags), nodes: &nodes })
+                .map_err(|error| (used, error))?;
+            used += 3 + tags.len() + node_count;
+            passed += 1;
+        }
+        Ok(None)
+    })?;
+    match is_whole || passed == count {
+        true => Ok(()),
+        false => {
+            Err(cursor.error("the file ends early").got(passed).expected(format_args!("{count} elements")))
+        }
     }
-    Ok(())
+}
+
+/// The first tag, the physical group. A negative one turns the element round.
+fn group_of(tags: &[i64]) -> i64 {
+    tags.first().map_or(0, |group| group.saturating_abs())
+}
+
+/// A number that is not negative. Errors: a sentence.
+fn whole(number: i64) -> std::result::Result<u64, String> {
+    u64::try_from(number).map_err(|_| format!("a number of an element is negative, {number}"))
+}
+
+fn whole_nodes(own: &[i64], nodes: &mut Vec<u64>) -> std::result::Result<(), String> {
+    nodes.clear();
+    own.iter().try_for_each(|&node| whole(node).map(|node| nodes.push(node)))
 }

@@ -1,15 +1,16 @@
 //! The mesh of a file: version and encoding, nodes, and the elements that are volumes.
 
-use super::elements::{MeshElement, count, each};
+use super::elements::{MeshElement, count, each, each_batch};
 use crate::formats::cursor::Cursor;
 use crate::formats::lazy::{GatheredCells, MeshTags, Tags, missing_node};
-use crate::formats::numbers::{ByteOrder, NumberType};
+use crate::formats::numbers::{ByteOrder, NumberType, convert};
 use crate::formats::source::Source;
+use crate::formats::text::is_space;
 use glam::DVec3;
 use std::collections::HashMap;
 use std::sync::Arc;
-use voltet_core::Result;
 use voltet_core::grid::Cells;
+use voltet_core::{Error, Result};
 
 /// A part of the file.
 #[derive(Clone, Default)]
@@ -54,8 +55,26 @@ pub(super) struct Volumes {
     tags: Vec<u64>,
     /// Places in [`MeshFile::groups`].
     pub blocks: Vec<f64>,
-    /// For each cell the order of its nodes.
-    pub orders: Vec<&'static [u8]>,
+    pub orders: NodeOrders,
+}
+
+/// Orders of the nodes of cells, each with the first of the cells that have it.
+#[derive(Default)]
+pub(super) struct NodeOrders(Vec<(usize, &'static [u8])>);
+
+impl NodeOrders {
+    /// Adds the order of a cell behind those that were added.
+    fn add(&mut self, cell: usize, order: &'static [u8]) {
+        if self.0.last().is_none_or(|run| !std::ptr::eq(run.1, order)) {
+            self.0.push((cell, order));
+        }
+    }
+
+    /// Order of a cell's nodes.
+    pub fn order(&self, cell: usize) -> &'static [u8] {
+        let run = self.0.partition_point(|run| run.0 <= cell);
+        self.0.get(run.wrapping_sub(1)).map_or(&[], |run| run.1)
+    }
 }
 
 impl MeshFile {
@@ -128,48 +147,13 @@ impl MeshFile {
 
     /// Positions of the nodes; their tags are kept.
     fn read_nodes(&self) -> Result<Vec<DVec3>> {
-        let (int, size) = (NumberType::I32, NumberType::U64);
+        let mut nodes = Nodes::default();
         let mut cursor = self.cursor(&self.nodes, self.version >= 4.0);
-        let (mut points, mut tags) = (Vec::new(), Vec::new());
-        let mut point = |cursor: &mut Cursor| -> Result<()> {
-            let mut position = DVec3::ZERO;
-            for axis in 0..3 {
-                position[axis] = cursor.number(NumberType::F64, "a coordinate")?;
-            }
-            points.push(position);
-            Ok(())
-        };
-        if self.version < 4.0 {
-            let count: u64 = cursor.number(size, "the number of nodes")?;
-            if self.binary.is_some() {
-                cursor.line()?;
-                cursor.binary = self.binary;
-            }
-            for _ in 0..count {
-                tags.push(cursor.number(int, "the number of a node")?);
-                point(&mut cursor)?;
-            }
-        } else {
-            let entity_count: u64 = cursor.number(size, "the number of entities")?;
-            for _ in 0..3 {
-                cursor.number::<u64>(size, "numbers of nodes")?;
-            }
-            for _ in 0..entity_count {
-                let dimension: u64 = cursor.number(int, "the dimension of an entity")?;
-                cursor.number::<i64>(int, "the tag of an entity")?;
-                let is_parametric = cursor.number::<u64>(int, "0 or 1")? == 1;
-                let count: u64 = cursor.number(size, "a number of nodes")?;
-                for _ in 0..count {
-                    tags.push(cursor.number(size, "the tag of a node")?);
-                }
-                for _ in 0..count {
-                    point(&mut cursor)?;
-                    for _ in 0..if is_parametric { dimension.min(3) } else { 0 } {
-                        cursor.number::<f64>(NumberType::F64, "a parameter")?;
-                    }
-                }
-            }
+        match self.version < 4.0 {
+            true => nodes.read_2(&mut cursor, self.binary)?,
+            false => nodes.read_4(&mut cursor)?,
         }
+        let Nodes { tags, points } = nodes;
         self.tags.keep(0, Tags::new(tags, "node", |tag| tag)?);
         Ok(points)
     }
@@ -203,7 +187,7 @@ impl MeshFile {
             cells: GatheredCells::default(),
             tags: Vec::new(),
             blocks: Vec::new(),
-            orders: Vec::new(),
+            orders: NodeOrders::default(),
         };
         let mut corners = Vec::new();
         self.each_volume(|element, block| {
@@ -217,7 +201,7 @@ impl MeshFile {
             volumes.cells.add(volume.code, corners.iter().copied());
             volumes.tags.push(element.tag);
             volumes.blocks.push(block as f64);
-            volumes.orders.push(volume.order);
+            volumes.orders.add(volumes.tags.len() - 1, volume.order);
             Ok(())
         })?;
         self.tags.keep(1, Tags::new(std::mem::take(&mut volumes.tags), "element", |tag| tag)?);
@@ -227,13 +211,112 @@ impl MeshFile {
     /// Points and cells.
     pub fn read_geometry(&self) -> Result<(Vec<DVec3>, Cells)> {
         let points = self.read_nodes()?;
-        let mut set = self.read_volumes()?.cells.into_set();
+        let cells = self.read_volumes()?.cells;
         if !self.is_split {
-            return Ok((points, Cells::Mixed(set)));
+            return Ok((points, cells.into_cells()));
         }
+        let mut set = cells.into_set();
         let own = set.connectivity.iter().map(|&node| points[node as usize]).collect::<Vec<_>>();
         set.connectivity = (0..own.len() as u32).collect();
         Ok((own, Cells::Mixed(set)))
+    }
+}
+
+/// Tags and positions of nodes.
+#[derive(Default)]
+struct Nodes {
+    tags: Vec<u64>,
+    points: Vec<DVec3>,
+}
+
+impl Nodes {
+    /// Version 4.1: entities, each with the tags of its nodes, then positions with parameters.
+    fn read_4(&mut self, cursor: &mut Cursor) -> Result<()> {
+        let (int, size) = (NumberType::I32, NumberType::U64);
+        let entity_count: u64 = cursor.number(size, "the number of entities")?;
+        for _ in 0..3 {
+            cursor.number::<u64>(size, "numbers of nodes")?;
+        }
+        for _ in 0..entity_count {
+            let dimension: u64 = cursor.number(int, "the dimension of an entity")?;
+            cursor.number::<i64>(int, "the tag of an entity")?;
+            let is_parametric = cursor.number::<u64>(int, "0 or 1")? == 1;
+            let count: u64 = cursor.number(size, "a number of nodes")?;
+            self.tags.extend(cursor.numbers::<u64>(size, count, "the tag of a node")?);
+            let width = 3 + if is_parametric { dimension.min(3) } else { 0 };
+            each_batch(count, |count| {
+                let rows: Vec<f64> = cursor.numbers(NumberType::F64, count * width, "a coordinate")?;
+                self.points.extend(rows.chunks_exact(width as usize).map(DVec3::from_slice));
+                Ok(())
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Version 2: rows of a number and a position.
+    fn read_2(&mut self, cursor: &mut Cursor, binary: Option<ByteOrder>) -> Result<()> {
+        let count: u64 = cursor.number(NumberType::U64, "the number of nodes")?;
+        if binary.is_some() {
+            cursor.line()?;
+            cursor.binary = binary;
+        }
+        each_row(cursor, count, 3, |tag, position| {
+            self.tags.push(tag);
+            self.points.push(DVec3::from_slice(position));
+            Ok(())
+        })
+    }
+}
+
+/// Calls `visit` with the rows of a table: a number, and so many values.
+pub(super) fn each_row(
+    cursor: &mut Cursor,
+    count: u64,
+    width: usize,
+    mut visit: impl FnMut(u64, &[f64]) -> Result<()>,
+) -> Result<()> {
+    if let Some(order) = cursor.binary {
+        let (mut values, mut tag) = (vec![0.0; width], [0_u64]);
+        for _ in 0..count {
+            let row = cursor.bytes(4 + 8 * width)?;
+            let is_good = convert(NumberType::I32, order, row, &mut tag).is_ok();
+            // Every number is a float.
+            let _ = convert(NumberType::F64, order, &row[4..], &mut values);
+            if !is_good {
+                return Err(cursor.error("a number is damaged").expected("the number of a node or element"));
+            }
+            visit(tag[0], &values)?;
+        }
+        return Ok(());
+    }
+    let mut passed = 0;
+    let read = cursor.rest().stream(NumberType::F64, is_space, |shown: &[f64]| {
+        for (place, row) in shown.chunks_exact(1 + width).enumerate() {
+            if passed == count {
+                return Ok(None);
+            }
+            let at = |error: Error| (place * (1 + width), error);
+            // Floats hold whole numbers below 2^53.
+            if row[0].fract() != 0.0 || !(0.0..9e15).contains(&row[0]) {
+                let error = Error::run("a number is damaged").got(row[0]);
+                return Err(at(error.expected("the number of a node or element")));
+            }
+            visit(row[0] as u64, &row[1..]).map_err(at)?;
+            passed += 1;
+        }
+        Ok((passed < count).then_some(shown.len() / (1 + width) * (1 + width)))
+    });
+    let what = |error: Error| match error.expected.as_deref() {
+        Some("a number") => error.expected("the number of a node or element, or a value"),
+        _ => error,
+    };
+    read.map_err(what)?;
+    match passed == count {
+        true => Ok(()),
+        false => Err(cursor
+            .error("the file ends early")
+            .got(passed)
+            .expected(format_args!("{count} rows of numbers"))),
     }
 }
 

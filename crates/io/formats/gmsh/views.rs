@@ -1,6 +1,6 @@
 //! Post-processing views: `$NodeData`, `$ElementData` and `$ElementNodeData`, one section a step.
 
-use super::mesh::MeshFile;
+use super::mesh::{MeshFile, each_row};
 use crate::formats::cursor::Cursor;
 use crate::formats::numbers::NumberType;
 use std::sync::Arc;
@@ -169,7 +169,6 @@ impl ViewArray {
     /// Calls `visit` with the tag and the values of each entity.
     fn each(&self, file: &MeshFile, mut visit: impl FnMut(u64, &[f64]) -> Result<()>) -> Result<()> {
         let n = self.component_count();
-        let mut values = Vec::new();
         for part in &self.parts {
             let mut cursor = Cursor::within(&file.source, part.start, part.end, part.line);
             cursor.binary = file.binary;
@@ -177,17 +176,15 @@ impl ViewArray {
                 let error = cursor.error(format!("the view '{}' changes its components", self.name));
                 return Err(error.got(part.component_count).expected(n));
             }
+            if !self.is_by_corner() {
+                each_row(&mut cursor, part.count, n, &mut visit)?;
+                continue;
+            }
             for _ in 0..part.count {
-                let tag = cursor.number(NumberType::I32, "the tag of a node or element")?;
-                let mut count = n as u64;
-                if self.is_by_corner() {
-                    let corners: u64 = cursor.number(NumberType::I32, "a number of nodes")?;
-                    count = count.saturating_mul(corners);
-                }
-                values.clear();
-                for _ in 0..count {
-                    values.push(cursor.number(NumberType::F64, "a value")?);
-                }
+                let tag = cursor.number(NumberType::I32, "the tag of an element")?;
+                let corners: u64 = cursor.number(NumberType::I32, "a number of nodes")?;
+                let values: Vec<f64> =
+                    cursor.numbers(NumberType::F64, corners.saturating_mul(n as u64), "a value")?;
                 visit(tag, &values)?;
             }
         }
@@ -223,7 +220,7 @@ impl ViewArray {
         let mut has_values = vec![false; set.connectivity.len()];
         self.each(file, |tag, values| {
             let Some(cell) = tags.find(tag) else { return Ok(()) };
-            let (order, first) = (volumes.orders[cell], set.offsets[cell] as usize);
+            let (order, first) = (volumes.orders.order(cell), set.offsets[cell] as usize);
             for (i, &place) in order.iter().enumerate() {
                 let Some(own) = values.get(usize::from(place) * n..).and_then(|rest| rest.get(..n)) else {
                     let error = Error::run(format!("a view has too few values in element {tag}"));

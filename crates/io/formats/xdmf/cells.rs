@@ -4,7 +4,7 @@
 //! each type.
 
 use crate::formats::contents::{Convert, Meter, Stored};
-use crate::formats::lazy::GatheredCells;
+use crate::formats::lazy::{GatheredCells, tetrahedra};
 use std::sync::Arc;
 use voltet_core::grid::{CellSet, Cells, code};
 use voltet_core::{Error, Result};
@@ -102,7 +102,7 @@ impl Topology {
             }
         }
         if self.vtk == code::TETRA {
-            return Ok(Cells::Tetrahedra(numbers.as_chunks().0.to_vec().into()));
+            return Ok(tetrahedra(numbers));
         }
         let count = numbers.len().checked_div(node_count).unwrap_or(0);
         Ok(Cells::Mixed(CellSet {

@@ -216,9 +216,9 @@ fn abaqus_has_parts_instances_and_sets() {
         ("C3D4", "C3D15V", ["not read", "C3D15V", "a.inp:10"]),
         ("part=block", "part=blok", ["does not exist", "'blok'", "a.inp:24"]),
         (" 3, 4\n 2, 2, 3", " 3\n 2, 2, 3", ["too many nodes", "element 1", "a.inp:13"]),
-        ("2, 3, 4, 5\n", "2, 3, 4\n", ["element 2 ends early", "found 3", "a.inp:14"]),
+        ("2, 3, 4, 5\n", "2, 3, 4\n", ["element 2 ends early", "found 3", "a.inp:13"]),
         ("*Heading", "*Include, input=x", ["*INCLUDE", "is not read", "a.inp:1"]),
-        (" 1, 0., 0.", " 1, O., 0.", ["damaged", "' O.'", "a.inp:5"]),
+        (" 1, 0., 0.", " 1, O., 0.", ["damaged", "'O.'", "a.inp:5"]),
         ("1, 1, 1\n", "1, 1000000000000, 1\n", ["more elements than the file", "step", "a.inp:17"]),
     ] {
         let path = file(&folder, "a.inp", text.replacen(from, to, 1).as_bytes());
