@@ -22,7 +22,7 @@ def reader(
     blocks: Sequence[str] | None = None,
     displacement: str | None = None,
     displacement_factor: float | None = None,
-    time_step: int | None = None,
+    time_step: int | str | None = None,
     time: float | None = None,
     subdivision: int | None = None,
     solution: str | PathLike[str] | None = None,

@@ -97,8 +97,7 @@ impl<'a> NodeRun<'a> {
         let mut series: Option<(&str, usize, usize)> = None;
         for FeedingNode { place, parameters, .. } in &mut feeding {
             let node = &graph.nodes[*place];
-            let preparation = Preparation { parameters: &node.parameters, folder: &graph.folder };
-            let read = (node.node.steps)(&preparation).map_err(|error| node.locate(error))?;
+            let read = graph.time_series(*place)?;
             let own_step = read.own;
             *parameters = read.steps;
             match (series, parameters.len()) {
