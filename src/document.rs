@@ -66,7 +66,7 @@ impl Change {
         Change { node: node.into(), parameter: parameter.into(), value: None }
     }
 
-    fn carry_out(&self, pipeline: &mut Pipeline) -> Result<()> {
+    fn apply(&self, pipeline: &mut Pipeline) -> Result<()> {
         let names = || pipeline.nodes.iter().map(|entry| entry.name.as_str());
         let Some(place) = names().position(|name| name == self.node) else {
             return Err(unknown_node(&self.node, names()));
@@ -99,7 +99,7 @@ impl Document {
     pub fn changed(&self, changes: &[Change], registry: &Registry) -> Result<Document> {
         let located = |error| self.locate(error);
         let mut pipeline = self.pipeline.clone();
-        changes.iter().try_for_each(|change| change.carry_out(&mut pipeline)).map_err(located)?;
+        changes.iter().try_for_each(|change| change.apply(&mut pipeline)).map_err(located)?;
         let folder = self.graph.folder.clone();
         let mut graph = Graph::build(&pipeline.nodes, registry, folder).map_err(located)?;
         let mut text = DocumentText::from_text(self.graph.stated.text.clone(), None);
@@ -201,6 +201,18 @@ impl Document {
             })
         });
         changed.collect()
+    }
+
+    /// The files that a run reads: its own, those that nodes name, and those beside them.
+    #[cfg(feature = "cli")]
+    pub(crate) fn inputs(&self) -> impl Iterator<Item = PathBuf> {
+        self.entries(false).into_iter().map(|entry| entry.file.path)
+    }
+
+    /// Data files that nodes name, and the files of all steps beside them.
+    #[cfg(feature = "cli")]
+    pub(crate) fn data_files(&self) -> impl Iterator<Item = PathBuf> {
+        self.inputs().skip(1)
     }
 
     /// The files that its nodes write.

@@ -9,7 +9,7 @@ const DIGITS: usize = 4;
 
 /// Values of the marks of one frame.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Marks {
+pub struct MarkValues {
     /// `{frame}`: number of the frame, from 0.
     pub frame: usize,
     /// `{step}`: number of its time step; 0 where the data are no series.
@@ -18,6 +18,8 @@ pub struct Marks {
     pub time: Option<f64>,
     /// `{stem}`: name of its data file without ending.
     pub stem: Option<String>,
+    /// Number of its place on the camera's way, where frames differ in that alone.
+    pub turn: usize,
     /// `{sweep}`: number of its combination of values, from 0.
     pub sweep: usize,
 }
@@ -49,7 +51,7 @@ pub fn names(path: &str, marks: &[&str]) -> bool {
 ///
 /// # Errors
 /// - the time of data without times, the name of a data file that there is not, the standard output for several frames.
-pub fn path_of(pattern: &str, marks: &Marks, varying: &[Varying]) -> Result<String> {
+pub fn path_of(pattern: &str, marks: &MarkValues, varying: &[Varying]) -> Result<String> {
     let mut path = String::new();
     let mut end = 0;
     for (range, mark) in marks_of(pattern) {
@@ -76,6 +78,19 @@ pub fn path_of(pattern: &str, marks: &Marks, varying: &[Varying]) -> Result<Stri
 }
 
 impl Varying {
+    /// All, in the order in which they stand in names.
+    pub const ALL: [Varying; 4] = [Varying::File, Varying::Step, Varying::Sweep, Varying::Turn];
+
+    /// True if two frames differ in it.
+    pub fn differs(self, a: &MarkValues, b: &MarkValues) -> bool {
+        match self {
+            Varying::File => a.stem != b.stem,
+            Varying::Step => a.step != b.step,
+            Varying::Sweep => a.sweep != b.sweep,
+            Varying::Turn => a.turn != b.turn,
+        }
+    }
+
     fn is_named(self, pattern: &str) -> bool {
         names(
             pattern,
@@ -89,7 +104,7 @@ impl Varying {
     }
 
     /// Value of the quantity, for a name without its mark.
-    fn suffix(self, marks: &Marks) -> String {
+    fn suffix(self, marks: &MarkValues) -> String {
         match self {
             Varying::File => format!("_{}", marks.stem.as_deref().unwrap_or_default()),
             Varying::Step => format!("_{:0DIGITS$}", marks.step),
@@ -102,12 +117,12 @@ impl Varying {
 /// A mark in a path: "{name}" or "{name:form}".
 struct Mark<'a> {
     name: &'a str,
-    form: Form,
+    form: NumberFormat,
 }
 
-/// Form of a number.
+/// NumberFormat of a number.
 #[derive(Clone, Copy)]
-enum Form {
+enum NumberFormat {
     Plain,
     /// Digits of a whole number, filled with zeros: ":04".
     Digits(usize),
@@ -121,15 +136,17 @@ impl Mark<'_> {
         let (name, form) = text.split_once(':').map_or((text, None), |(name, form)| (name, Some(form)));
         let number = |text: &str| text.parse::<usize>().ok().filter(|number| *number < 20);
         let form = match (name, form) {
-            ("step" | "frame" | "sweep" | "time" | "stem", None) => Form::Plain,
-            ("step" | "frame" | "sweep", Some(form)) => Form::Digits(number(form.strip_prefix('0')?)?),
-            ("time", Some(form)) => Form::Decimals(number(form.strip_prefix('.')?)?),
+            ("step" | "frame" | "sweep" | "time" | "stem", None) => NumberFormat::Plain,
+            ("step" | "frame" | "sweep", Some(form)) => {
+                NumberFormat::Digits(number(form.strip_prefix('0')?)?)
+            }
+            ("time", Some(form)) => NumberFormat::Decimals(number(form.strip_prefix('.')?)?),
             _ => return None,
         };
         Some(Mark { name, form })
     }
 
-    fn text(&self, marks: &Marks) -> Result<String> {
+    fn text(&self, marks: &MarkValues) -> Result<String> {
         let missing = |what: &str, expected: &str| {
             Error::usage(format!("the name of a file has the mark {{{}}}, and {what}", self.name))
                 .expected(expected)
@@ -140,7 +157,7 @@ impl Mark<'_> {
                     .time
                     .ok_or_else(|| missing("the data have no times", "{step}, or data with times"))?;
                 return Ok(match self.form {
-                    Form::Decimals(decimals) => format!("{time:.decimals$}"),
+                    NumberFormat::Decimals(decimals) => format!("{time:.decimals$}"),
                     _ => format!("{time}"),
                 });
             }
@@ -153,7 +170,7 @@ impl Mark<'_> {
             _ => marks.frame,
         };
         Ok(match self.form {
-            Form::Digits(digits) => format!("{number:0digits$}"),
+            NumberFormat::Digits(digits) => format!("{number:0digits$}"),
             _ => number.to_string(),
         })
     }
@@ -172,8 +189,8 @@ fn marks_of(path: &str) -> impl Iterator<Item = (std::ops::Range<usize>, Mark<'_
 mod tests {
     use super::*;
 
-    fn marks() -> Marks {
-        Marks { frame: 12, step: 7, time: Some(0.25), stem: Some("run".into()), sweep: 3 }
+    fn marks() -> MarkValues {
+        MarkValues { frame: 12, step: 7, time: Some(0.25), stem: Some("run".into()), turn: 0, sweep: 3 }
     }
 
     #[test]
@@ -201,7 +218,7 @@ mod tests {
 
     #[test]
     fn a_time_that_is_not_there_is_refused() {
-        let error = path_of("{time}.png", &Marks::default(), &[]).unwrap_err().to_string();
+        let error = path_of("{time}.png", &MarkValues::default(), &[]).unwrap_err().to_string();
         assert!(error.contains("no times"), "{error}");
     }
 }

@@ -1,6 +1,6 @@
 //! Commands about data files: `voltet info`, `start` and `convert`.
 
-use super::{Plugins, Set};
+use super::shared::{Plugins, Set};
 use crate::graph::Registry;
 use crate::io::formats::{Request, TimeStep};
 use crate::nodes::external_formats;

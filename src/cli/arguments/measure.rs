@@ -1,7 +1,7 @@
 //! Commands that measure, judge and compare: `voltet diff`, `pixel`, `stability`, `study`, `time`, `papers` and `gradient-test`.
 
+use super::shared::{File, Files, Plugins};
 use super::values::{color, fraction, one_of, size};
-use super::{File, Files, Plugins};
 use crate::nodes::drawing::ENGINES;
 use crate::optics::engine::Compositor;
 use clap::Args;

@@ -12,7 +12,7 @@ use crate::io::formats::{
 };
 use crate::nodes::external_formats;
 use crate::nodes::files::{Use, collision, is_standard_output, is_stream, refuse_unwritable};
-use crate::series::names::{Marks, Varying, path_of};
+use crate::series::names::{MarkValues, Varying, path_of};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -152,7 +152,8 @@ fn outputs(arguments: &Convert, request: &Request, outline: &Outline) -> Result<
     let stem = arguments.data.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let output = |(frame, step): (usize, Option<usize>)| {
         let time = step.and_then(|step| outline.time_steps.get(step).copied());
-        let marks = Marks { frame, step: step.unwrap_or(0), time, stem: stem.clone(), ..Marks::default() };
+        let marks =
+            MarkValues { frame, step: step.unwrap_or(0), time, stem: stem.clone(), ..MarkValues::default() };
         let path = path_of(&arguments.output.to_string_lossy(), &marks, &varying)?;
         Ok(Output { path: PathBuf::from(path), step })
     };

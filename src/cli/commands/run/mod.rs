@@ -1,20 +1,21 @@
 //! `voltet run`: runs pipeline files headless, each for one picture or for the frames of a series.
 
-mod frames;
+mod film;
+mod plan;
+mod resume;
+mod runner;
+mod sheet;
 
-use super::shared::{DONE, Outcome, ShortOption, open_all, show, tell, warn};
+use super::shared::{DONE, Outcome, ShortOption, open_all};
 use crate::Document;
 use crate::cli::arguments::Run;
-use crate::cli::present::{Bar, say, summary, warnings};
-use crate::core::error::ErrorKind;
 use crate::core::{Error, Result};
 use crate::document;
-use crate::graph::{Observer, ParameterValue, Registry, RunReport, Session};
-use crate::io::provenance::{run_report, whole_report};
+use crate::graph::{ParameterValue, Registry};
+use crate::io::provenance::whole_report;
 use crate::nodes::files;
-use frames::Plan;
-use serde_json::Value;
-use voltet_study::ExhaustiveComparison;
+use plan::Plan;
+use runner::Runner;
 
 pub fn run(arguments: &Run, registry: &Registry) -> Outcome {
     // Every file is checked before the first one runs.
@@ -23,7 +24,9 @@ pub fn run(arguments: &Run, registry: &Registry) -> Outcome {
         return Ok(wrong);
     }
     documents.iter().try_for_each(Document::refuse_missing_data)?;
-    let plans = frames::plans(&documents, arguments, registry)?;
+    film::check(arguments, &documents)?;
+    let plans = plan::plans(&documents, arguments, registry)?;
+    film::refuse_frame(arguments, plans.iter().flat_map(|plan| &plan.outputs))?;
     let report = arguments.report.as_deref().map(|path| ("--report", path));
     let first = plans.iter().map(|plan| &plan.first);
     document::refuse_conflicts(first, true, report.as_slice())?;
@@ -31,29 +34,21 @@ pub fn run(arguments: &Run, registry: &Registry) -> Outcome {
     let outputs = plans.iter().flat_map(|plan| &plan.outputs).chain(&arguments.report);
     let streams = outputs.into_iter().any(|path| files::is_standard_output(path));
     refuse_exhaustive(arguments, &plans, streams)?;
-    let mut call = Call {
-        arguments,
-        registry,
-        bar: Bar::new(arguments.quiet),
-        session: crate::nodes::session(),
-        streams,
-        worst: DONE,
-        reports: Vec::new(),
-    };
+    let mut runner = Runner::new(arguments, registry, streams);
     for plan in &plans {
         let goes_on = match &plan.frames {
-            None => call.run_picture(&plan.first)?,
-            Some(frames) => call.run_frames(plan, frames)?,
+            None => runner.run_picture(&plan.first)?,
+            Some(frames) => runner.run_frames(plan, frames)?,
         };
         if !goes_on {
-            return Ok(call.worst);
+            return Ok(runner.worst);
         }
     }
     let is_series = plans.iter().any(|plan| plan.frames.is_some());
-    if let (Some(path), true) = (&arguments.report, call.worst == DONE || is_series) {
-        files::write_whole(path, format!("{:#}\n", whole_report(call.reports)).as_bytes())?;
+    if let (Some(path), true) = (&arguments.report, runner.worst == DONE || is_series) {
+        files::write_whole(path, format!("{:#}\n", whole_report(runner.reports)).as_bytes())?;
     }
-    Ok(call.worst)
+    Ok(runner.worst)
 }
 
 /// Options that are short for `--set`.
@@ -87,83 +82,4 @@ fn refuse_exhaustive(arguments: &Run, plans: &[Plan], streams: bool) -> Result<(
         _ => return Ok(()),
     };
     Err(Error::usage(what).expected(expected))
-}
-
-/// One call of the command: what its runs share.
-struct Call<'a> {
-    arguments: &'a Run,
-    registry: &'a Registry,
-    bar: Bar,
-    session: Session,
-    /// True if a file goes to the standard output.
-    streams: bool,
-    /// The exit code so far.
-    worst: u8,
-    reports: Vec<Value>,
-}
-
-impl Call<'_> {
-    /// Runs a pipeline for its one picture; false if it was stopped.
-    fn run_picture(&mut self, document: &Document) -> std::result::Result<bool, document::LocatedError> {
-        if !self.arguments.quiet {
-            warn(document);
-        }
-        let outcome = match self.arguments.exhaustive {
-            true => compared(document, &self.bar),
-            false => self.session.run(&document.graph, &self.bar).map(|report| (report, None)),
-        };
-        self.bar.clear();
-        match outcome {
-            Ok((report, exhaustive)) => {
-                if !self.arguments.quiet {
-                    say(&warnings(&report.warnings, document.graph.warnings.len()));
-                    let mut text = summary(&report);
-                    text.extend(exhaustive.iter().map(ExhaustiveComparison::to_text));
-                    tell(&text, self.streams)?;
-                }
-                let path = document.path.display().to_string();
-                let mut report = run_report(&path, &report, &document.graph.stated);
-                if let Some(exhaustive) = exhaustive {
-                    report["exhaustive"] = exhaustive.as_json();
-                    // The key of former versions.
-                    report["no_leave_out"] = report["exhaustive"].clone();
-                }
-                self.reports.push(report);
-                Ok(true)
-            }
-            Err(error) => {
-                let is_stopped = error.kind == ErrorKind::Cancelled;
-                self.worst = self.worst.max(show(&document.failure(error)));
-                Ok(!is_stopped)
-            }
-        }
-    }
-}
-
-/// Modes in which a file is run in turn, true for exhaustive ones. The first run finds cold caches and is not counted.
-const TURNS: [bool; 5] = [false, true, false, true, false];
-
-/// The file's exhaustive run, compared with the usual one: the fastest of each, every run from a
-/// fresh start.
-fn compared(
-    document: &Document,
-    observer: &dyn Observer,
-) -> Result<(RunReport, Option<ExhaustiveComparison>)> {
-    let mut runs: [Option<RunReport>; 2] = [None, None];
-    for (turn, exhaustive) in TURNS.into_iter().enumerate() {
-        let session = crate::nodes::session();
-        let mut session = if exhaustive { session.exhaustive() } else { session };
-        let report = session.run(&document.graph, observer)?;
-        let fastest = &mut runs[usize::from(exhaustive)];
-        if turn > 0 && fastest.as_ref().is_none_or(|fastest| report.seconds < fastest.seconds) {
-            *fastest = Some(report);
-        }
-    }
-    match runs {
-        [Some(usual), Some(exhaustive)] => {
-            let comparison = ExhaustiveComparison::compare(&usual, &exhaustive);
-            Ok((exhaustive, Some(comparison)))
-        }
-        _ => Err(Error::run("the file was not run")),
-    }
 }
