@@ -1,5 +1,6 @@
 //! `boundary`: the outer faces of the cells.
 
+use crate::relative::RELATIVE_TO;
 use crate::surfacing::{self, SMOOTH, Shape, with_paint};
 use voltet_core::Result;
 use voltet_core::grid::boundary;
@@ -28,7 +29,7 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-const PARAMETERS: [Parameter; 10] = with_paint(
+const PARAMETERS: [Parameter; 11] = with_paint(
     [
         Parameter { default: DefaultValue::Boolean(false), ..SMOOTH },
         Parameter {
@@ -38,6 +39,7 @@ const PARAMETERS: [Parameter; 10] = with_paint(
             default: DefaultValue::Unset("none: all edges look smooth"),
             help: "of a smooth look: edges where normals turn by more than this stay sharp",
         },
+        RELATIVE_TO,
     ],
     "one colour",
     0.15,

@@ -1,12 +1,14 @@
 //! `camera`: where the picture is seen from.
 
-use crate::probe::placed;
+use crate::probe::SpatialRegion;
+use crate::relative::{DataScope, RELATIVE_TO};
 use glam::DVec3;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::arithmetic::unit_vector;
 use voltet_core::camera::{Camera, Projection};
+use voltet_core::camera_path::{CameraKey, camera_on_way, points_on_orbit};
 use voltet_core::grid::extent::corners;
-use voltet_core::transfer::with_placeholders;
+use voltet_core::transfer::{resolved, with_placeholders};
 use voltet_core::{Error, Result};
 use voltet_graph::{
     AxisRef, DefaultValue, Demand, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType,
@@ -31,7 +33,8 @@ const VIEWS: &[(&str, &str)] = &[
 ];
 
 /// Parameters that state a view in words or turn it. A program that sets `eye`, `target`, `up` and the projection unsets them.
-pub const VIEW_PARAMETERS: [&str; 7] = ["view", "direction", "fit", "azimuth", "elevation", "roll", "zoom"];
+pub const VIEW_PARAMETERS: [&str; 9] =
+    ["view", "direction", "fit", "azimuth", "elevation", "roll", "zoom", "orbit", "keys"];
 
 /// An angle, degrees, that turns the camera.
 const ANGLE: Parameter = Parameter {
@@ -41,6 +44,9 @@ const ANGLE: Parameter = Parameter {
     default: DefaultValue::Number(0.0),
     help: "",
 };
+
+/// Numbers of a key: its place on the way, the eye, the target.
+const KEY_LENGTH: usize = 7;
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -156,6 +162,29 @@ pub const NODE: Node = Node {
             default: DefaultValue::Integer(1),
             help: "rays a pixel",
         },
+        Parameter {
+            help: "the data whose bounds a view is fitted to: over a series the picture then does not move with them",
+            ..RELATIVE_TO
+        },
+        Parameter {
+            name: "orbit",
+            help: "angle that the camera turns about its target, as azimuth does, on its way through several pictures",
+            ..ANGLE
+        },
+        Parameter {
+            name: "keys",
+            parameter_type: ParameterType::Rows(Some(KEY_LENGTH)),
+            unit: "world units",
+            default: DefaultValue::Unset("none: the camera stands still, or turns by orbit"),
+            help: "the way in place of eye and target, in rows: share of it (0 to 1), x, y, z of the eye, x, y, z of the target",
+        },
+        Parameter {
+            name: "phase",
+            parameter_type: ParameterType::Number(Range::within(0.0, 1.0)),
+            unit: "share of the way",
+            default: DefaultValue::Number(0.0),
+            help: "the camera's place on its way by orbit and keys; `voltet run --steps` and `--frames` set it for each picture",
+        },
     ],
     example: include_str!("examples/stages.toml"),
     early: true,
@@ -177,17 +206,52 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
                 let error = p.error(if is_relative { "fit" } else { view }, what);
                 return Err(error.expected("inputs = { volume = \"NODE\" } at the camera, or numbers in fit"));
             }
-            let grid = &call.volume("volume")?.grid;
-            camera(&placed(p, grid)?, grid.bounds())?
+            let bounds = bounds(call)?;
+            let none = || Error::run("the data have no points, so no view of them can be fitted");
+            let region = SpatialRegion::from_bounds(bounds.ok_or_else(none)?);
+            camera(&resolved(p, &region)?, bounds)?
         }
         _ => camera(p, None)?,
     };
     Ok(vec![Value::Camera(Arc::new(camera))])
 }
 
+/// Bounds of the data at the input `volume`, or of all steps of their series that count.
+fn bounds(call: &RunContext) -> Result<Option<[DVec3; 2]>> {
+    let scope = DataScope::from_parameters(call.parameters)?;
+    let Some(steps) = scope.steps(call.step_count("volume")?) else {
+        return Ok(call.volume("volume")?.grid.bounds());
+    };
+    let demand = Demand::default();
+    let kept = call.keep_over_steps("volume", &demand, || Ok(KeptBounds::default()))?;
+    let mut kept = kept.0.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(SeriesBounds(_, bounds)) = kept.iter().find(|SeriesBounds(of, _)| *of == steps) {
+        return Ok(*bounds);
+    }
+    let mut bounds: Option<[DVec3; 2]> = None;
+    call.each_step("volume", &demand, Some(&steps), &mut |_, value| {
+        let Some(volume) = value.volume().transpose()? else { return Ok(()) };
+        if let Some([low, high]) = volume.grid.bounds() {
+            let [a, b] = bounds.unwrap_or([low, high]);
+            bounds = Some([a.min(low), b.max(high)]);
+        }
+        Ok(())
+    })?;
+    kept.push(SeriesBounds(steps, bounds));
+    Ok(bounds)
+}
+
+/// Bounds of some steps of a series, which a session keeps.
+#[derive(Default)]
+struct KeptBounds(Mutex<Vec<SeriesBounds>>);
+
+/// Numbers of steps, and the bounds of their data.
+struct SeriesBounds(Vec<usize>, Option<[DVec3; 2]>);
+
 /// The camera that the parameters state; its axes are known to be sound. `bounds`: those of the data, where a view is fitted to them.
 fn camera(p: &Parameters, bounds: Option<[DVec3; 2]>) -> Result<Camera> {
     let side = side(p)?;
+    let key = key(p)?;
     let is_auto = p.optional("height").is_some_and(|height| height.text().is_some());
     let projection = match (p.optional_number("fov_y"), p.optional_number("height")) {
         (Some(_), height) if height.is_some() || is_auto => {
@@ -204,11 +268,17 @@ fn camera(p: &Parameters, bounds: Option<[DVec3; 2]>) -> Result<Camera> {
         let error = p.error("size", "the picture has too many pixels").got(width * height);
         return Err(error.expected(format!("width × height of at most {MAX_PIXELS}")));
     }
-    refuse_contradictions(p, side.is_some(), is_auto)?;
+    refuse_contradictions(p, side.is_some(), key.is_some(), is_auto)?;
     let (eye, target, own_up) = match side {
         Some(side) if side.reject_from(DVec3::Z).length() < ALONG_Z => (side, DVec3::ZERO, DVec3::Y),
         Some(side) => (side, DVec3::ZERO, DVec3::Z),
-        None => (p.vector("eye")?.into(), p.vector("target")?.into(), p.vector("up")?.into()),
+        None => {
+            let [eye, target] = match key {
+                Some(places) => places,
+                None => [p.vector("eye")?.into(), p.vector("target")?.into()],
+            };
+            (eye, target, p.vector("up")?.into())
+        }
     };
     let camera = Camera {
         eye,
@@ -223,20 +293,52 @@ fn camera(p: &Parameters, bounds: Option<[DVec3; 2]>) -> Result<Camera> {
     let place = if eye == target { "target" } else { "up" };
     camera.frame().map_err(|error| p.locate(place, error))?;
     let angles = [p.number("azimuth")?, p.number("elevation")?, p.number("roll")?];
+    let (orbit, axis, mut middle) = (p.number("orbit")?, camera.up, camera.target);
     let mut camera = camera.turned(angles).map_err(|error| p.locate("elevation", error))?;
     if side.is_some() {
-        camera = camera.fitted(&corners(ends(p, bounds)?)).map_err(|error| p.locate("fit", error))?;
+        let ends = ends(p, bounds)?;
+        let mut points = corners(ends).to_vec();
+        if orbit != 0.0 {
+            // The picture holds the data wherever on its orbit the camera is, from one distance.
+            middle = ends[0] * 0.5 + ends[1] * 0.5;
+            points = points_on_orbit(&points, middle, axis, orbit);
+        }
+        camera = camera.fitted(&points).map_err(|error| p.locate("fit", error))?;
         // A height that is given stays; the picture is fitted by its middle then.
         camera.projection = if is_auto { camera.projection } else { projection };
     }
-    let camera = camera.zoomed(p.number("zoom")?);
+    let camera = camera.zoomed(p.number("zoom")?).turned_about(middle, axis, orbit * p.number("phase")?);
     camera.frame().map_err(|error| p.locate("zoom", error))?;
     Ok(camera)
 }
 
+/// Eye and target on the way that `keys` state, at `phase`; `None` where there is no way.
+fn key(p: &Parameters) -> Result<Option<[DVec3; 2]>> {
+    if p.optional("keys").is_none() {
+        return Ok(None);
+    }
+    let rows = p.rows("keys")?;
+    let keys: Vec<CameraKey> = rows
+        .iter()
+        .map(|row| CameraKey {
+            place: row[0],
+            eye: DVec3::from_slice(&row[1..4]),
+            target: DVec3::from_slice(&row[4..7]),
+        })
+        .collect();
+    let [eye, target] = camera_on_way(&keys, p.number("phase")?).map_err(|error| p.locate("keys", error))?;
+    Ok(Some([eye, target]))
+}
+
 /// Refuses parameters that exclude each other, or that only a view has a use for.
-fn refuse_contradictions(p: &Parameters, is_view: bool, is_auto: bool) -> Result<()> {
+fn refuse_contradictions(p: &Parameters, is_view: bool, has_keys: bool, is_auto: bool) -> Result<()> {
     let places = ["eye", "target"];
+    if has_keys {
+        let others = ["eye", "target", "view", "direction"];
+        let Some(other) = others.into_iter().find(|name| p.optional(name).is_some()) else { return Ok(()) };
+        let error = p.error(other, format!("'keys' and '{other}' exclude each other"));
+        return Err(error.expected("the places of keys, or one place of the camera"));
+    }
     if is_view {
         let Some(place) = places.into_iter().find(|place| p.optional(place).is_some()) else { return Ok(()) };
         let view = if p.is_set("view") { "view" } else { "direction" };

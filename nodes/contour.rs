@@ -1,5 +1,6 @@
 //! `contour`: surfaces of constant value.
 
+use crate::relative::RELATIVE_TO;
 use crate::surfacing::{self, QUANTITY, SMOOTH, Shape, with_paint};
 use voltet_core::Result;
 use voltet_core::grid::{GridSurface, contour};
@@ -31,7 +32,7 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-const PARAMETERS: [Parameter; 11] = with_paint(
+const PARAMETERS: [Parameter; 12] = with_paint(
     [
         Parameter {
             help: "what is constant: \"s\", the scalar; \"g\", its gradient magnitude; or a point array",
@@ -49,6 +50,7 @@ const PARAMETERS: [Parameter; 11] = with_paint(
             help: "a surface for each of these",
         },
         SMOOTH,
+        RELATIVE_TO,
     ],
     "array",
     1.0,

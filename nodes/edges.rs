@@ -1,5 +1,6 @@
 //! `edges`: the edges of cells on the boundary, those of the boundary's features, or those of the box of the data, as tubes.
 
+use crate::relative::RELATIVE_TO;
 use crate::surfacing::tubing::{self, tube_parameters};
 use crate::surfacing::{self, Shape, with_paint};
 use glam::DVec3;
@@ -28,7 +29,7 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-const PARAMETERS: [Parameter; 12] = {
+const PARAMETERS: [Parameter; 13] = {
     let [radius, sides] = tube_parameters("0.1 %");
     with_paint(
         [
@@ -52,6 +53,7 @@ const PARAMETERS: [Parameter; 12] = {
             },
             radius,
             Parameter { default: DefaultValue::Integer(8), ..sides },
+            RELATIVE_TO,
         ],
         "one colour",
         1.0,

@@ -295,6 +295,11 @@ impl SpatialRegion {
         let none = || Error::run("the grid has no points, so nothing can be relative to its bounds");
         grid.bounds().map(SpatialRegion).ok_or_else(none)
     }
+
+    /// The box between two corners.
+    pub fn from_bounds(bounds: [DVec3; 2]) -> SpatialRegion {
+        SpatialRegion(bounds)
+    }
 }
 
 impl DataStatistics for SpatialRegion {

@@ -60,10 +60,10 @@ pub const NODE: Node = Node {
         },
         Parameter {
             name: "time_step",
-            parameter_type: ParameterType::Integer(Range::at_least(0.0)),
+            parameter_type: ParameterType::IntegerOr(Range::at_least(0.0), ALL_STEPS),
             unit: "",
             default: DefaultValue::Unset("the first"),
-            help: "number of the step of a time series, from 0",
+            help: "number of the step of a time series, from 0; \"all\": `voltet run` draws each, as by --steps all",
         },
         Parameter {
             name: "time",
@@ -99,6 +99,9 @@ pub const NODE: Node = Node {
     run: &|call| run(call, None),
     ..Node::BLANK
 };
+
+/// The word for every step of a series in place of one's number.
+const ALL_STEPS: &str = "all";
 
 /// The scalar that is drawn.
 pub const SCALAR: Parameter = Parameter {
@@ -141,6 +144,10 @@ fn prepare(preparation: &Preparation) -> Result<()> {
 pub(crate) fn run(call: &mut RunContext, chosen: Option<SelectedArrays>) -> Result<Outputs> {
     let request = asked(call.parameters, call.demand, chosen, &|path| call.resolve(path))?;
     let path = call.path("path")?;
+    if call.parameters.optional("time_step").is_some_and(|step| step.text().is_some()) {
+        let what = "time_step = \"all\" is for `voltet run`; the first step alone is read here";
+        call.notes.warnings.push(what.into());
+    }
     let grid = formats::read(&path, &request, call.progress()).map_err(with_file_named)?;
     let origin = &grid.origin;
     call.notes.warnings.extend(origin.warnings.iter().cloned());
@@ -186,12 +193,12 @@ pub(crate) fn steps(preparation: &Preparation, chosen: Option<SelectedArrays>) -
         request.solution = Some(preparation.path("solution")?);
     }
     // A step that is not there is said when it is read.
-    let (count, own) = formats::steps(&preparation.path("path")?, &request)?;
-    if count == 1 {
-        return Ok(TimeSeries::of_one(p));
+    let (times, own) = formats::steps(&preparation.path("path")?, &request)?;
+    if times.len() < 2 {
+        return Ok(TimeSeries { times, ..TimeSeries::of_one(p) });
     }
     let at = |step: usize| p.with("time", None).with("time_step", Some(ParameterValue::Integer(step as i64)));
-    Ok(TimeSeries { steps: (0..count).map(at).collect(), own })
+    Ok(TimeSeries { steps: (0..times.len()).map(at).collect(), own, times })
 }
 
 /// Notes the arrays that are left out, from the headers of the file alone.
@@ -255,6 +262,7 @@ pub(crate) fn request(p: &Parameters, chosen: Option<SelectedArrays>) -> Result<
         (true, Some(_)) => {
             return Err(p.error("time", "'time' and 'time_step' exclude each other").expected("one of them"));
         }
+        (true, None) if p.get("time_step")?.text().is_some() => None,
         (true, None) => Some(TimeStep::Index(p.integer("time_step")? as usize)),
         (false, time) => time.map(TimeStep::Time),
     };

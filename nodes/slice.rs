@@ -1,6 +1,7 @@
 //! `slice`: a plane, a sphere or a cylinder through the cells, coloured by what they hold there.
 
 use crate::probe::{POSITION, RADIUS};
+use crate::relative::RELATIVE_TO;
 use crate::surfacing::{self, Shape, with_paint};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -32,7 +33,7 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-const PARAMETERS: [Parameter; 12] = with_paint(
+const PARAMETERS: [Parameter; 13] = with_paint(
     [
         Parameter {
             help: "a point of the plane, the centre of the sphere, or a point on the axis of the cylinder",
@@ -61,6 +62,7 @@ const PARAMETERS: [Parameter; 12] = with_paint(
             help: "radius of the sphere or cylinder; a percentage: of the diagonal of the bounds",
             ..RADIUS
         },
+        RELATIVE_TO,
     ],
     "s",
     1.0,

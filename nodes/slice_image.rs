@@ -47,7 +47,7 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-const PARAMETERS: [Parameter; 8] = {
+const PARAMETERS: [Parameter; 9] = {
     let [color_by, colormap, reversed, steps, range] = map_parameters("s");
     let thickness = Parameter {
         name: "thickness",
@@ -56,7 +56,7 @@ const PARAMETERS: [Parameter; 8] = {
         default: DefaultValue::Unset("the unit_distance of the transfer function"),
         help: "thickness of the slab of equal values whose light a transfer function gives",
     };
-    [ORIGIN, NORMAL, color_by, colormap, reversed, steps, range, thickness]
+    [ORIGIN, NORMAL, color_by, colormap, reversed, steps, range, relative::RELATIVE_TO, thickness]
 };
 
 fn demand(asking: &mut DemandContext) -> Result<()> {

@@ -2,7 +2,7 @@
 
 use crate::drawing::{CLIP, clips};
 use crate::reader::blocks;
-use crate::relative::{demand_for, note_numbers};
+use crate::relative::{DataScope, RELATIVE_TO, demand_for, known_of_series, note_numbers};
 use crate::surfacing::{self, QUANTITY, VolumeStatistics, quantity, range_message};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -11,13 +11,12 @@ use voltet_core::grid::{
     Array, CellValues, Grid, Subset, add_from_cells, cells_above, cells_by_points, whole_cells,
 };
 use voltet_core::parameters::suggest;
-use voltet_core::progress::Progress;
 use voltet_core::transfer::{resolved, with_placeholders};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result, counted};
 use voltet_graph::{
-    ArrayRef, AxisRef, DefaultValue, DemandContext, Node, Outputs, Parameter, ParameterType, Parameters,
-    Port, PortType, Range, RelativeNumberType, RunContext, StatisticKind, Value,
+    ArrayRef, AxisRef, DefaultValue, Demand, DemandContext, Node, Outputs, Parameter, ParameterType,
+    Parameters, Port, PortType, Range, RelativeNumberType, RunContext, StatisticKind, Value,
 };
 use voltet_io::formats::{BLOCK, blocks_named};
 
@@ -96,6 +95,7 @@ pub const NODE: Node = Node {
             default: DefaultValue::Boolean(false),
             help: "keeps the rest",
         },
+        RELATIVE_TO,
     ],
     example: include_str!("examples/threshold.toml"),
     check: &|p| Condition::new(&with_placeholders(p)?).map(drop),
@@ -246,22 +246,42 @@ fn known(call: &mut RunContext, volume: &Volume) -> Result<Parameters> {
         return Ok(p.clone());
     }
     let array = p.text("array")?;
-    let of = |volume: &Volume, progress: &dyn Progress| {
-        resolved(p, &VolumeStatistics { volume, array, color_by: None, progress })
+    let is_of_cells = p.text("association")? == "cell";
+    let view = |volume: &Volume| is_of_cells.then(|| cells_as_points(p, volume)).transpose();
+    let scope = DataScope::from_parameters(p)?;
+    let (own, over) = match scope {
+        DataScope::Step => {
+            let own = call.stage("range", |progress| {
+                let cells = view(volume)?;
+                let volume = cells.as_ref().unwrap_or(volume);
+                resolved(p, &VolumeStatistics { volume, array, color_by: None, progress, series: None })
+            })?;
+            (own, "over the data".to_string())
+        }
+        _ => {
+            let asked = match is_of_cells {
+                true => {
+                    Demand { cell_arrays: [array.to_string()].into_iter().collect(), ..Demand::default() }
+                }
+                false => demand_for(&[quantity(array)]),
+            };
+            let of_name = |named: &ArrayRef| (*named == ArrayRef::Named("array")).then(|| quantity(array));
+            let found = known_of_series(call, p, scope, &asked, &of_name, &view)?;
+            let (progress, series) = (call.progress(), Some(found.statistics()));
+            let own = resolved(p, &VolumeStatistics { volume, array, color_by: None, progress, series })?;
+            (own, found.over)
+        }
     };
-    let own = if p.text("association")? == "cell" {
-        // Each cell with points of its own, at which the array has the value of the cell.
-        let mut grid = Grid { point_arrays: Default::default(), ..Grid::clone(&volume.grid) };
-        let values = cell_array(p, &volume.grid)?.clone();
-        add_from_cells(&mut grid, array, values, CellValues::Constant)?;
-        let volume =
-            Volume { grid: Arc::new(grid), gradient: None, gradient_magnitude: None, ..volume.clone() };
-        call.stage("range", |progress| of(&volume, progress))?
-    } else {
-        call.stage("range", |progress| of(volume, progress))?
-    };
-    note_numbers(&mut call.notes, "threshold", "over the data", p, &own);
+    note_numbers(&mut call.notes, "threshold", &over, p, &own);
     Ok(own)
+}
+
+/// The volume in which each cell has points of its own, at which the array has the value of the cell.
+fn cells_as_points(p: &Parameters, volume: &Volume) -> Result<Volume> {
+    let mut grid = Grid { point_arrays: Default::default(), ..Grid::clone(&volume.grid) };
+    let values = cell_array(p, &volume.grid)?.clone();
+    add_from_cells(&mut grid, p.text("array")?, values, CellValues::Constant)?;
+    Ok(Volume { grid: Arc::new(grid), gradient: None, gradient_magnitude: None, ..volume.clone() })
 }
 
 /// The values of the array at the points.

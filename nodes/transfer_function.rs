@@ -59,16 +59,7 @@ pub const NODE: Node = Node {
             default: DefaultValue::Text("auto"),
             help: "the length over which extinction is stated; \"auto\": a hundredth of the data's diagonal",
         },
-        Parameter {
-            name: "relative_to",
-            parameter_type: ParameterType::Choice(&[
-                ("step", "the volume that is wired in"),
-                ("series", "all steps of its time series together, read one after the other"),
-            ]),
-            unit: "",
-            default: DefaultValue::Text("step"),
-            help: "what percentages are shares of the range of, and percentiles of the volume of",
-        },
+        relative::RELATIVE_TO,
         Parameter {
             name: "widgets",
             parameter_type: ParameterType::Kinds(WIDGET_KINDS),

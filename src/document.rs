@@ -8,7 +8,9 @@ use std::path::{Path, PathBuf};
 use voltet_core::{Error, Result};
 use voltet_document::{Document as DocumentText, Edit, Path as KeyPath};
 use voltet_graph::pipeline::{Pipeline, locate, value};
-use voltet_graph::{Graph, GraphNode, NamedPath, ParameterValue, Registry, ResolvedPipeline, SourceSpan};
+use voltet_graph::{
+    Graph, GraphNode, NamedPath, ParameterValue, Registry, ResolvedPipeline, SourceSpan, unknown_node,
+};
 use voltet_io::formats::files_beside;
 use voltet_io::provenance::{DataFile, PluginRecord, Provenance};
 use voltet_nodes::files::{Use, collision};
@@ -42,7 +44,74 @@ pub struct Document {
     pub carried: Option<Provenance>,
 }
 
+/// A change of a parameter, or of a part of it, of a pipeline that was read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Change {
+    /// The node.
+    pub node: String,
+    /// The parameter, and keys and numbers that lead to a part of it, with points between: `widgets.0.centre`.
+    pub parameter: String,
+    /// Its new value; `None`: it is not stated any more.
+    pub value: Option<ParameterValue>,
+}
+
+impl Change {
+    /// The change that sets a parameter.
+    pub fn set(node: &str, parameter: &str, value: ParameterValue) -> Change {
+        Change { node: node.into(), parameter: parameter.into(), value: Some(value) }
+    }
+
+    /// The change that takes a parameter away.
+    pub fn unset(node: &str, parameter: &str) -> Change {
+        Change { node: node.into(), parameter: parameter.into(), value: None }
+    }
+
+    fn apply(&self, pipeline: &mut Pipeline) -> Result<()> {
+        let names = || pipeline.nodes.iter().map(|entry| entry.name.as_str());
+        let Some(place) = names().position(|name| name == self.node) else {
+            return Err(unknown_node(&self.node, names()));
+        };
+        let entry = &mut pipeline.nodes[place];
+        let keys: Vec<&str> = self.parameter.split('.').collect();
+        match &self.value {
+            Some(value) => entry.set(keys[0], &keys[1..], value.clone().into()),
+            None => {
+                entry.settings.retain(|field| field.name != self.parameter);
+                Ok(())
+            }
+        }
+    }
+
+    fn edit(&self) -> Edit {
+        let (node, path) = (self.node.clone(), KeyPath::from(self.parameter.as_str()));
+        match self.value.clone() {
+            Some(value) => Edit::Set { node, path, value },
+            None => Edit::Unset { node, path },
+        }
+    }
+}
+
 impl Document {
+    /// The document with some parameters changed, as if its file said so.
+    ///
+    /// # Errors
+    /// - a node or parameter that does not exist, a value that is refused.
+    pub fn changed(&self, changes: &[Change], registry: &Registry) -> Result<Document> {
+        let located = |error| self.locate(error);
+        let mut pipeline = self.pipeline.clone();
+        changes.iter().try_for_each(|change| change.apply(&mut pipeline)).map_err(located)?;
+        let folder = self.graph.folder.clone();
+        let mut graph = Graph::build(&pipeline.nodes, registry, folder).map_err(located)?;
+        let mut text = DocumentText::from_text(self.graph.stated.text.clone(), None);
+        let is_written = changes.iter().all(|change| text.edit(&change.edit()).is_ok());
+        let written = is_written.then(|| text.text().to_string());
+        let written = written.filter(|text| Pipeline::parse(text).is_ok_and(|read| read == pipeline));
+        let stated = Pipeline::stated(written.unwrap_or_else(|| pipeline.to_string()), registry);
+        graph.stated = stated.map_err(located)?;
+        let (path, text, carried) = (self.path.clone(), self.text.clone(), self.carried.clone());
+        Ok(Document { path, text, pipeline, graph, carried })
+    }
+
     /// Reads a pipeline file, or a picture that carries its pipeline, carries out `options` (`node.param=value`)
     /// and checks it.
     pub fn open(path: &Path, options: &[String], registry: &Registry) -> Result<Document> {
@@ -132,6 +201,25 @@ impl Document {
             })
         });
         changed.collect()
+    }
+
+    /// The files that a run reads: its own, those that nodes name, and those beside them.
+    #[cfg(feature = "cli")]
+    pub(crate) fn inputs(&self) -> impl Iterator<Item = PathBuf> {
+        self.entries(false).into_iter().map(|entry| entry.file.path)
+    }
+
+    /// Data files that nodes name, and the files of all steps beside them.
+    #[cfg(feature = "cli")]
+    pub(crate) fn data_files(&self) -> impl Iterator<Item = PathBuf> {
+        self.inputs().skip(1)
+    }
+
+    /// The files that its nodes write.
+    #[cfg(feature = "cli")]
+    pub(crate) fn outputs(&self) -> impl Iterator<Item = PathBuf> {
+        let named = self.graph.nodes.iter().flat_map(|node| node.parameters.paths());
+        named.filter(|named| named.written).map(|named| named.from(&self.graph.folder))
     }
 
     /// The data files that are read, each with the node that does, and how it was when the picture was drawn.

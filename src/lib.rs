@@ -53,10 +53,11 @@
 mod cli;
 mod document;
 mod facade;
+pub mod series;
 
 #[cfg(feature = "cli")]
 pub use cli::{ExitOnOutOfMemory, registry, run};
-pub use document::{Document, Source};
+pub use document::{Change, Document, Source};
 pub use facade::*;
 pub use voltet_core as core;
 pub use voltet_core::clip::{Clip, ClipShape};

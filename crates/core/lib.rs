@@ -4,6 +4,7 @@
 
 pub mod arithmetic;
 pub mod camera;
+pub mod camera_path;
 pub mod clip;
 pub mod color;
 pub mod colormap;

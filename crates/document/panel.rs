@@ -214,7 +214,7 @@ impl Control {
             |range: Range, word| Control::Number { range, scale: Scale::from_range(&range), word, relative };
         match *parameter_type {
             ParameterType::Boolean => Control::Toggle,
-            ParameterType::Integer(range) => Control::Integer(range),
+            ParameterType::Integer(range) | ParameterType::IntegerOr(range, _) => Control::Integer(range),
             ParameterType::Number(range) => number(range, None),
             ParameterType::NumberOr(range, word) => number(range, Some(word)),
             ParameterType::Text if names_array(name) => Control::Array,

@@ -9,7 +9,7 @@ pub const STDOUT: &str = "-";
 const MAX_LINKS: usize = 40;
 
 /// Identity of a file: equal for two paths where data written to one shows at the other.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum FileIdentity {
     /// The standard output, where that is a terminal or another device.
     StandardOutput,

@@ -161,7 +161,24 @@ impl Provenance {
     /// Provenance of a picture that a node writes to `path`. `given`: the path as the pipeline has it.
     pub fn of_picture(call: &RunContext, given: &str, path: &Path) -> Provenance {
         let (stated, folder) = call.stated();
-        Self::new(&call.origins(), stated.title.clone(), path_from_folder(stated, folder, given, path))
+        Self::for_picture(&call.origins(), (stated, folder), given, path)
+    }
+
+    /// Provenance of a picture that is written to `path`, from origins. `stated`: the pipeline and its folder.
+    pub fn for_picture(
+        origins: &Origins,
+        (stated, folder): (&ResolvedPipeline, &Path),
+        given: &str,
+        path: &Path,
+    ) -> Provenance {
+        Self::new(origins, stated.title.clone(), path_from_folder(stated, folder, given, path))
+    }
+
+    /// True if a picture with this provenance was drawn by the same program from the same pipeline, files and plug-ins.
+    pub fn is_of_same_origin(&self, other: &Provenance) -> bool {
+        let origin =
+            |of: &Provenance| (of.program.clone(), of.pipeline.clone(), of.data.clone(), of.plugins.clone());
+        origin(self) == origin(other)
     }
 
     fn new(origins: &Origins, title: Option<String>, pipeline: String) -> Provenance {

@@ -1,5 +1,6 @@
 //! The file that a node writes: its path, and the format that the path's ending means; with the crate `voltet-files`.
 
+pub use voltet_files::write_parts as write_whole_in_parts;
 pub use voltet_files::*;
 
 use std::io::{self, Write};

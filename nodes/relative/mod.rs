@@ -1,5 +1,5 @@
 //! Numbers relative to data: the widgets of a transfer function before and after the data are known, what the numbers became in words
-//! and figures, and the statistics that they refer to: ranges and percentiles of one volume, or of all steps of a time series.
+//! and figures, and the statistics that they refer to: ranges and percentiles of one volume, or of steps of a time series.
 //!
 //! Of a series each step's own percentile is exact, and that of all steps together lies between the least and the largest of these. In
 //! that interval the volumes below [`EDGES`] values are summed over all steps (which reads them a second time), and the percentile
@@ -15,7 +15,73 @@ use voltet_core::transfer::{
 };
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result, counted};
-use voltet_graph::{ArrayRef, Demand, DemandContext, Diagnostics, ParameterValue, Parameters, RunContext};
+use voltet_graph::{
+    ArrayRef, DefaultValue, Demand, DemandContext, Diagnostics, Parameter, ParameterType, ParameterValue,
+    Parameters, RunContext,
+};
+
+/// Data that relative numbers refer to.
+pub const RELATIVE_TO: Parameter = Parameter {
+    name: "relative_to",
+    parameter_type: ParameterType::Choice(&[
+        ("step", "the volume that is wired in"),
+        ("sample", "up to 8 steps of its time series together, evenly spread from the first to the last"),
+        ("series", "all steps of its time series together, read one after the other"),
+    ]),
+    unit: "",
+    default: DefaultValue::Text("step"),
+    help: "what percentages are shares of the range of, and percentiles of the volume of",
+};
+
+/// Most steps of a sample of a series.
+const SAMPLE_COUNT: usize = 8;
+
+/// Data that relative numbers refer to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum DataScope {
+    /// The volume at the input.
+    Step,
+    /// Some steps of its time series.
+    Sample,
+    /// All steps of its time series.
+    Series,
+}
+
+impl DataScope {
+    /// The scope that the parameter [`RELATIVE_TO`] names.
+    pub fn from_parameters(p: &Parameters) -> Result<DataScope> {
+        Ok(match p.text(RELATIVE_TO.name)? {
+            "sample" => DataScope::Sample,
+            "series" => DataScope::Series,
+            _ => DataScope::Step,
+        })
+    }
+
+    /// Numbers of the steps, of a series of so many; `None`: that of the input alone.
+    pub fn steps(self, count: usize) -> Option<Vec<usize>> {
+        match self {
+            DataScope::Step => None,
+            DataScope::Sample if count > SAMPLE_COUNT => {
+                let last = SAMPLE_COUNT - 1;
+                Some((0..=last).map(|i| (i * (count - 1) + last / 2) / last).collect())
+            }
+            DataScope::Sample | DataScope::Series => Some((0..count).collect()),
+        }
+    }
+
+    /// "over the volume", or "over 8 of 365 time steps".
+    fn phrase(self, call: &RunContext) -> Result<String> {
+        if self == DataScope::Step {
+            return Ok("over the volume".to_string());
+        }
+        let count = call.step_count("volume")?;
+        let own = self.steps(count).map_or(count, |steps| steps.len());
+        Ok(match own == count {
+            true => format!("over {}", counted(count, "time step")),
+            false => format!("over {own} of {}", counted(count, "time step")),
+        })
+    }
+}
 
 /// Widgets: their kinds and keys.
 pub(crate) type Widgets = Vec<(&'static str, Parameters)>;
@@ -49,7 +115,7 @@ pub(crate) fn ask(asking: &mut DemandContext) -> Result<()> {
     if asking.fed_by("volume")?.is_none() {
         return Err(unwired(&widgets));
     }
-    let of_step = asking.parameters.text("relative_to")? == "step";
+    let of_step = DataScope::from_parameters(asking.parameters)? == DataScope::Step;
     asking.ask("volume", &if of_step { demand(&request) } else { Demand::default() })
 }
 
@@ -79,12 +145,9 @@ fn known_values(call: &mut RunContext, axes: &[AxisScale; 2]) -> Result<Widgets>
     if !call.is_wired("volume")? {
         return Err(unwired(&widgets));
     }
-    let of_series = call.parameters.text("relative_to")? == "series";
-    let found = FoundStatistics { axes: *axes, ..found(call, &request, of_series)? };
-    let over = match of_series {
-        true => format!("over {}", counted(call.step_count("volume")?, "time step")),
-        false => "over the volume".to_string(),
-    };
+    let scope = DataScope::from_parameters(call.parameters)?;
+    let found = FoundStatistics { axes: *axes, ..found(call, &request, scope)? };
+    let over = scope.phrase(call)?;
     found.note(&mut call.notes, &over);
     let mut known = Vec::new();
     for (number, (kind, keys)) in widgets.into_iter().enumerate() {
@@ -130,19 +193,85 @@ pub(crate) fn note_numbers(
     notes.find(format!("{thing}: {} ({over})", shown.join(", ")), figures);
 }
 
-/// Statistics of the volume at the input `volume`, or of all steps of the time series that feeds it, of which one is read at a time.
+/// The parameters of a node with numbers for those relative to values of these quantities over the steps of a series, which are noted.
+/// `quantity`: that of a name in the parameters; `view`: the volume whose points have its values; places stay relative.
+pub(crate) fn known_of_series(
+    call: &mut RunContext,
+    p: &Parameters,
+    scope: DataScope,
+    demand: &Demand,
+    quantity: &dyn Fn(&ArrayRef) -> Option<ArrayRef>,
+    view: &VolumeView,
+) -> Result<SeriesStatistics> {
+    let StatisticsRequest { ranges, percentiles } = statistics_request(p);
+    let mut request = StatisticsRequest::default();
+    request.ranges.extend(ranges.iter().filter_map(quantity));
+    for (named, percents) in percentiles {
+        if let Some(own) = quantity(&named) {
+            request.percentiles.entry(own).or_default().extend(percents);
+        }
+    }
+    let found = found_in(call, &request, scope, demand, view)?;
+    Ok(SeriesStatistics { found, over: scope.phrase(call)? })
+}
+
+/// Statistics over steps of a series, with the words for these.
+pub(crate) struct SeriesStatistics {
+    found: FoundStatistics,
+    pub over: String,
+}
+
+impl SeriesStatistics {
+    /// The statistics by quantity.
+    pub fn statistics(&self) -> &dyn DataStatistics {
+        &self.found
+    }
+}
+
+/// The volume whose points have the values that are measured, in place of one that is read; `None`: that itself.
+pub(crate) type VolumeView<'a> = dyn Fn(&Volume) -> Result<Option<Volume>> + 'a;
+
+/// Statistics of the volume at the input `volume`, or of steps of the time series that feeds it, of which one is read at a time.
 /// Statistics of former runs are not computed again.
-fn found(call: &mut RunContext, wanted: &StatisticsRequest, of_series: bool) -> Result<FoundStatistics> {
-    let (demand, none) = (demand(wanted), || Ok(Mutex::<FoundStatistics>::default()));
-    let kept = match of_series {
-        true => call.keep_over_steps("volume", &demand, none)?,
-        false => call.keep(call.revision("volume")?, none)?,
+fn found(call: &mut RunContext, wanted: &StatisticsRequest, scope: DataScope) -> Result<FoundStatistics> {
+    found_in(call, wanted, scope, &demand(wanted), &|_| Ok(None))
+}
+
+/// Statistics over some steps of a series; a type of its own, under which a session keeps them.
+#[derive(Default)]
+struct SampleStatistics(Mutex<FoundStatistics>);
+
+fn found_in(
+    call: &mut RunContext,
+    wanted: &StatisticsRequest,
+    scope: DataScope,
+    demand: &Demand,
+    view: &VolumeView,
+) -> Result<FoundStatistics> {
+    let (of_sample, of_all);
+    let kept: &Mutex<FoundStatistics> = match scope {
+        DataScope::Sample => {
+            of_sample = call.keep_over_steps("volume", demand, || Ok(SampleStatistics::default()))?;
+            &of_sample.0
+        }
+        DataScope::Series => {
+            of_all = call.keep_over_steps("volume", demand, || Ok(Mutex::default()))?;
+            &of_all
+        }
+        DataScope::Step => {
+            of_all = call.keep(call.revision("volume")?, || Ok(Mutex::default()))?;
+            &of_all
+        }
     };
     let mut known = kept.lock().unwrap_or_else(PoisonError::into_inner);
     let missing = known.missing(wanted);
-    let new = if of_series {
+    let steps = match scope {
+        DataScope::Step => None,
+        _ => scope.steps(call.step_count("volume")?),
+    };
+    let new = if let Some(steps) = steps {
         let mut read = 0;
-        let new = measure_series(call, &missing, &demand, &mut read)?;
+        let new = measure_series(call, &missing, (demand, &steps, view), &mut read)?;
         call.notes.counts.insert("steps_read", read);
         new
     } else {
@@ -311,11 +440,11 @@ impl Sums {
     }
 }
 
-/// Statistics of all steps of the series; `read` counts the steps that were read.
+/// Statistics of steps of the series; `read` counts the steps that were read.
 fn measure_series(
     call: &RunContext,
     wanted: &StatisticsRequest,
-    demand: &Demand,
+    (demand, steps, view): (&Demand, &[usize], &VolumeView),
     read: &mut u64,
 ) -> Result<FoundStatistics> {
     let mut found = FoundStatistics::default();
@@ -323,9 +452,13 @@ fn measure_series(
         return Ok(found);
     }
     let mut each = |of_step: &mut dyn FnMut(&Volume) -> Result<()>| {
-        call.each_step("volume", demand, &mut |_, value: voltet_graph::Value| {
+        call.each_step("volume", demand, Some(steps), &mut |_, value: voltet_graph::Value| {
             *read += 1;
-            value.volume().map_or(Ok(()), |volume| of_step(&*volume?))
+            let Some(volume) = value.volume().transpose()? else { return Ok(()) };
+            match view(&volume)? {
+                Some(other) => of_step(&other),
+                None => of_step(&volume),
+            }
         })
     };
     let mut intervals: BTreeMap<(ArrayRef, u64), [f64; 2]> = BTreeMap::new();

@@ -4,7 +4,7 @@
 pub mod tubing;
 
 use crate::probe::SpatialRegion;
-use crate::relative::{self, note_numbers};
+use crate::relative::{self, DataScope, note_numbers};
 use crate::transfer_function::FilesFrom;
 use glam::DVec3;
 use std::sync::Arc;
@@ -184,33 +184,33 @@ pub(crate) struct VolumeStatistics<'a> {
     pub array: &'a str,
     pub color_by: Option<&'a str>,
     pub progress: &'a dyn Progress,
+    /// Statistics of the quantities over steps of a series, in place of those of the volume.
+    pub series: Option<&'a dyn DataStatistics>,
 }
 
 impl VolumeStatistics<'_> {
     fn named(&self, quantity: &ArrayRef) -> Option<ArrayRef> {
-        match quantity {
-            ArrayRef::Named("array") => Some(self::quantity(self.array)),
-            ArrayRef::Named("color_by") => self.color_by.map(self::quantity),
-            _ => None,
-        }
+        named_quantity(quantity, self.array, self.color_by)
     }
 }
 
 impl DataStatistics for VolumeStatistics<'_> {
     fn range(&self, quantity: &ArrayRef) -> Result<[f64; 2]> {
-        match self.named(quantity) {
-            Some(named) => value_range(relative::values(self.volume, &named)?),
-            None => SpatialRegion::from_grid(&self.volume.grid)?.range(quantity),
+        match (self.named(quantity), self.series) {
+            (Some(named), Some(series)) => series.range(&named),
+            (Some(named), None) => value_range(relative::values(self.volume, &named)?),
+            (None, _) => SpatialRegion::from_grid(&self.volume.grid)?.range(quantity),
         }
     }
 
     fn percentile(&self, quantity: &ArrayRef, percent: f64) -> Result<f64> {
-        match self.named(quantity) {
-            Some(named) => {
+        match (self.named(quantity), self.series) {
+            (Some(named), Some(series)) => series.percentile(&named, percent),
+            (Some(named), None) => {
                 let volumes = relative::volumes(self.volume, &named, self.progress)?;
                 volumes.percentile(percent, self.progress)
             }
-            None => SpatialRegion::from_grid(&self.volume.grid)?.percentile(quantity, percent),
+            (None, _) => SpatialRegion::from_grid(&self.volume.grid)?.percentile(quantity, percent),
         }
     }
 }
@@ -223,7 +223,37 @@ pub fn known_of_volume(
     color_by: Option<&str>,
 ) -> Result<Parameters> {
     let unused: &[&str] = if color_by.is_some() { &[] } else { &["range"] };
-    known(call, unused, |p, progress| resolved(p, &VolumeStatistics { volume, array, color_by, progress }))
+    let scope = DataScope::from_parameters(call.parameters)?;
+    if scope == DataScope::Step {
+        return known(call, unused, |p, progress| {
+            resolved(p, &VolumeStatistics { volume, array, color_by, progress, series: None })
+        });
+    }
+    let p = unused.iter().fold(call.parameters.clone(), |p, name| p.with(name, None));
+    if p.relative_numbers().is_empty() {
+        return Ok(p);
+    }
+    let quantities: Vec<ArrayRef> = [Some(array), color_by].into_iter().flatten().map(quantity).collect();
+    let demand = relative::demand_for(&quantities);
+    let of_name = |named: &ArrayRef| named_quantity(named, array, color_by);
+    let series = relative::known_of_series(call, &p, scope, &demand, &of_name, &|_| Ok(None))?;
+    let own = {
+        let (progress, series) = (call.progress(), Some(series.statistics()));
+        resolved(&p, &VolumeStatistics { volume, array, color_by, progress, series })?
+    };
+    if own != p {
+        note_numbers(&mut call.notes, "surface", &series.over, &p, &own);
+    }
+    Ok(own)
+}
+
+/// The quantity that a parameter names which the numbers are relative to; `None` for a place.
+fn named_quantity(named: &ArrayRef, array: &str, color_by: Option<&str>) -> Option<ArrayRef> {
+    match named {
+        ArrayRef::Named("array") => Some(quantity(array)),
+        ArrayRef::Named("color_by") => color_by.map(quantity),
+        _ => None,
+    }
 }
 
 /// The node's parameters with numbers for those relative to data, which are noted; without those that are unused here, such as a range

@@ -76,6 +76,7 @@ fn form(parameter_type: &ParameterType) -> String {
     match parameter_type {
         ParameterType::Boolean => "bool".into(),
         ParameterType::Integer(_) => "int".into(),
+        ParameterType::IntegerOr(..) => "int | str".into(),
         ParameterType::Number(_) => "float".into(),
         ParameterType::NumberOr(..) => "float | str".into(),
         ParameterType::Text | ParameterType::GradientFilter | ParameterType::Registered(_) => "str".into(),

@@ -22,7 +22,7 @@ def reader(
     blocks: Sequence[str] | None = None,
     displacement: str | None = None,
     displacement_factor: float | None = None,
-    time_step: int | None = None,
+    time_step: int | str | None = None,
     time: float | None = None,
     subdivision: int | None = None,
     solution: str | PathLike[str] | None = None,
@@ -95,6 +95,7 @@ def threshold(
     keep: Literal["all", "any"] | None = None,
     smooth: bool | None = None,
     invert: bool | None = None,
+    relative_to: Literal["step", "sample", "series"] | None = None,
 ) -> Node:
     """Keeps the cells in which an array has values of a range or a list, or those of a part of space or of blocks."""
 def probe(
@@ -138,7 +139,7 @@ def transfer_function(
     model: Literal["density-emitter", "constant-emitter"] | None = None,
     cutoff: float | None = None,
     unit_distance: float | str | None = None,
-    relative_to: Literal["step", "series"] | None = None,
+    relative_to: Literal["step", "sample", "series"] | None = None,
     widgets: Sequence[Mapping[str, Any]] | None = None,
     s_scale: Literal["linear", "log", "symlog"] | None = None,
     s_linear_below: float | None = None,
@@ -164,6 +165,7 @@ def contour(
     array: str | None = None,
     values: Sequence[float | str],
     smooth: bool | None = None,
+    relative_to: Literal["step", "sample", "series"] | None = None,
     color: Sequence[float] | str | None = None,
     color_by: str | None = None,
     colormap: str | PathLike[str] | None = None,
@@ -184,6 +186,7 @@ def slice(
     normal: Sequence[float] | None = None,
     shape: Literal["plane", "sphere", "cylinder"] | None = None,
     radius: float | str | None = None,
+    relative_to: Literal["step", "sample", "series"] | None = None,
     color: Sequence[float] | str | None = None,
     color_by: str | None = None,
     colormap: str | PathLike[str] | None = None,
@@ -202,6 +205,7 @@ def boundary(
     volume: _Source | None = None,
     smooth: bool | None = None,
     feature_angle: float | None = None,
+    relative_to: Literal["step", "sample", "series"] | None = None,
     color: Sequence[float] | str | None = None,
     color_by: str | None = None,
     colormap: str | PathLike[str] | None = None,
@@ -222,6 +226,7 @@ def edges(
     feature_angle: float | None = None,
     radius: float | str | None = None,
     sides: int | None = None,
+    relative_to: Literal["step", "sample", "series"] | None = None,
     color: Sequence[float] | str | None = None,
     color_by: str | None = None,
     colormap: str | PathLike[str] | None = None,
@@ -274,6 +279,10 @@ def camera(
     near: float | None = None,
     size: Sequence[int] | None = None,
     samples: int | None = None,
+    relative_to: Literal["step", "sample", "series"] | None = None,
+    orbit: float | None = None,
+    keys: Sequence[Sequence[float]] | None = None,
+    phase: float | None = None,
 ) -> Node:
     """Says where the picture is seen from, how wide the view is and how many pixels it has."""
 def cull(
@@ -389,6 +398,7 @@ def slice_image(
     reversed: bool | None = None,
     steps: int | None = None,
     range: Sequence[float | str] | None = None,
+    relative_to: Literal["step", "sample", "series"] | None = None,
     thickness: float | None = None,
 ) -> Node:
     """Draws a plane through the cells alone: colours of values, or those of a transfer function at each place."""

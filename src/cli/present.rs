@@ -65,7 +65,11 @@ pub fn warnings(all: &[String], shown: usize) -> String {
 
 /// Findings, and a line for the written files.
 pub fn summary(report: &RunReport) -> String {
-    let text = findings(report);
+    findings(report) + &counted_figures(report)
+}
+
+/// A line for the written files: counts, engine and time.
+pub fn counted_figures(report: &RunReport) -> String {
     let mut figures = Vec::new();
     let count = |name: &str| report.counts.get(name).copied();
     if let Some(total) = count("cells_total") {
@@ -76,7 +80,7 @@ pub fn summary(report: &RunReport) -> String {
     figures.extend(count("segments").map(|n| grouped(n, "segment")));
     figures.extend(report.engine.as_ref().map(|(engine, _)| format!("engine {engine}")));
     figures.push(format!("{:.2} s", report.seconds));
-    text + &format!("{}: {}\n", report.files.join(", "), figures.join(", "))
+    format!("{}: {}\n", report.files.join(", "), figures.join(", "))
 }
 
 /// Findings of the nodes about the data, each under the node's name.

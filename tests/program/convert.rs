@@ -145,6 +145,8 @@ fn steps_of_a_series_become_files_with_their_times() {
     let all = folder.voltet(&["convert", "run.pvd", "all_{step:03}.vtkhdf", "--steps", "all"]).ok().stdout;
     assert!(all.contains("all_003.vtkhdf: step 3, time 1.5") && !all.contains("not in"), "{all}");
     folder.voltet(&["convert", "run.pvd", "some_{step}.vtu", "--steps", "1::2"]).ok();
+    folder.voltet(&["convert", "run.pvd", "ends.vtu", "--steps", "-1,0"]).ok();
+    folder.voltet(&["convert", "run.pvd", "at_{time}.vtu", "--step", "1"]).ok();
     for (name, expected) in [
         ("first.vtu", (Some(0.0), 1.0)),
         ("third.vtkhdf", (Some(1.0), 3.0)),
@@ -153,6 +155,9 @@ fn steps_of_a_series_become_files_with_their_times() {
         ("all_003.vtkhdf", (Some(1.5), 4.0)),
         ("some_1.vtu", (Some(0.5), 2.0)),
         ("some_3.vtu", (Some(1.5), 4.0)),
+        ("ends_0003.vtu", (Some(1.5), 4.0)),
+        ("ends_0000.vtu", (Some(0.0), 1.0)),
+        ("at_0.5.vtu", (Some(0.5), 2.0)),
     ] {
         assert_eq!(time_and_value(&folder, name), expected, "{name}");
     }
@@ -167,7 +172,7 @@ fn wrong_steps_are_refused_before_anything_is_written() {
         folder.voltet(&[&["convert", "run.pvd"], arguments].concat()).fails(code, wanted);
         assert_eq!(folder.names(), before, "{arguments:?}");
     };
-    refused(&["a.vtu", "--steps", "all"], 2, &["several time steps", "'a_{step:04}.vtu'"]);
+    refused(&["-", "--steps", "all"], 2, &["several files", "standard output"]);
     refused(&["a_{step}.vtu", "--steps", "2:4"], 2, &["no such time step", "found 4", "0 to 3"]);
     refused(&["a.vtu", "--step", "4"], 1, &["no such step", "0 to 3"]);
     refused(&["a.vtu", "--time", "9"], 1, &["no such time", "0 to 1.5"]);

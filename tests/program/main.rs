@@ -31,6 +31,7 @@ mod plugin_node_scene;
 mod plugin_nodes;
 mod plugins;
 mod reports;
+mod series;
 mod stability;
 mod start;
 mod study;

@@ -345,8 +345,13 @@ fn check_plain(parameter: &Parameter, setting: &LocatedValue) -> Result<()> {
     };
     match (parameter_type, &setting.datum) {
         (ParameterType::Boolean, ParameterValue::Boolean(_)) => Ok(()),
-        (ParameterType::Integer(range), ParameterValue::Integer(n)) => in_range(setting, *n as f64, range),
-        (ParameterType::NumberOr(_, word), ParameterValue::Text(text)) if text == word => Ok(()),
+        (ParameterType::Integer(range) | ParameterType::IntegerOr(range, _), ParameterValue::Integer(n)) => {
+            in_range(setting, *n as f64, range)
+        }
+        (
+            ParameterType::IntegerOr(_, word) | ParameterType::NumberOr(_, word),
+            ParameterValue::Text(text),
+        ) if text == word => Ok(()),
         (
             ParameterType::Number(range) | ParameterType::NumberOr(range, _),
             ParameterValue::Number(_) | ParameterValue::Integer(_),

@@ -50,6 +50,8 @@ pub enum ParameterType {
     Boolean,
     /// A whole number within the range.
     Integer(Range),
+    /// A whole number within the range, or the word.
+    IntegerOr(Range, &'static str),
     /// A number within the range.
     Number(Range),
     /// A number within the range, or the word.
@@ -201,6 +203,9 @@ impl ParameterType {
         match self {
             ParameterType::Boolean => "true | false".into(),
             ParameterType::Integer(range) => ranged("whole number", range),
+            ParameterType::IntegerOr(range, word) => {
+                format!("{} or \"{word}\"", ranged("whole number", range))
+            }
             ParameterType::Number(range) => ranged("number", range),
             ParameterType::NumberOr(range, word) => format!("{} or \"{word}\"", ranged("number", range)),
             ParameterType::Text => "text".into(),

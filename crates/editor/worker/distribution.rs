@@ -283,7 +283,7 @@ fn series_scales(
         return Ok(known.clone());
     }
     let known = DataScales::find(&quantities, (shown, axes), call.progress(), |look| {
-        call.each_step("volume", &demand, &mut |_, value| match value.volume() {
+        call.each_step("volume", &demand, None, &mut |_, value| match value.volume() {
             Some(volume) => look(&*volume?),
             None => Ok(()),
         })

@@ -141,6 +141,7 @@ pub(crate) trait RunServices {
         &self,
         edge: usize,
         demand: &Demand,
+        steps: Option<&[usize]>,
         of_step: &mut dyn FnMut(usize, Value) -> Result<()>,
     ) -> Result<()>;
     /// See [`RunContext::keep_over_steps`].
@@ -290,16 +291,17 @@ impl RunContext<'_> {
     }
 
     /// Gives the value of an input at each step of the time series that feeds it to `of_step`, one after the other. The nodes
-    /// upstream run for each step, for this demand alone, and no output of theirs is kept.
+    /// upstream run for each step, for this demand alone, and no output of theirs is kept. `steps`: their numbers; `None`: all.
     ///
     /// Errors: those of the nodes, with the step; series of different lengths.
     pub fn each_step(
         &self,
         port: &str,
         demand: &Demand,
+        steps: Option<&[usize]>,
         of_step: &mut dyn FnMut(usize, Value) -> Result<()>,
     ) -> Result<()> {
-        self.services.each_step(self.edge(port)?, demand, of_step)
+        self.services.each_step(self.edge(port)?, demand, steps, of_step)
     }
 
     /// A value made over all steps of the time series that feeds an input; kept as long as the session, by its origins.

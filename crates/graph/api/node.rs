@@ -31,12 +31,14 @@ pub struct TimeSeries {
     pub steps: Vec<Parameters>,
     /// Number of the step that it reads.
     pub own: usize,
+    /// Time of each step; none where the node reads no series.
+    pub times: Vec<f64>,
 }
 
 impl TimeSeries {
     /// Series of one step: the node reads none.
     pub fn of_one(parameters: &Parameters) -> TimeSeries {
-        TimeSeries { steps: vec![parameters.clone()], own: 0 }
+        TimeSeries { steps: vec![parameters.clone()], own: 0, times: Vec::new() }
     }
 }
 

@@ -3,8 +3,8 @@
 use super::entry::{Diagnostic, DiagnosticTarget, NodeEntry, unknown_node};
 use super::method;
 use super::registry::Registry;
-use crate::api::context::{Outputs, RunContext};
-use crate::api::node::Node;
+use crate::api::context::{Outputs, Preparation, RunContext};
+use crate::api::node::{Node, TimeSeries};
 use crate::api::origins::ResolvedPipeline;
 use crate::api::value::{Edge, PortType, Wiring};
 use std::path::{Path, PathBuf};
@@ -165,6 +165,13 @@ impl Graph {
             path.is_some_and(|path| (node.node.foreign_head)(&self.folder.join(path)).is_some())
         };
         self.nodes.iter().any(is_foreign)
+    }
+
+    /// The time series that a node reads, as far as headers tell. Errors: those of its files, with its place.
+    pub fn time_series(&self, place: usize) -> Result<TimeSeries> {
+        let node = &self.nodes[place];
+        let preparation = Preparation { parameters: &node.parameters, folder: &self.folder };
+        (node.node.steps)(&preparation).map_err(|error| node.locate(error))
     }
 
     /// The node of that name.

@@ -10,7 +10,7 @@ use crate::build::graph::{Graph, GraphNode, NodeOverride};
 use std::any::TypeId;
 use std::collections::{BTreeSet, HashMap};
 use std::path::PathBuf;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::Result;
 use voltet_core::field::Plugin;
 use voltet_core::parameters::Parameters;
@@ -141,11 +141,16 @@ pub(super) struct Key {
 /// Values made from a revision, by the revision and their own type.
 #[derive(Default)]
 pub(super) struct Store {
-    over_steps: Mutex<Vec<(Key, RetainedValue)>>,
+    over_steps: Arc<Mutex<Vec<(Key, RetainedValue)>>>,
     kept: Mutex<HashMap<(Revision, TypeId), RetainedValue>>,
 }
 
 impl Store {
+    /// A store for one step of a series: what is made over all steps serves every step.
+    pub(super) fn for_one_step(&self) -> Store {
+        Store { over_steps: self.over_steps.clone(), kept: Mutex::default() }
+    }
+
     /// The value of this type made from this revision; made now if it is not there.
     pub(super) fn get_or_make(&self, key: (Revision, TypeId), make: Make) -> Result<RetainedValue> {
         if let Some(kept) = self.lock().get(&key) {
@@ -166,6 +171,11 @@ impl Store {
         let made = make()?;
         lock().push((key, made.clone()));
         Ok(made)
+    }
+
+    /// Number of values.
+    pub(super) fn count(&self) -> usize {
+        self.lock().len() + self.over_steps.lock().unwrap_or_else(PoisonError::into_inner).len()
     }
 
     /// Drops values made from revisions that are gone.

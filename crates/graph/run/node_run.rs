@@ -97,8 +97,7 @@ impl<'a> NodeRun<'a> {
         let mut series: Option<(&str, usize, usize)> = None;
         for FeedingNode { place, parameters, .. } in &mut feeding {
             let node = &graph.nodes[*place];
-            let preparation = Preparation { parameters: &node.parameters, folder: &graph.folder };
-            let read = (node.node.steps)(&preparation).map_err(|error| node.locate(error))?;
+            let read = graph.time_series(*place)?;
             let own_step = read.own;
             *parameters = read.steps;
             match (series, parameters.len()) {
@@ -129,8 +128,7 @@ impl<'a> NodeRun<'a> {
         (last, output): (usize, usize),
         step: usize,
     ) -> Result<Value> {
-        // Nothing that is kept would serve another step.
-        let store = Store::default();
+        let store = self.store.for_one_step();
         let mut revision = 0;
         let mut all_done: Vec<Option<Done>> = vec![None; self.graph.nodes.len()];
         for &FeedingNode { place: i, ref parameters, ref demand } in feeding {
@@ -182,12 +180,14 @@ impl RunServices for NodeRun<'_> {
         &self,
         edge: usize,
         demand: &Demand,
+        steps: Option<&[usize]>,
         of_step: &mut dyn FnMut(usize, Value) -> Result<()>,
     ) -> Result<()> {
         let (feeding, step_count) = self.feeding(edge, demand)?;
-        for step in 0..step_count {
-            let fraction = step as f64 / step_count as f64;
-            self.progress().report(&format!("step {} of {step_count}", step + 1), fraction);
+        let all: Vec<usize> = steps.map_or_else(|| (0..step_count).collect(), <[usize]>::to_vec);
+        for (place, &step) in all.iter().enumerate() {
+            let fraction = place as f64 / all.len() as f64;
+            self.progress().report(&format!("step {} of {}", place + 1, all.len()), fraction);
             let value = self
                 .value_at(&feeding, self.source(edge), step)
                 .map_err(|error| Error { what: format!("at time step {step}: {}", error.what), ..error })?;

@@ -6,7 +6,7 @@ use super::plan::{Done, Plan, RunReport, asks_of, everything_of, inputs_of};
 use crate::api::context::{NoObserver, Observer, Preparation, RunContext};
 use crate::api::demand::Demand;
 use crate::api::node::{NamedStub, Steps};
-use crate::api::origins::FileStamp;
+use crate::api::origins::{FileStamp, Origins};
 use crate::api::value::{Edge, Revision, Value};
 use crate::build::graph::Graph;
 use std::sync::Arc;
@@ -58,6 +58,17 @@ impl Session {
     pub fn release(&mut self, picture: &Arc<Picture>) {
         let is_it = |value: &Value| value.picture().is_some_and(|known| Arc::ptr_eq(known, picture));
         self.cache.entries.retain(|entry| !entry.done.outputs.iter().any(|(value, _)| is_it(value)));
+    }
+
+    /// Number of former outputs that are held, and of values made from them.
+    pub fn held_counts(&self) -> [usize; 2] {
+        [self.cache.entries.len(), self.store.count()]
+    }
+
+    /// Origins of what a node (its place in [`Graph::nodes`]) is made from, as far as they are known without a run: files and
+    /// plug-ins.
+    pub fn origins_before_run(&self, graph: &Graph, place: usize) -> Origins {
+        origins(graph, &upstream(graph, place), &vec![None; graph.nodes.len()], self.file_stamp)
     }
 
     /// Runs the demand pass, and the early nodes only.

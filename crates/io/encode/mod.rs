@@ -3,6 +3,7 @@
 
 mod colors;
 mod exr;
+pub mod film;
 mod format;
 mod jpeg;
 mod pdf;

@@ -140,17 +140,15 @@ pub fn inspect(path: &Path, request: &Request, progress: &dyn Progress) -> Resul
     inspect::summarize(&dataset, progress).map_err(|error| error.in_file(path))
 }
 
-/// The number of time steps of a file, 1 where it is no series, and the number of the step that `request` means; 0 where it
+/// The times of a file's steps, none where it is no series, and the number of the step that `request` means; 0 where it
 /// means none that is there. Reads headers alone.
 ///
 /// # Errors
 /// As [`read`], as far as headers show them.
-pub fn steps(path: &Path, request: &Request) -> Result<(usize, usize)> {
+pub fn steps(path: &Path, request: &Request) -> Result<(Vec<f64>, usize)> {
     let times = open(path, &Request { time_step: None, ..request.clone() })?.time_steps;
-    match times.len() {
-        0 => Ok((1, 0)),
-        count => Ok((count, request.step_index(&times).unwrap_or(0))),
-    }
+    let own = if times.is_empty() { 0 } else { request.step_index(&times).unwrap_or(0) };
+    Ok((times, own))
 }
 
 /// The files that reading a data file may open beside it: those that a series or a parallel file names, the solution beside

@@ -2,7 +2,7 @@
 
 use super::shared::{DONE, Outcome, tell};
 use crate::Document;
-use crate::cli::arguments::{Convert, StepRange};
+use crate::cli::arguments::Convert;
 use crate::cli::present::{Bar, grouped, name, say, warnings};
 use crate::core::parameters::suggest;
 use crate::core::{Error, Result, agreeing, counted};
@@ -12,6 +12,7 @@ use crate::io::formats::{
 };
 use crate::nodes::external_formats;
 use crate::nodes::files::{Use, collision, is_standard_output, is_stream, refuse_unwritable};
+use crate::series::names::{MarkValues, Varying, path_of};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -139,54 +140,24 @@ fn refuse_unknown_arrays(arguments: &Convert, arrays: &[FileArray]) -> Result<()
 /// The files to write, one a step.
 fn outputs(arguments: &Convert, request: &Request, outline: &Outline) -> Result<Vec<Output>> {
     let count = outline.time_steps.len();
-    let numbers = match arguments.steps {
+    let numbers = match &arguments.steps {
         None if count == 0 => vec![None],
         None => vec![Some(steps(&arguments.data, request)?.1)],
-        Some(range) => steps_of(range, count.max(1))
-            .map_err(|error| error.in_file(&arguments.data))?
-            .into_iter()
-            .map(|step| (count > 0).then_some(step))
-            .collect(),
+        Some(selection) => {
+            let numbers = selection.numbers(count.max(1)).map_err(|error| error.in_file(&arguments.data))?;
+            numbers.into_iter().map(|step| (count > 0).then_some(step)).collect()
+        }
     };
-    let text = arguments.output.to_string_lossy();
-    let path = |step: &Option<usize>| match with_step(&text, step.unwrap_or(0)) {
-        Some(path) => PathBuf::from(path),
-        None => arguments.output.clone(),
+    let varying: Vec<Varying> = (numbers.len() > 1).then_some(Varying::Step).into_iter().collect();
+    let stem = arguments.data.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let output = |(frame, step): (usize, Option<usize>)| {
+        let time = step.and_then(|step| outline.time_steps.get(step).copied());
+        let marks =
+            MarkValues { frame, step: step.unwrap_or(0), time, stem: stem.clone(), ..MarkValues::default() };
+        let path = path_of(&arguments.output.to_string_lossy(), &marks, &varying)?;
+        Ok(Output { path: PathBuf::from(path), step })
     };
-    if numbers.len() > 1 && with_step(&text, 0).is_none() {
-        let error = Error::usage("several time steps would be written to one file").got(text);
-        let stem = Path::new(&arguments.output).with_extension("");
-        let ending = arguments.output.extension().map_or("vtu".into(), |ending| ending.to_string_lossy());
-        let stem = if is_standard_output(&arguments.output) { Path::new("grid") } else { &stem };
-        let expected = format!("{{step}} in the name of the file: '{}_{{step:04}}.{ending}'", stem.display());
-        return Err(error.expected(expected));
-    }
-    Ok(numbers.into_iter().map(|step| Output { path: path(&step), step }).collect())
-}
-
-/// The numbers of a range in a series of so many steps.
-fn steps_of(StepRange { first, last, stride }: StepRange, count: usize) -> Result<Vec<usize>> {
-    let last = last.unwrap_or(count - 1);
-    if first.max(last) >= count {
-        let error = Error::usage("the file has no such time step").got(first.max(last));
-        return Err(error.expected(match count {
-            1 => "0: it has one step".into(),
-            _ => format!("0 to {}", count - 1),
-        }));
-    }
-    Ok((first..=last).step_by(stride).collect())
-}
-
-/// A path with the number of a step in place of `{step}`, or of `{step:04}` with so many digits; `None` where it holds neither.
-fn with_step(path: &str, step: usize) -> Option<String> {
-    const MARK: &str = "{step";
-    let (before, rest) = path.split_at(path.find(MARK)?);
-    let (format, after) = rest[MARK.len()..].split_once('}')?;
-    let width = match format {
-        "" => 0,
-        _ => format.strip_prefix(":0")?.parse::<usize>().ok().filter(|width| *width < 20)?,
-    };
-    Some(format!("{before}{step:0width$}{after}"))
+    numbers.into_iter().enumerate().map(output).collect()
 }
 
 /// Refuses, before any work, files that are there, or are read, or cannot be written.
@@ -353,30 +324,5 @@ fn shortened(texts: &[String]) -> String {
     match texts.len().saturating_sub(MAX_NAMES) {
         0 => shown,
         more => format!("{shown} and {more} more"),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_number_of_a_step_stands_in_the_path() {
-        let path = |text: &str| with_step(text, 7);
-        assert_eq!(path("a_{step}.vtu").as_deref(), Some("a_7.vtu"));
-        assert_eq!(path("{step:04}/a.vtu").as_deref(), Some("0007/a.vtu"));
-        for other in
-            ["a.vtu", "a_{step", "a_{steps}.vtu", "a_{step:4}.vtu", "a_{step:0x}.vtu", "a_{step:099}.vtu"]
-        {
-            assert_eq!(path(other), None, "{other}");
-        }
-    }
-
-    #[test]
-    fn steps_of_a_range_are_those_of_the_series() {
-        let steps = |first, last, stride| steps_of(StepRange { first, last, stride }, 11);
-        assert_eq!(steps(0, None, 4).unwrap(), [0, 4, 8]);
-        assert_eq!(steps(2, Some(6), 2).unwrap(), [2, 4, 6]);
-        assert!(steps(0, Some(11), 1).unwrap_err().to_string().contains("0 to 10"));
     }
 }

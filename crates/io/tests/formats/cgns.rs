@@ -36,7 +36,7 @@ fn zones_of_several_bases_are_read_together_without_their_rind() {
 
 #[test]
 fn a_step_has_its_own_solution_and_coordinates() {
-    assert_eq!(steps(&path("cgns_steps.cgns"), &Request::default()).unwrap(), (2, 0));
+    assert_eq!(steps(&path("cgns_steps.cgns"), &Request::default()).unwrap().0.len(), 2);
     for step in 0..2 {
         let own = grid_at("cgns_steps.cgns", "T", step);
         let shift = step as f64;

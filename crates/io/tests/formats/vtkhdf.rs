@@ -37,7 +37,7 @@ fn structured_grids_have_their_points_and_values() {
 #[test]
 fn a_step_has_its_own_points_and_values() {
     for (name, moves) in [("vtkhdf_static.vtkhdf", 0.0), ("vtkhdf_moving.vtkhdf", 1.0)] {
-        assert_eq!(steps(&path(name), &Request::default()).unwrap(), (3, 0), "{name}");
+        assert_eq!(steps(&path(name), &Request::default()).unwrap().0.len(), 3, "{name}");
         for (step, time) in [0.0, 0.5, 2.0].into_iter().enumerate() {
             let own = grid_at(name, "T", step);
             assert_eq!((own.points.len(), own.origin.time), (12, Some(time)), "{name}");

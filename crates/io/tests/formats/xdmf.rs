@@ -23,7 +23,7 @@ fn every_cell_type_is_that_of_the_xml_file() {
 fn a_step_has_its_own_values_on_the_mesh_that_it_includes() {
     for (name, times) in [("series", [0.0, 0.5]), ("dolfin", [0.0, 0.5]), ("dolfinx", [0.0, 1.0])] {
         let name = format!("xdmf_{name}.xdmf");
-        assert_eq!(steps(&path(&name), &Request::default()).unwrap(), (2, 0), "{name}");
+        assert_eq!(steps(&path(&name), &Request::default()).unwrap().0.len(), 2, "{name}");
         for (step, time) in times.into_iter().enumerate() {
             let own = grid_at(&name, "T", step);
             assert_eq!(

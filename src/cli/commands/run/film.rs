@@ -1,0 +1,280 @@
+//! Films of the pictures of frames: GIF and animated PNG by the program itself, others by the program ffmpeg.
+
+use crate::cli::arguments::Run;
+use crate::core::picture::Picture;
+use crate::core::{Error, Result, counted};
+use crate::document::{Document, LocatedError};
+use crate::io::encode::film::{FilmFrame, apng, gif, unequal_sizes};
+use crate::io::encode::{read_picture, srgb8};
+use crate::nodes::files::{self, FileIdentity};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Type of the node that writes pictures.
+const WRITER: &str = "image-writer";
+
+/// A picture of a frame.
+pub(super) struct DrawnFrame {
+    /// Its file.
+    pub path: PathBuf,
+    /// Words for the frame.
+    pub label: String,
+}
+
+/// Kinds of films by the ending of their names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Gif,
+    Apng,
+    /// By ffmpeg, with the options that its codec needs.
+    Encoded(&'static [&'static str]),
+}
+
+/// Films by their endings. The constant quality is what the encoders' authors call visually lossless or nearly so.
+const KINDS: [(&str, Kind); 4] = [
+    ("mp4", Kind::Encoded(&["-c:v", "libx264", "-crf", "18", "-movflags", "+faststart"])),
+    ("webm", Kind::Encoded(&["-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0"])),
+    ("gif", Kind::Gif),
+    ("png", Kind::Apng),
+];
+
+/// Endings of pictures that a film or a sheet is made of.
+const PICTURES: [&str; 7] = ["png", "exr", "jpg", "jpeg", "tif", "tiff", "webp"];
+
+fn kind(path: &Path) -> Result<Kind> {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    let found = KINDS.iter().find(|(name, _)| ending.as_deref() == Some(*name));
+    let unknown = || {
+        let error =
+            Error::usage("the format of the film is not known").got(format!("--film {}", path.display()));
+        error.expected("a path that ends in .mp4, .webm, .gif or .png")
+    };
+    found.map(|(_, kind)| *kind).ok_or_else(unknown)
+}
+
+/// Checks, before any work, the film and the sheet that are asked for.
+///
+/// # Errors
+/// - a film of no known format, one that cannot be written or is a file of the call;
+/// - a pipeline without a picture, or with several.
+pub(super) fn check(arguments: &Run, documents: &[Document]) -> std::result::Result<(), LocatedError> {
+    let options = &arguments.frames;
+    if let Some(path) = &options.film {
+        kind(path)?;
+        files::refuse_unwritable(path)?;
+        crate::document::refuse_conflicts(documents, true, &[("--film", path)])?;
+        if documents.len() > 1 {
+            let error =
+                Error::usage("a film is of one pipeline").got(counted(documents.len(), "pipeline file"));
+            return Err(error.expected("one pipeline file").into());
+        }
+    }
+    if options.film.is_none() && options.sweep.is_empty() {
+        return Ok(());
+    }
+    for document in documents {
+        let Some(path) = picture_path(document) else {
+            let error = Error::usage("a film, and a sheet of a sweep, are made of one picture of each frame");
+            let expected = "a pipeline with one node of type image-writer that writes a file";
+            return Err(error.expected(expected).in_file(&document.path).into());
+        };
+        let ending =
+            path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
+        if !PICTURES.contains(&ending.as_str()) {
+            let error = Error::usage("a film, and a sheet of a sweep, are not made of such pictures");
+            return Err(error
+                .got(path.display())
+                .expected("a path that ends in .png")
+                .in_file(&document.path)
+                .into());
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a film that is one of its pictures.
+pub(super) fn refuse_frame<'a>(arguments: &Run, mut frames: impl Iterator<Item = &'a PathBuf>) -> Result<()> {
+    let Some(film) = &arguments.frames.film else { return Ok(()) };
+    let own = FileIdentity::from_path(film);
+    match frames.find(|frame| own.is_some() && FileIdentity::from_path(frame) == own) {
+        Some(frame) => {
+            let error = Error::usage("the film is one of its pictures").got(frame.display());
+            Err(error.expected("another path for the film"))
+        }
+        None => Ok(()),
+    }
+}
+
+/// The only picture that a pipeline writes into a file.
+pub(super) fn picture_path(document: &Document) -> Option<PathBuf> {
+    let graph = &document.graph;
+    let nodes = graph.order.iter().map(|&place| &graph.nodes[place]);
+    let mut writers = nodes.filter(|node| node.node.name == WRITER);
+    let (writer, None) = (writers.next()?, writers.next()) else { return None };
+    let path = writer.parameters.text("path").ok()?;
+    (!files::is_stream(path)).then(|| graph.folder.join(path))
+}
+
+/// The background of that picture, linear.
+pub(super) fn background(document: &Document) -> [f64; 3] {
+    let mut nodes = document.graph.nodes.iter();
+    let writer = nodes.find(|node| node.node.name == WRITER);
+    writer.and_then(|node| node.parameters.color("background").ok()).unwrap_or_default()
+}
+
+/// Writes the film of pictures; gives a line about it.
+///
+/// # Errors
+/// - pictures that cannot be read, or are of different sizes;
+/// - ffmpeg that is not there, or fails.
+pub(super) fn write(path: &Path, pictures: &[DrawnFrame], rate: f64, background: [f64; 3]) -> Result<String> {
+    let size = film_frame(&pictures[0].path, background)?.size;
+    let frame = |drawn: &DrawnFrame| {
+        let frame = film_frame(&drawn.path, background)?;
+        match frame.size == size {
+            true => Ok(frame),
+            false => Err(unequal_sizes(size, frame.size, &drawn.path.display().to_string())),
+        }
+    };
+    let mut padding = String::new();
+    match kind(path)? {
+        Kind::Gif => {
+            files::write_whole_in_parts(path, &mut |out| gif(out, &mut pictures.iter().map(frame), rate))?
+        }
+        Kind::Apng => files::write_whole_in_parts(path, &mut |out| {
+            apng(out, &mut pictures.iter().map(frame), pictures.len() as u32, size, rate)
+        })?,
+        Kind::Encoded(options) => {
+            let even = size.map(|side| side + side % 2);
+            if even != size {
+                padding = format!(
+                    ", padded with the background from {} × {} to even {} × {}",
+                    size[0], size[1], even[0], even[1]
+                );
+            }
+            let mut frames = pictures.iter().map(|drawn| Ok(padded(frame(drawn)?, even, background)));
+            encode(path, &mut frames, (even, rate, options), pictures)?;
+        }
+    }
+    let seconds = pictures.len() as f64 / rate;
+    let frames = counted(pictures.len(), "frame");
+    Ok(format!("{}: a film of {frames}, {seconds:.2} s{padding}\n", path.display()))
+}
+
+fn film_frame(path: &Path, background: [f64; 3]) -> Result<FilmFrame> {
+    let (Picture { width, height, rgba }, _) = read_picture(path)?;
+    let rgb = rgba.iter().flat_map(|&pixel| srgb8(pixel, background)).collect();
+    Ok(FilmFrame { size: [width as u32, height as u32], rgb })
+}
+
+/// A frame with background at its right and lower borders.
+fn padded(frame: FilmFrame, size: [u32; 2], background: [f64; 3]) -> FilmFrame {
+    if frame.size == size {
+        return frame;
+    }
+    let [width, height] = size.map(|side| side as usize);
+    let empty = srgb8([0.0; 4], background);
+    let mut rgb = Vec::with_capacity(3 * width * height);
+    for row in frame.rgb.chunks_exact(3 * frame.size[0] as usize) {
+        rgb.extend_from_slice(row);
+        (frame.size[0] as usize..width).for_each(|_| rgb.extend_from_slice(&empty));
+    }
+    while rgb.len() < 3 * width * height {
+        rgb.extend_from_slice(&empty);
+    }
+    FilmFrame { size, rgb }
+}
+
+/// Options of ffmpeg for frames that come through a pipe.
+fn options(path: &Path, [width, height]: [u32; 2], rate: f64, codec: &[&str]) -> Vec<String> {
+    let input = format!("-f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {rate} -i -");
+    let words = ["-y", "-loglevel", "error"].into_iter().chain(input.split(' ')).chain(["-an"]);
+    // Players expect half the resolution in colour, and the colours of Rec. 709.
+    let colors = "-vf scale=out_color_matrix=bt709 -pix_fmt yuv420p -colorspace bt709 -color_primaries bt709 -color_trc iec61966-2-1";
+    let mut words: Vec<String> =
+        words.chain(codec.iter().copied()).chain(colors.split(' ')).map(String::from).collect();
+    words.push(path.to_string_lossy().into_owned());
+    words
+}
+
+/// Lets ffmpeg encode frames.
+fn encode(
+    path: &Path,
+    frames: &mut dyn Iterator<Item = Result<FilmFrame>>,
+    (size, rate, codec): ([u32; 2], f64, &[&str]),
+    pictures: &[DrawnFrame],
+) -> Result<()> {
+    let options = options(path, size, rate, codec);
+    let child = Command::new("ffmpeg").args(&options).stdin(Stdio::piped()).stderr(Stdio::piped()).spawn();
+    let mut child = child.map_err(|error| missing(path, &error, &options, pictures))?;
+    let mut sink = child.stdin.take();
+    let sent: Result<io::Result<()>> = (|| {
+        for frame in frames {
+            let Some(sink) = &mut sink else { break };
+            if let Err(error) = sink.write_all(&frame?.rgb) {
+                return Ok(Err(error));
+            }
+        }
+        Ok(Ok(()))
+    })();
+    drop(sink);
+    let output = child.wait_with_output().map_err(|error| failed(path, &error.to_string()))?;
+    let sent = sent?;
+    if !output.status.success() {
+        let said = String::from_utf8_lossy(&output.stderr);
+        return Err(failed(path, said.trim()));
+    }
+    sent.map_err(|error| failed(path, &error.to_string()))
+}
+
+fn failed(path: &Path, why: &str) -> Error {
+    Error::run("ffmpeg did not make the film")
+        .got(why)
+        .expected("an ffmpeg with this codec; the pictures are there")
+        .in_file(path)
+}
+
+/// The error where ffmpeg is not there, with the command that would be run, and one that makes the film of the pictures.
+fn missing(path: &Path, error: &io::Error, options: &[String], pictures: &[DrawnFrame]) -> Error {
+    let command: Vec<String> = options.iter().map(|word| quoted(word)).collect();
+    let codec = command.iter().skip_while(|word| *word != "-an").skip(1);
+    let mut codec: Vec<&str> = codec.map(String::as_str).collect();
+    if let Some(filter) = codec.iter_mut().find(|word| word.starts_with("scale=")) {
+        *filter = "'pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709'";
+    }
+    let rate = command.iter().skip_while(|word| *word != "-r").nth(1).map_or("25", String::as_str);
+    let files = quoted(&common_name(pictures));
+    Error::run("the film is not made, for the program ffmpeg cannot be run; the pictures are there")
+        .got(error)
+        .expected(format!(
+            "ffmpeg on the PATH (`apt install ffmpeg`, `brew install ffmpeg`, or https://ffmpeg.org); it would be given the pixels as \
+             `ffmpeg {}`. Where it is, `ffmpeg -framerate {rate} -pattern_type glob -i {files} {}` makes the film of the pictures. \
+             Films .gif and .png need no ffmpeg",
+            command.join(" "),
+            codec.join(" ")
+        ))
+        .in_file(path)
+}
+
+/// A word of a command as a shell takes it.
+fn quoted(text: &str) -> String {
+    let is_plain = |letter: char| letter.is_alphanumeric() || "-_./:=+".contains(letter);
+    if text.chars().all(is_plain) { text.to_string() } else { format!("'{}'", text.replace('\'', "'\\''")) }
+}
+
+/// The beginning and the end that the names of all pictures have, with a star between them.
+fn common_name(pictures: &[DrawnFrame]) -> String {
+    let names: Vec<String> = pictures.iter().map(|drawn| drawn.path.to_string_lossy().into_owned()).collect();
+    let Some(first) = names.first() else { return String::new() };
+    let shared = |matches: &dyn Fn(&str, usize) -> bool| {
+        let ends = first.char_indices().map(|(at, _)| at).chain([first.len()]);
+        ends.filter(|&at| names.iter().all(|name| matches(name, at))).collect::<Vec<usize>>()
+    };
+    let begin = shared(&|name, at| name.starts_with(&first[..at])).into_iter().max().unwrap_or(0);
+    let end = shared(&|name, at| at >= begin && name.ends_with(&first[at..]))
+        .into_iter()
+        .min()
+        .unwrap_or(first.len());
+    format!("{}*{}", &first[..begin], &first[end..])
+}

@@ -1,0 +1,85 @@
+//! `voltet run`: runs pipeline files headless, each for one picture or for the frames of a series.
+
+mod film;
+mod plan;
+mod resume;
+mod runner;
+mod sheet;
+
+use super::shared::{DONE, Outcome, ShortOption, open_all};
+use crate::Document;
+use crate::cli::arguments::Run;
+use crate::core::{Error, Result};
+use crate::document;
+use crate::graph::{ParameterValue, Registry};
+use crate::io::provenance::whole_report;
+use crate::nodes::files;
+use plan::Plan;
+use runner::Runner;
+
+pub fn run(arguments: &Run, registry: &Registry) -> Outcome {
+    // Every file is checked before the first one runs.
+    let (documents, wrong) = open_all(&arguments.files, &shorts(arguments), registry);
+    if wrong != DONE {
+        return Ok(wrong);
+    }
+    documents.iter().try_for_each(Document::refuse_missing_data)?;
+    film::check(arguments, &documents)?;
+    let plans = plan::plans(&documents, arguments, registry)?;
+    film::refuse_frame(arguments, plans.iter().flat_map(|plan| &plan.outputs))?;
+    let report = arguments.report.as_deref().map(|path| ("--report", path));
+    let first = plans.iter().map(|plan| &plan.first);
+    document::refuse_conflicts(first, true, report.as_slice())?;
+    arguments.report.as_deref().map_or(Ok(()), files::refuse_unwritable)?;
+    let outputs = plans.iter().flat_map(|plan| &plan.outputs).chain(&arguments.report);
+    let streams = outputs.into_iter().any(|path| files::is_standard_output(path));
+    refuse_exhaustive(arguments, &plans, streams)?;
+    let mut runner = Runner::new(arguments, registry, streams);
+    for plan in &plans {
+        let goes_on = match &plan.frames {
+            None => runner.run_picture(&plan.first)?,
+            Some(frames) => runner.run_frames(plan, frames)?,
+        };
+        if !goes_on {
+            return Ok(runner.worst);
+        }
+    }
+    let is_series = plans.iter().any(|plan| plan.frames.is_some());
+    if let (Some(path), true) = (&arguments.report, runner.worst == DONE || is_series) {
+        files::write_whole(path, format!("{:#}\n", whole_report(runner.reports)).as_bytes())?;
+    }
+    Ok(runner.worst)
+}
+
+/// Options that are short for `--set`.
+fn shorts(arguments: &Run) -> Vec<ShortOption> {
+    let size = arguments.size.map(|size| ShortOption {
+        name: "--size",
+        node_type: "camera",
+        parameter: "size",
+        value: size.into_iter().map(|side| ParameterValue::Integer(side.into())).collect(),
+    });
+    let output = arguments.output.as_ref().map(|path| ShortOption {
+        name: "--output",
+        node_type: "image-writer",
+        parameter: "path",
+        value: ParameterValue::Text(path.to_string_lossy().into_owned()),
+    });
+    size.into_iter().chain(output).collect()
+}
+
+/// Refuses a comparison with an exhaustive run where that would be of several pictures, or of a stream.
+fn refuse_exhaustive(arguments: &Run, plans: &[Plan], streams: bool) -> Result<()> {
+    let is_series = plans.iter().any(|plan| plan.frames.is_some());
+    let (what, expected) = match arguments.exhaustive {
+        true if is_series => {
+            ("--exhaustive compares runs of one picture, and the file makes several", "one step alone")
+        }
+        true if streams => (
+            "--exhaustive writes every picture several times, and the standard output takes one",
+            "the path of a file in place of \"-\"",
+        ),
+        _ => return Ok(()),
+    };
+    Err(Error::usage(what).expected(expected))
+}

@@ -1,0 +1,385 @@
+//! Frames: the pictures that one pipeline states for time steps, data files and values of parameters.
+//!
+//! A frame is the pipeline with some parameters set, so that it is drawn as if the file said so, and its picture carries that.
+//!
+//! | module | what |
+//! | --- | --- |
+//! | [`steps`] | selections of time steps |
+//! | [`selection`] | selections of frames: steps, files, values, parts |
+//! | [`files`] | names of files with `*` |
+//! | [`names`] | names of the files of frames |
+
+pub mod files;
+pub mod names;
+pub mod selection;
+pub mod steps;
+
+use crate::document::{Change, Document};
+use names::{MarkValues, Varying};
+use selection::{FrameSelection, Sweep};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use steps::StepSelection;
+use voltet_core::parameters::Parameters;
+use voltet_core::{Error, Result};
+use voltet_graph::{Graph, GraphNode, NamedPath, ParameterType, ParameterValue, Registry};
+use voltet_nodes::files::relative_to;
+
+/// Parameters of a reader that name its step.
+const TIME_STEP: &str = "time_step";
+const TIME: &str = "time";
+
+/// Parameter of nodes whose numbers may be relative to a series.
+const RELATIVE_TO: &str = "relative_to";
+
+/// Parameter of a camera that is its place on its way.
+const PHASE: &str = "phase";
+
+/// One picture of several.
+#[derive(Debug, Clone, Default)]
+pub struct Frame {
+    /// Values of the marks in its names.
+    pub marks: MarkValues,
+    /// Quantities in which the frames differ.
+    pub varying: Vec<Varying>,
+    /// Values of the parameters that are swept: "centre = [60.8, 0.0]".
+    pub values: String,
+    /// Changes of the pipeline that make the frame.
+    pub changes: Vec<Change>,
+}
+
+impl Frame {
+    /// Words that tell it from the others: "step 7, time 0.35".
+    pub fn label(&self) -> String {
+        let mut label = String::new();
+        for kind in &self.varying {
+            let comma = if label.is_empty() { "" } else { ", " };
+            let MarkValues { frame, step, time, stem, .. } = &self.marks;
+            // Writing into a text does not fail.
+            let _ = match kind {
+                Varying::File => write!(label, "{comma}{}", stem.as_deref().unwrap_or_default()),
+                Varying::Step => match time {
+                    Some(time) => write!(label, "{comma}step {step}, time {time}"),
+                    None => write!(label, "{comma}step {step}"),
+                },
+                Varying::Sweep => write!(label, "{comma}{}", self.values),
+                Varying::Turn => write!(label, "{comma}frame {frame}"),
+            };
+        }
+        label
+    }
+}
+
+/// Time series that the readers of a pipeline read together.
+#[derive(Default)]
+struct Series {
+    readers: Vec<SeriesReader>,
+    /// True if some reader of a series stays at the step that it names, while others go on.
+    has_fixed: bool,
+    /// Number of the step that the pipeline names.
+    own: usize,
+    times: Vec<f64>,
+}
+
+/// A node that reads a time series.
+struct SeriesReader {
+    node: String,
+    /// True if it names its step by a time.
+    names_time: bool,
+    /// True if the file names its step.
+    names_step: bool,
+    own: usize,
+    times: Vec<f64>,
+}
+
+impl Series {
+    /// The series of the nodes that some output needs. Where some of several name their step, those stay there. Files are opened,
+    /// headers alone.
+    fn from_graph(graph: &Graph) -> Result<Series> {
+        let mut series = Series::default();
+        let mut readers: Vec<(&GraphNode, SeriesReader)> = Vec::new();
+        for &place in &graph.order {
+            let node = &graph.nodes[place];
+            let found = graph.time_series(place)?;
+            if found.steps.len() < 2 {
+                if series.times.is_empty() {
+                    series.times = found.times;
+                }
+                continue;
+            }
+            let p = &node.parameters;
+            let names_time = p.is_set(TIME);
+            let is_number = p.optional(TIME_STEP).is_some_and(|step| step.text().is_none());
+            let (own, times) = (found.own, found.times);
+            let names_step = names_time || is_number;
+            readers
+                .push((node, SeriesReader { node: node.name.clone(), names_time, names_step, own, times }));
+        }
+        let is_mixed = readers.iter().any(|(_, reader)| !reader.names_step);
+        series.has_fixed = is_mixed && readers.iter().any(|(_, reader)| reader.names_step);
+        readers.retain(|(_, reader)| !(is_mixed && reader.names_step));
+        for (node, reader) in readers {
+            match series.readers.first() {
+                None => (series.own, series.times) = (reader.own, reader.times.clone()),
+                Some(first) if first.times.len() != reader.times.len() => {
+                    let error = Error::usage("two time series have different numbers of steps");
+                    let [count, own] = [first, &reader].map(|reader| reader.times.len());
+                    let counts = format!("{count} of '{}' and {own} of '{}'", first.node, reader.node);
+                    let accepted = "series of the same length, or a time_step for the one that stays";
+                    return Err(node.locate(error.got(counts).expected(accepted)));
+                }
+                Some(_) => {}
+            }
+            series.readers.push(reader);
+        }
+        Ok(series)
+    }
+
+    /// Number of steps, 1 where there is no series.
+    fn count(&self) -> usize {
+        if self.readers.is_empty() { 1 } else { self.times.len() }
+    }
+
+    /// Changes that let every reader read a step.
+    fn at(&self, step: usize) -> Vec<Change> {
+        let mut changes = Vec::new();
+        for SeriesReader { node, names_time, .. } in &self.readers {
+            if *names_time {
+                changes.push(Change::unset(node, TIME));
+            }
+            changes.push(Change::set(node, TIME_STEP, ParameterValue::Integer(step as i64)));
+        }
+        changes
+    }
+}
+
+/// The frames of a pipeline; one without changes where nothing asks for more.
+///
+/// # Errors
+/// - files, steps or times that there are not, series of different lengths;
+/// - a way of the camera that no camera has, a name that cannot be made.
+pub fn frames(document: &Document, selection: &FrameSelection, registry: &Registry) -> Result<Vec<Frame>> {
+    let graph = &document.graph;
+    let mut frames = Vec::new();
+    for file in data_files(graph, selection)? {
+        let own;
+        let graph = match &file {
+            Some(change) => {
+                own = document.changed(std::slice::from_ref(change), registry)?;
+                &own.graph
+            }
+            None => graph,
+        };
+        for mut frame in step_frames(graph, selection)? {
+            frame.changes.splice(..0, file.iter().cloned());
+            frames.push(frame);
+        }
+    }
+    let mut frames = swept(frames, &selection.sweeps)?;
+    turn(graph, &mut frames, selection.turn_count)?;
+    let varying = varying(&frames);
+    for (number, frame) in frames.iter_mut().enumerate() {
+        frame.marks.frame = number;
+        frame.varying.clone_from(&varying);
+        name(graph, frame)?;
+    }
+    if let Some(part) = selection.part {
+        frames = frames.into_iter().skip(part.number - 1).step_by(part.count).collect();
+    }
+    Ok(frames)
+}
+
+/// The data files, each as a change of the reader; `None` where the pipeline names its own.
+fn data_files(graph: &Graph, selection: &FrameSelection) -> Result<Vec<Option<Change>>> {
+    if selection.data_files.is_empty() {
+        return Ok(vec![None]);
+    }
+    let readers: Vec<&GraphNode> = readers(graph).collect();
+    let [reader] = readers[..] else {
+        let names: Vec<&str> = readers.iter().map(|node| node.name.as_str()).collect();
+        let error = Error::usage("files are given for the reader, of which there must be one");
+        let found = if names.is_empty() { "none".to_string() } else { names.join(", ") };
+        return Err(error.got(found).expected("a pipeline with one node that reads a data file"));
+    };
+    let change = |path: &PathBuf| {
+        let path = relative_to(path, &graph.folder).to_string_lossy().into_owned();
+        Some(Change::set(&reader.name, "path", ParameterValue::Text(path)))
+    };
+    Ok(selection.data_files.iter().map(change).collect())
+}
+
+/// The frames of one data file: a frame for each step.
+fn step_frames(graph: &Graph, selection: &FrameSelection) -> Result<Vec<Frame>> {
+    let reads_all = readers(graph)
+        .filter_map(|node| node.parameters.optional(TIME_STEP))
+        .any(|step| step.text().is_some());
+    let all = || selection::Steps::Numbers(StepSelection::all());
+    let steps = selection.steps.clone().or_else(|| reads_all.then(all));
+    let names_steps = written(graph).any(|(_, named)| names::names(&named.path, &["step", "time"]));
+    // Without need no file is opened before the run.
+    let series = match steps.is_some() || names_steps || selection.ranges.is_some() {
+        true => Series::from_graph(graph)?,
+        false => Series::default(),
+    };
+    let numbers = match &steps {
+        Some(selection::Steps::Numbers(steps)) => steps.numbers(series.count())?,
+        Some(selection::Steps::Times(times)) => times.numbers(&series.times)?,
+        None => vec![series.own],
+    };
+    let ranges = match (selection.ranges, &steps) {
+        (Some(ranges), _) => range_changes(graph, ranges.word(), true),
+        (None, Some(_)) if !series.readers.is_empty() && !series.has_fixed => {
+            range_changes(graph, "sample", false)
+        }
+        _ => Vec::new(),
+    };
+    let frame = |step: usize| {
+        let time = series.times.get(step).copied();
+        let mut changes = if steps.is_some() { series.at(step) } else { Vec::new() };
+        changes.extend(ranges.iter().cloned());
+        Frame {
+            marks: MarkValues { step, time, stem: stem(graph), ..MarkValues::default() },
+            changes,
+            ..Frame::default()
+        }
+    };
+    Ok(numbers.into_iter().map(frame).collect())
+}
+
+/// Changes that let numbers be relative to steps of the series, at the nodes whose numbers depend on data. `all`: also at those
+/// whose file says to what they are.
+fn range_changes(graph: &Graph, word: &str, all: bool) -> Vec<Change> {
+    let depends_on_data = |node: &&GraphNode| {
+        let is_view = ["view", "direction"].iter().any(|name| node.parameters.is_set(name));
+        let port = |edge: &voltet_graph::Edge| node.node.all_inputs().nth(edge.port).map(|port| port.name);
+        let is_wired = node.inputs.iter().any(|edge| port(edge) == Some("volume"));
+        node.node.parameter(RELATIVE_TO).is_some()
+            && is_wired
+            && (is_view || has_relative_numbers(&node.parameters))
+    };
+    let nodes = graph.order.iter().map(|&place| &graph.nodes[place]).filter(depends_on_data);
+    nodes
+        .filter(|node| all || !node.parameters.is_set(RELATIVE_TO))
+        .map(|node| Change::set(&node.name, RELATIVE_TO, ParameterValue::Text(word.into())))
+        .collect()
+}
+
+/// True if some number is relative to data, also within widgets.
+fn has_relative_numbers(p: &Parameters) -> bool {
+    let kinds =
+        p.iter().filter(|(parameter, ..)| matches!(parameter.parameter_type, ParameterType::Kinds(_)));
+    let mut entries = kinds.flat_map(|(parameter, ..)| p.kinds(parameter.name).unwrap_or_default());
+    !p.relative_numbers().is_empty() || entries.any(|(_, keys)| !keys.relative_numbers().is_empty())
+}
+
+/// Each frame with each combination of the values of parameters.
+fn swept(frames: Vec<Frame>, sweeps: &[Sweep]) -> Result<Vec<Frame>> {
+    let mut combinations: Vec<(Vec<Change>, Vec<String>)> = vec![Default::default()];
+    for sweep in sweeps {
+        let mut longer = Vec::new();
+        for (changes, texts) in &combinations {
+            for value in &sweep.values {
+                let (mut changes, mut texts) = (changes.clone(), texts.clone());
+                let short = sweep.parameter.rsplit('.').next().unwrap_or_default();
+                texts.push(format!("{short} = {value}"));
+                changes.push(Change::set(&sweep.node, &sweep.parameter, value.clone()));
+                longer.push((changes, texts));
+            }
+        }
+        combinations = longer;
+    }
+    let mut all = Vec::new();
+    for frame in frames {
+        for (sweep, (changes, texts)) in combinations.iter().enumerate() {
+            let mut own = Frame { values: texts.join(", "), ..frame.clone() };
+            own.marks.sweep = sweep;
+            own.changes.extend(changes.iter().cloned());
+            all.push(own);
+        }
+    }
+    Ok(all)
+}
+
+/// Moves the cameras on their ways from the first frame to the last; `count`: frames of a way where nothing else varies.
+fn turn(graph: &Graph, frames: &mut Vec<Frame>, count: Option<usize>) -> Result<()> {
+    let cameras = graph.order.iter().map(|&place| &graph.nodes[place]);
+    let cameras: Vec<&GraphNode> = cameras.filter(|node| moves(node)).collect();
+    if let Some(count) = count {
+        if frames.len() > 1 {
+            let error = Error::usage("--frames is for what does not change but for the camera");
+            return Err(error.got(format!("{} frames", frames.len())).expected("one step, file and value"));
+        }
+        if cameras.is_empty() {
+            let error = Error::usage("--frames moves the camera on its way, and no camera has one");
+            return Err(error.expected("orbit = 360.0 or keys = […] at the camera"));
+        }
+        *frames = (0..count).flat_map(|_| frames.clone()).collect();
+        for (frame, turn) in frames.iter_mut().zip(0..) {
+            frame.marks.turn = turn;
+        }
+    }
+    let length = frames.len();
+    if length < 2 {
+        return Ok(());
+    }
+    for camera in cameras {
+        let is_set = camera.parameters.is_set(PHASE);
+        // The last picture of a whole turn comes before the first again.
+        let orbit = camera.parameters.number("orbit")?;
+        let is_closed = orbit != 0.0 && orbit % 360.0 == 0.0 && camera.parameters.optional("keys").is_none();
+        let last = if is_closed { length } else { length - 1 };
+        for (number, frame) in frames.iter_mut().enumerate().filter(|_| !is_set) {
+            let phase = number as f64 / last as f64;
+            frame.changes.push(Change::set(&camera.name, PHASE, ParameterValue::Number(phase)));
+        }
+    }
+    Ok(())
+}
+
+/// True if a node is a camera that has a way.
+fn moves(node: &GraphNode) -> bool {
+    let has_orbit = node.parameters.optional_number("orbit").is_some_and(|orbit| orbit != 0.0);
+    node.node.parameter(PHASE).is_some() && (has_orbit || node.parameters.optional("keys").is_some())
+}
+
+/// Quantities in which frames differ.
+fn varying(frames: &[Frame]) -> Vec<Varying> {
+    let differs = |kind: &Varying| frames.iter().any(|frame| kind.differs(&frame.marks, &frames[0].marks));
+    Varying::ALL.into_iter().filter(differs).collect()
+}
+
+/// Names the files that a frame writes.
+fn name(graph: &Graph, frame: &mut Frame) -> Result<()> {
+    for (node, named) in written(graph) {
+        let path = names::path_of(&named.path, &frame.marks, &frame.varying)
+            .map_err(|error| node.parameters.locate(&named.parameter, error))
+            .map_err(|error| node.locate(error))?;
+        if path != named.path {
+            frame.changes.push(Change::set(&node.name, &named.parameter, ParameterValue::Text(path)));
+        }
+    }
+    Ok(())
+}
+
+/// The files that nodes write, each with its node.
+fn written(graph: &Graph) -> impl Iterator<Item = (&GraphNode, NamedPath)> {
+    graph.nodes.iter().flat_map(|node| {
+        let written = node.parameters.paths().into_iter().filter(|named| named.written);
+        written.map(move |named| (node, named))
+    })
+}
+
+/// Nodes that read data files, of those that some output needs.
+fn readers(graph: &Graph) -> impl Iterator<Item = &GraphNode> {
+    let nodes = graph.order.iter().map(|&place| &graph.nodes[place]);
+    nodes.filter(|node| node.node.parameter(TIME_STEP).is_some())
+}
+
+/// Name of the first data file without folder and ending.
+fn stem(graph: &Graph) -> Option<String> {
+    let path = |node: &GraphNode| {
+        node.parameters.paths().into_iter().find(|named| !named.written && named.parameter == "path")
+    };
+    let path = readers(graph).find_map(path)?;
+    Some(Path::new(&path.path).file_stem()?.to_string_lossy().into_owned())
+}
