@@ -12,7 +12,7 @@
 //! | meshes of Gmsh (.msh) | [`gmsh`] |
 //! | cases of OpenFOAM | [`foam`] |
 //! | cases of EnSight Gold (.case) | [`ensight`] |
-//! | Tecplot text (.dat) | [`tecplot`] |
+//! | Tecplot, text and binary (.dat, .plt) | [`tecplot`] |
 //! | AVS UCD (.inp, .ucd) | [`ucd`] |
 //! | meshes of Abaqus (.inp), SU2 (.su2), Nastran (.bdf) | [`abaqus`], [`su2`], [`nastran`] |
 //! | PLOT3D grid and solution | [`plot3d`] |
@@ -206,7 +206,8 @@ const FORMATS: &[Format] = &[
     exodus::FORMAT,
     gmsh::FORMAT,
     ensight::FORMAT,
-    tecplot::FORMAT,
+    tecplot::BINARY,
+    tecplot::TEXT,
     ucd::FORMAT,
     abaqus::FORMAT,
     su2::FORMAT,

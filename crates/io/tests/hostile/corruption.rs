@@ -287,6 +287,16 @@ fn damaged_meshes_of_text_are_errors_or_other_grids() {
 }
 
 #[test]
+fn damaged_binary_files_of_tecplot_are_errors_or_other_grids() {
+    for (name, scalar) in
+        [("double", "s"), ("double", "c"), ("single", "s"), ("steps", "c"), ("107", "c"), ("108", "s")]
+    {
+        let name = format!("tecplot_{name}.plt");
+        corrupt(&name, scalar, &packed(&name), case_count().max(200));
+    }
+}
+
+#[test]
 fn damaged_cases_of_ensight_are_errors_or_other_grids() {
     let files =
         ["parts.0.case", "parts.0.00000.geo", "parts.0.00000_n.f", "parts.0.00000_n.p", "parts.0.00000_c.g"];
