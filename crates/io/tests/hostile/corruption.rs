@@ -306,6 +306,35 @@ fn damaged_cases_of_ensight_are_errors_or_other_grids() {
 }
 
 #[test]
+fn damaged_files_of_several_steps_of_ensight_are_errors_or_other_grids() {
+    let line = |text: &str| format!("{text:\0<80}").into_bytes();
+    let sample = |name: &str| {
+        std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/files/ensight").join(name)).unwrap()
+    };
+    let steps = |head: Vec<u8>, step: &[u8]| {
+        let step = [&line("BEGIN TIME STEP"), step, &line("END TIME STEP")].concat();
+        let (first, table) = (head.len() as u64, (head.len() + 2 * step.len()) as u64);
+        let places = [first.to_le_bytes(), (first + step.len() as u64).to_le_bytes()].concat();
+        let end =
+            [&2_u32.to_le_bytes()[..], &places, &[0; 4], &table.to_le_bytes(), &line("FILE_INDEX")].concat();
+        [&head, &step[..], &step, &end].concat()
+    };
+    let case = "FORMAT\ntype: ensight gold\nGEOMETRY\nmodel: 1 1 a.geo\nVARIABLE\nscalar per node: 1 1 f a.f\nTIME\n\
+        time set: 1\nnumber of steps: 2\ntime values: 0 1\nFILE\nfile set: 1\nnumber of steps: 2\n";
+    let folder = tempfile::tempdir().unwrap();
+    let files = [
+        ("a.case", case.as_bytes().to_vec()),
+        ("a.geo", steps(line("C Binary"), &sample("parts.0.00000.geo")[80..])),
+        ("a.f", steps(Vec::new(), &sample("parts.0.00000_n.f"))),
+    ];
+    files.iter().for_each(|(name, bytes)| drop(file(&folder, name, bytes)));
+    for (name, bytes) in &files {
+        corrupt_in(&folder, [name, "a.case"], "f", bytes, case_count().max(200));
+        file(&folder, name, bytes);
+    }
+}
+
+#[test]
 fn damaged_adaptive_grids_are_errors_or_other_grids() {
     for name in ["trees_1_ascii.htg", "trees_1_appended.htg", "trees_2_binary.htg", "trees_2_appended.htg"] {
         corrupt(name, "c", &packed(name), case_count().max(200));
