@@ -116,7 +116,7 @@ pub(super) fn missing_node(element: u64, node: u64) -> Error {
 }
 
 /// Cells gathered one by one.
-pub(super) struct GatheredCells(CellSet);
+pub(super) struct GatheredCells(pub CellSet);
 
 impl Default for GatheredCells {
     fn default() -> Self {

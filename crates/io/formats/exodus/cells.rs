@@ -4,6 +4,7 @@
 //! the other. An element with nodes that VTK's cell lacks (in faces or the middle) becomes the cell without these.
 
 use crate::formats::contents::{Meter, Stored};
+use crate::formats::lazy::GatheredCells;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -22,6 +23,7 @@ pub(super) struct ElementShape {
 /// VTK's codes of cells of fewer dimensions.
 const VERTEX: u8 = 1;
 const LINE: u8 = 3;
+const POLYGON: u8 = 7;
 const TRIANGLE: u8 = 5;
 const QUAD: u8 = 9;
 const QUADRATIC_EDGE: u8 = 21;
@@ -30,8 +32,36 @@ const QUADRATIC_QUAD: u8 = 23;
 const BIQUADRATIC_QUAD: u8 = 28;
 const BIQUADRATIC_TRIANGLE: u8 = 34;
 
+/// Elements of a block.
+#[derive(Clone)]
+pub(super) enum BlockKind {
+    Shape(ElementShape),
+    Polygons,
+    Polyhedra,
+}
+
+impl BlockKind {
+    /// The kind of elements by their name in the file and the number of their nodes; `None`: no such is read.
+    pub fn of_elements(name: &str, node_count: u64) -> Option<BlockKind> {
+        match name.trim().to_ascii_uppercase().as_str() {
+            "NSIDED" => Some(BlockKind::Polygons),
+            "NFACED" => Some(BlockKind::Polyhedra),
+            _ => element_shape(name, node_count).map(BlockKind::Shape),
+        }
+    }
+
+    /// Nodes of a cell; polyhedra are taken for hexahedra, and polygons for squares.
+    pub fn node_count(&self) -> u64 {
+        match self {
+            BlockKind::Shape(shape) => shape.nodes.len() as u64,
+            BlockKind::Polygons => 4,
+            BlockKind::Polyhedra => 8,
+        }
+    }
+}
+
 /// The cell type of elements by their name in the file and the number of their nodes; `None`: no such is read.
-pub(super) fn element_shape(name: &str, node_count: u64) -> Option<ElementShape> {
+fn element_shape(name: &str, node_count: u64) -> Option<ElementShape> {
     let family = name.trim().to_ascii_uppercase().chars().take(3).collect::<String>();
     let plain = |code: u8, count: usize| (code, (0..count).collect::<Vec<usize>>());
     let parts = |code: u8, parts: &[Range<usize>]| (code, parts.iter().cloned().flatten().collect());
@@ -62,11 +92,20 @@ pub(super) fn element_shape(name: &str, node_count: u64) -> Option<ElementShape>
     Some(ElementShape { code, nodes })
 }
 
-/// The elements of a block.
-pub(super) struct BlockElements {
-    pub shape: ElementShape,
-    /// Node numbers from 1, those of an element side by side.
-    pub connectivity: Stored,
+/// The elements of a block; numbers of nodes and faces are from 1.
+pub(super) enum BlockElements {
+    /// Elements of one type: the nodes of each side by side.
+    Alike { shape: ElementShape, connectivity: Stored },
+    /// Polygons: the number of nodes of each, then the nodes of all.
+    Polygons { counts: Stored, connectivity: Stored },
+    /// Polyhedra: the number of faces of each, then the faces of all.
+    Polyhedra { counts: Stored, faces: Stored },
+}
+
+/// Faces of a face block: numbers of their nodes, or `None` where all have as many as components; then the nodes of all.
+pub(super) struct FaceBlock {
+    pub counts: Option<Stored>,
+    pub nodes: Stored,
 }
 
 /// Points and cells of a file.
@@ -75,6 +114,8 @@ pub(super) struct Mesh {
     /// One array for each axis of space.
     pub coordinates: Vec<Stored>,
     pub blocks: Vec<BlockElements>,
+    /// Faces of polyhedra, in the order in which they are numbered.
+    pub faces: Vec<FaceBlock>,
 }
 
 impl OpenGrid for Mesh {
@@ -107,30 +148,95 @@ impl Mesh {
     }
 
     fn cells(&self, point_count: usize, meter: &Meter) -> Result<Cells> {
-        let (mut types, mut offsets, mut connectivity) = (Vec::new(), vec![0], Vec::new());
-        for BlockElements { shape: ElementShape { code, nodes }, connectivity: stored } in &self.blocks {
-            let numbers: Vec<u32> = stored.load(meter)?;
-            let elements = numbers.par_chunks_exact(stored.component_count);
-            types.resize(types.len() + elements.len(), *code);
-            let begin = connectivity.len() as u64;
-            offsets
-                .par_extend((1..=elements.len()).into_par_iter().map(|i| begin + (i * nodes.len()) as u64));
-            // A number of 0 becomes one beyond all.
-            connectivity.par_extend(
-                elements.flat_map_iter(|element| nodes.iter().map(|&node| element[node].wrapping_sub(1))),
-            );
-            if let Some(wrong) =
-                numbers.par_iter().find_any(|&&number| number == 0 || number as usize > point_count)
-            {
-                let error = Error::run("an element names a node that does not exist").got(wrong);
-                return Err(error
-                    .expected(format_args!("a number from 1 to {point_count}"))
-                    .at_item(&stored.name));
+        let mut cells = GatheredCells::default();
+        let mut faces = None;
+        for block in &self.blocks {
+            match block {
+                BlockElements::Alike { shape, connectivity } => {
+                    add_alike(shape, connectivity, point_count, &mut cells.0, meter)?;
+                }
+                BlockElements::Polygons { counts, connectivity } => {
+                    let nodes = lists(counts, connectivity, point_count, meter)?;
+                    nodes.into_iter().for_each(|nodes| cells.add(POLYGON, nodes));
+                }
+                BlockElements::Polyhedra { counts, faces: numbers } => {
+                    if faces.is_none() {
+                        faces = Some(self.read_faces(point_count, meter)?);
+                    }
+                    let known = faces.as_deref().unwrap_or_default();
+                    let of_cell =
+                        |own: Vec<u32>| own.into_iter().map(|face| known[face as usize].clone()).collect();
+                    for own in lists(counts, numbers, known.len(), meter)? {
+                        cells.add_polyhedron(of_cell(own));
+                    }
+                }
             }
         }
-        if !types.is_empty() && types.par_iter().all(|&code| code == code::TETRA) {
-            return Ok(Cells::Tetrahedra(connectivity.as_chunks().0.to_vec().into()));
+        let cells = cells.into_set();
+        if !cells.types.is_empty() && cells.types.par_iter().all(|&code| code == code::TETRA) {
+            return Ok(Cells::Tetrahedra(cells.connectivity.as_chunks().0.to_vec().into()));
         }
-        Ok(Cells::Mixed(CellSet { types, offsets, connectivity, polyhedra: Vec::new() }))
+        Ok(Cells::Mixed(cells))
     }
+
+    /// Nodes of all faces.
+    fn read_faces(&self, point_count: usize, meter: &Meter) -> Result<Vec<Vec<u32>>> {
+        let mut faces = Vec::new();
+        for FaceBlock { counts, nodes } in &self.faces {
+            match counts {
+                Some(counts) => faces.extend(lists(counts, nodes, point_count, meter)?),
+                None => {
+                    let numbers = checked(nodes, point_count, meter)?;
+                    faces.extend(numbers.chunks(nodes.component_count).map(<[u32]>::to_vec));
+                }
+            }
+        }
+        Ok(faces)
+    }
+}
+
+/// Adds elements of one type.
+fn add_alike(
+    ElementShape { code, nodes }: &ElementShape,
+    connectivity: &Stored,
+    point_count: usize,
+    cells: &mut CellSet,
+    meter: &Meter,
+) -> Result<()> {
+    let numbers = checked(connectivity, point_count, meter)?;
+    let elements = numbers.par_chunks_exact(connectivity.component_count);
+    cells.types.resize(cells.types.len() + elements.len(), *code);
+    let begin = cells.connectivity.len() as u64;
+    cells.offsets.par_extend((1..=elements.len()).into_par_iter().map(|i| begin + (i * nodes.len()) as u64));
+    cells.connectivity.par_extend(elements.flat_map_iter(|element| nodes.iter().map(|&node| element[node])));
+    Ok(())
+}
+
+/// Numbers from 0 of things of which there are `count`. Errors: one that is not there.
+fn checked(numbers: &Stored, count: usize, meter: &Meter) -> Result<Vec<u32>> {
+    let mut own: Vec<u32> = numbers.load(meter)?;
+    if let Some(wrong) = own.par_iter().find_any(|&&number| number == 0 || number as usize > count) {
+        let error = Error::run("an element names a node or a face that does not exist").got(wrong);
+        return Err(error.expected(format_args!("a number from 1 to {count}")).at_item(&numbers.name));
+    }
+    own.par_iter_mut().for_each(|number| *number -= 1);
+    Ok(own)
+}
+
+/// Lists of such numbers by their lengths.
+fn lists(lengths: &Stored, numbers: &Stored, count: usize, meter: &Meter) -> Result<Vec<Vec<u32>>> {
+    let (lengths_of, all): (Vec<u32>, Vec<u32>) = (lengths.load(meter)?, checked(numbers, count, meter)?);
+    let sum: u64 = lengths_of.iter().map(|&length| u64::from(length)).sum();
+    if sum != all.len() as u64 {
+        let error = Error::run("the numbers of nodes or faces of elements are wrong");
+        let expected = format!("a sum of {}, as '{}' has", all.len(), numbers.name);
+        return Err(error.got(format_args!("a sum of {sum}")).expected(expected).at_item(&lengths.name));
+    }
+    let mut rest = &all[..];
+    let list = |length: u32| {
+        let (own, after) = rest.split_at(length as usize);
+        rest = after;
+        own.to_vec()
+    };
+    Ok(lengths_of.into_iter().map(list).collect())
 }

@@ -250,6 +250,9 @@ fn damaged_exodus_files_are_errors_or_other_grids() {
             corrupt(name, scalar, &packed(name), case_count());
         }
     }
+    for scalar in ["s", "c"] {
+        corrupt("exodus_faces.e", scalar, &packed("exodus_faces.e"), case_count());
+    }
 }
 
 #[test]
