@@ -134,7 +134,7 @@ fn of_each<P: Send, T: Send>(pieces: Vec<P>, work: impl Fn(P) -> Result<T> + Syn
 pub(super) fn group(dataset: &Dataset, piece: &Piece, index: usize) -> usize {
     match piece.blocks {
         _ if !dataset.has_blocks => 0,
-        CellBlocks::One(block) => block,
+        CellBlocks::One(block) | CellBlocks::Each { grid: Some(block), .. } => block,
         // Numbers of blocks come first.
         _ => dataset.blocks.len() + index,
     }
@@ -297,6 +297,7 @@ pub(super) fn load(piece: &Piece, mut cells: Cells, wanted: &PieceRequest, meter
         && let Some((choice, values)) = columns.next()
     {
         let name = wanted.request.scalar.clone().unwrap_or_else(|| choice.name.clone());
+        add_boundary(&mut raw, &name, piece, choice, wanted, meter)?;
         raw.scalar = Some(Scalar { name, association: choice.association, values: values.into() });
     }
     let (names, kept) = (unique(&wanted.request.point_arrays), unique(&wanted.request.cell_arrays));
@@ -305,6 +306,7 @@ pub(super) fn load(piece: &Piece, mut cells: Cells, wanted: &PieceRequest, meter
         let array = Array { component_count, values: values.into() };
         match names.get(i) {
             Some(name) if choice.association == Association::Cell => {
+                add_boundary(&mut raw, name, piece, choice, wanted, meter)?;
                 raw.cell_arrays.insert(name.to_string(), array)
             }
             Some(name) => raw.point_arrays.insert(name.to_string(), array),
@@ -318,6 +320,26 @@ pub(super) fn load(piece: &Piece, mut cells: Cells, wanted: &PieceRequest, meter
         };
     }
     Ok(raw)
+}
+
+/// Adds what the file states of a chosen array at the boundary, where cell values become means at points.
+fn add_boundary(
+    raw: &mut RawGrid,
+    name: &str,
+    piece: &Piece,
+    choice: &ArraySelection,
+    wanted: &PieceRequest,
+    meter: &Meter,
+) -> Result<()> {
+    if wanted.request.options.cell_values != CellValues::Average || choice.association != Association::Cell {
+        return Ok(());
+    }
+    let mut arrays = piece.arrays_of(Association::Cell).filter(|array| array.stored.name == choice.name);
+    let Some(compute) = arrays.next().and_then(|array| array.boundary.as_ref()) else { return Ok(()) };
+    let mut own = compute(meter)?;
+    own.values = component(&own.values, choice);
+    raw.boundary_values.insert(name.to_owned(), own);
+    Ok(())
 }
 
 /// Adds the displacement of a request to points.

@@ -219,6 +219,22 @@ fn damaged_cases_of_openfoam_are_errors_or_other_grids() {
 }
 
 #[test]
+fn damaged_patches_and_collated_files_of_openfoam_are_errors_or_other_grids() {
+    for name in ["bytes", "text"] {
+        let mesh = ["boundary", "faces", "owner", "points", "neighbour"];
+        let mesh = mesh.map(|name| format!("constant/polyMesh/{name}"));
+        let files: Vec<&str> = mesh.iter().map(String::as_str).chain(["10/C"]).collect();
+        corrupt_case(&format!("openfoam/{name}"), "", "C:0", &files, case_count().max(200));
+    }
+    for form in ["ascii", "binary"] {
+        let mesh = ["points", "faces", "owner", "neighbour", "cellZones", "boundary"];
+        let mesh = mesh.map(|name| format!("processors2/constant/polyMesh/{name}"));
+        let files: Vec<&str> = mesh.iter().map(String::as_str).chain(["processors2/10/T"]).collect();
+        corrupt_case(&format!("openfoam/collated_{form}"), "", "T", &files, case_count().max(200));
+    }
+}
+
+#[test]
 fn damaged_cgns_files_are_errors_or_other_grids() {
     for name in ["cells", "mixed_old", "polyhedra", "polyhedra_old", "zones"] {
         let name = format!("cgns_{name}.cgns");
