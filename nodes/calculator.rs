@@ -279,6 +279,8 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     grid.point_arrays.retain(|name, _| call.demand.arrays.contains(name));
     grid.cell_arrays.retain(|name, _| call.demand.cell_arrays.contains(name));
     let (name, array) = (calculation.name, Array::from(values));
+    let unit = call.parameters.optional("unit").and_then(|unit| unit.text());
+    set_unit(&mut grid, &name, unit);
     if calculation.at_cells {
         grid.cell_arrays.insert(name.clone(), Arc::new(array.clone()));
         if !calculation.is_scalar && !call.demand.arrays.contains(&name) {
@@ -303,6 +305,18 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
         (grid.scalar, grid.scalar_name) = (Some(at_points), name);
     }
     Ok(vec![Value::Grid(Arc::new(grid))])
+}
+
+/// Sets the unit of an array: an array of the file that had the name is no more.
+fn set_unit(grid: &mut Grid, name: &str, unit: Option<&str>) {
+    if unit.is_none() && !grid.origin.units.contains_key(name) {
+        return;
+    }
+    let units = &mut Arc::make_mut(&mut grid.origin).units;
+    match unit {
+        Some(unit) => units.insert(name.to_owned(), unit.to_owned()),
+        None => units.remove(name),
+    };
 }
 
 /// The arrays of the expression, one number each at the points or in the cells.

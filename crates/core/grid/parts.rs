@@ -93,6 +93,8 @@ pub struct ImportStats {
     pub arrays_of_cells: Vec<String>,
     /// The time that the values are of, where the file says it.
     pub time: Option<f64>,
+    /// Units that the file states of the scalar and of further arrays that were read, by their names.
+    pub units: BTreeMap<String, String>,
     /// Names of the blocks of the file, by the numbers in the cell array that holds them.
     pub blocks: Vec<String>,
     /// Warnings for the user, each a sentence.

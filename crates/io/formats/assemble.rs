@@ -76,6 +76,7 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
         [] => dataset.time,
         times => Some(times[request.step_index(times)?]),
     };
+    parts.origin.units = units(dataset, request, &choices);
     parts.origin.arrays_decoded = choices.len() as u64;
     if request.every_array {
         parts.origin.arrays_decoded += left.arrays.len() as u64;
@@ -83,6 +84,21 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
         (parts.origin.arrays_unread, parts.origin.values_unread) = (left.arrays, left.value_count);
     }
     grid::build(parts, &Options { without_tetrahedra: is_unsplit, ..request.options }, progress)
+}
+
+/// Units that the file states of the arrays that are read, by the names that these are read under.
+fn units(dataset: &Dataset, request: &Request, choices: &[ArraySelection]) -> BTreeMap<String, String> {
+    let scalar = (!request.without_scalar).then_some(request.scalar.as_ref());
+    let others = unique(&request.point_arrays).into_iter().chain(unique(&request.cell_arrays));
+    let names = scalar.into_iter().chain(others.map(Some));
+    let unit = |choice: &ArraySelection| {
+        let mut arrays = dataset.pieces.iter().flat_map(|piece| piece.arrays_of(choice.association));
+        arrays.find(|array| array.stored.name == choice.name).and_then(|array| array.unit.clone())
+    };
+    let entry = |(name, choice): (Option<&String>, &ArraySelection)| {
+        unit(choice).map(|unit| (name.unwrap_or(&choice.name).clone(), unit))
+    };
+    names.zip(choices).filter_map(entry).collect()
 }
 
 /// True if the file's cells are taken as they are, and no tetrahedra are made: none are asked for, and no value needs them, as means of

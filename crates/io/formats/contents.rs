@@ -113,6 +113,8 @@ pub(super) struct PieceArray {
     pub component_names: Vec<String>,
     /// Blocks of the piece without values, whose cells have NaN.
     pub blocks_without: Vec<usize>,
+    /// Unit that the file states.
+    pub unit: Option<String>,
     /// Values of an array of cells on faces at the boundary, where the file has some.
     pub boundary: Option<ComputeBoundary>,
 }
@@ -170,6 +172,7 @@ impl PieceArray {
             stored,
             component_names: Vec::new(),
             blocks_without: Vec::new(),
+            unit: None,
             boundary: None,
         }
     }

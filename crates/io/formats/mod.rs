@@ -67,6 +67,7 @@ mod surfaces;
 mod tagged;
 mod tecplot;
 mod ucd;
+mod units;
 mod unsupported;
 mod vtkhdf;
 mod xdmf;

@@ -9,6 +9,7 @@ use super::numbers::NumberType;
 use super::request::{Format, Request};
 use super::source::Source;
 use super::tagged::{TaggedElement, TaggedMesh, VisitElement, VisitNode, VisitValues, dataset};
+use super::units;
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
@@ -85,7 +86,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     skip_lines(&mut cursor, node_count, "a node")?;
     let cells = cursor.clone();
     skip_lines(&mut cursor, cell_count, "a cell")?;
-    let (mut arrays, mut heads) = (Vec::new(), Vec::new());
+    let (mut arrays, mut heads, mut units) = (Vec::new(), Vec::new(), Vec::new());
     for (association, width, row_count) in
         [(Association::Point, of_nodes, node_count), (Association::Cell, of_cells, cell_count)]
     {
@@ -97,7 +98,8 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
                 return Err(error.got(format_args!("{row_count} rows of {width} values")));
             }
             let mut first = 0;
-            for head in found {
+            for (head, unit) in found {
+                units.push(unit);
                 let component_count = head.component_count;
                 arrays.push(UcdArray {
                     rows: cursor.clone(),
@@ -113,7 +115,11 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
         }
     }
     let mesh = UcdMesh { nodes, node_count, cells, cell_count, arrays };
-    dataset(&source, "AVS UCD, ASCII".to_owned(), mesh, heads, request)
+    let mut dataset = dataset(&source, "AVS UCD, ASCII".to_owned(), mesh, heads, request)?;
+    for (array, unit) in dataset.pieces.iter_mut().flat_map(|piece| piece.arrays.iter_mut().zip(&units)) {
+        array.unit.clone_from(unit);
+    }
+    Ok(dataset)
 }
 
 fn skip_lines(cursor: &mut Cursor, count: u64, what: &str) -> Result<()> {
@@ -125,8 +131,12 @@ fn skip_lines(cursor: &mut Cursor, count: u64, what: &str) -> Result<()> {
     Ok(())
 }
 
-/// Arrays whose components make up rows of this width.
-fn array_heads(cursor: &mut Cursor, association: Association, width: u64) -> Result<Vec<FileArray>> {
+/// Arrays whose components make up rows of this width, with their units.
+fn array_heads(
+    cursor: &mut Cursor,
+    association: Association,
+    width: u64,
+) -> Result<Vec<(FileArray, Option<String>)>> {
     let line = cursor.text_line("numbers of components")?;
     let words: Vec<u64> = line.split_ascii_whitespace().map_while(|word| word.parse().ok()).collect();
     let sizes = words.get(1..).unwrap_or(&[]);
@@ -138,8 +148,9 @@ fn array_heads(cursor: &mut Cursor, association: Association, width: u64) -> Res
     let mut heads = Vec::new();
     for &size in sizes {
         let label = cursor.text_line("the name of an array")?;
-        let name = label.split(',').next().unwrap_or_default().trim().to_owned();
-        heads.push(FileArray { name, association, component_count: size as usize });
+        let (name, unit) = label.split_once(',').unwrap_or((&label, ""));
+        let name = name.trim().to_owned();
+        heads.push((FileArray { name, association, component_count: size as usize }, units::stated(unit)));
     }
     Ok(heads)
 }

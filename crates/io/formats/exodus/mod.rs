@@ -17,6 +17,7 @@ use super::netcdf;
 use super::numbers::NumberType;
 use super::request::{Format, Request, list};
 use super::source::Source;
+use super::units;
 use cells::{BlockElements, BlockKind, FaceBlock, Mesh};
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap};
@@ -410,6 +411,10 @@ impl Selection<'_> {
             }
         };
         for names::Joined { name, places, components } in names::joined(&self.part.of_nodes) {
+            let stated = match places.first().filter(|_| !is_one) {
+                Some(place) => variables.attribute(&format!("vals_nod_var{}", place + 1), "units")?,
+                None => None,
+            };
             let parts: Vec<Stored> = places.into_iter().map(of_node).collect::<Result<_>>()?;
             let number_type = parts.first().map_or(NumberType::F64, |part| part.number_type);
             // A vector, or one variable by itself.
@@ -417,8 +422,10 @@ impl Selection<'_> {
                 Ok(axes) => vec![Stored { number_type, ..Stored::joined(&name, axes) }],
                 Err(parts) => parts,
             };
+            let unit = stated.and_then(|text| units::stated(&text));
             arrays.extend(stored.into_iter().map(|stored| PieceArray {
                 component_names: components.clone(),
+                unit: unit.clone(),
                 ..PieceArray::new(Association::Point, stored)
             }));
         }

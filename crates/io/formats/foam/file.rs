@@ -28,6 +28,8 @@ pub(super) struct FoamFile {
     pub path: PathBuf,
     pub class: String,
     pub note: String,
+    /// Exponents of the unit of a field, once its values were found.
+    pub dimensions: Option<Vec<f64>>,
     /// Byte order of lists of numbers; `None`: they are text.
     pub binary: Option<ByteOrder>,
     pub label: NumberType,
@@ -91,6 +93,7 @@ impl FoamFile {
             path: path.to_owned(),
             class: String::new(),
             note: String::new(),
+            dimensions: None,
             binary: None,
             label: NumberType::I32,
             scalar: NumberType::F64,
@@ -418,6 +421,7 @@ impl FoamFile {
             match key.as_str() {
                 "internalField" | "value" => break,
                 ";" => {}
+                "dimensions" => self.dimensions = self.exponents()?,
                 key if key.starts_with('#') => drop(self.cursor.line()?),
                 _ => self.skip_entry()?,
             }
@@ -448,6 +452,21 @@ impl FoamFile {
             return Ok(());
         }
         Err(self.cursor.error("an entry is damaged").got(format_args!("'{found}'")).expected(sign))
+    }
+
+    /// The exponents of a unit, to the end of the entry; `None` where it names units.
+    fn exponents(&mut self) -> Result<Option<Vec<f64>>> {
+        let mut exponents = Some(Vec::new());
+        loop {
+            match self.required("';'")?.as_str() {
+                ";" => return Ok(exponents),
+                "[" | "]" => {}
+                word => match (word.parse(), &mut exponents) {
+                    (Ok(exponent), Some(own)) => own.push(exponent),
+                    _ => exponents = None,
+                },
+            }
+        }
     }
 
     /// Skips the rest of an entry: to its semicolon, or its dictionary.

@@ -22,6 +22,7 @@ use super::lazy::geometry;
 use super::numbers::{ByteOrder, NumberType};
 use super::request::Request;
 use super::source::Source;
+use super::units;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -409,6 +410,7 @@ struct Field {
     source: Arc<Source>,
     association: Association,
     kind: &'static (&'static str, usize, &'static [&'static str]),
+    unit: Option<String>,
     /// Number of tuples of an unpacked file that lie side by side, type and order of their numbers, and their place.
     bytes_of_tuples: Option<(u64, NumberType, ByteOrder, u64)>,
 }
@@ -428,11 +430,11 @@ impl Field {
         let Some(kind) = KINDS.iter().find(|kind| kind.0 == name) else { return Ok(None) };
         let mut bytes_of_tuples = None;
         // A field with other values, or without any, is an error once it is read.
-        if let (Some(order), false) = (file.binary, file.is_packed)
-            && let Ok(FieldValues::List(count)) = file.field_values(kind.1)
-        {
+        let values = file.field_values(kind.1);
+        if let (Some(order), false, Ok(FieldValues::List(count))) = (file.binary, file.is_packed, values) {
             bytes_of_tuples = Some((count, file.scalar, order, file.position()));
         }
+        let unit = file.dimensions.as_deref().and_then(unit);
         Ok(Some(Field {
             path: path.to_owned(),
             part: part.cloned(),
@@ -440,6 +442,7 @@ impl Field {
             association,
             kind,
             bytes_of_tuples,
+            unit,
         }))
     }
 
@@ -474,8 +477,15 @@ impl Field {
             stored = Stored { number_type, order, encoding: Encoding::Bytes(place), ..stored };
         }
         let component_names = self.kind.2.iter().map(|name| (*name).to_owned()).collect();
-        PieceArray { component_names, ..PieceArray::new(self.association, stored) }
+        PieceArray { component_names, unit: self.unit, ..PieceArray::new(self.association, stored) }
     }
+}
+
+/// A unit by its exponents of kilogram, metre, second, kelvin, mole, ampere and candela, of which the last may be left out.
+fn unit(exponents: &[f64]) -> Option<String> {
+    let factors: Vec<(&str, f64)> =
+        ["kg", "m", "s", "K", "mol", "A", "cd"].into_iter().zip(exponents.iter().copied()).collect();
+    units::product(&factors)
 }
 
 /// Values of a field within the mesh.

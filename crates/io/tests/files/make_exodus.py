@@ -240,6 +240,9 @@ def polyhedra(path):
     for number, own in [(10, [1.0, 2.0, 3.0]), (20, [4.0, 5.0]), (30, [6.0])]:
         call("put_var", file, 1, element, 1, ids(number), ids(len(own)), np.array(own))
     call("close", file)
+    file = Dataset(path, "a")
+    file["vals_nod_var1"].units = "K"
+    file.close()
     with open(path, "rb") as plain, open(path + ".gz", "wb") as packed:
         packed.write(gzip.compress(plain.read(), mtime=0))
     os.remove(path)

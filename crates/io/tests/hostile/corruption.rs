@@ -240,6 +240,7 @@ fn damaged_cgns_files_are_errors_or_other_grids() {
         let name = format!("cgns_{name}.cgns");
         corrupt(&name, "s", &packed(&name), case_count());
     }
+    corrupt("cgns_units.cgns", "Velocity:X", &packed("cgns_units.cgns"), case_count());
     corrupt("cgns_steps.cgns", "T", &packed("cgns_steps.cgns"), case_count());
 }
 
