@@ -302,6 +302,7 @@ fn damaged_meshes_of_text_are_errors_or_other_grids() {
     corrupt("a.ucd", "f", include_bytes!("../files/mesh.ucd"), case_count().max(200));
     corrupt("a.su2", "block", include_bytes!("../files/mesh.su2"), case_count().max(200));
     corrupt("a.bdf", "block", include_bytes!("../files/mesh.bdf"), case_count().max(200));
+    corrupt("b.bdf", "block", include_bytes!("../files/systems.bdf"), case_count().max(200));
     corrupt("a.inp", "block", include_bytes!("../files/mesh.inp"), case_count().max(200));
     corrupt("a.dat", "f", include_bytes!("../files/mesh.dat"), case_count().max(200));
 }
