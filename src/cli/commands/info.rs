@@ -188,7 +188,7 @@ fn array_line(array: &ArraySummary, width: usize) -> String {
         0 => String::new(),
         n => format!(", {} not finite", with_commas(n)),
     };
-    let unit = array.unit.as_ref().map_or(String::new(), |unit| format!(" {}", self::name(unit)));
+    let unit = array.unit.as_ref().map_or(String::new(), |unit| format!(" {}", name(unit)));
     let name = name(&array.head.name);
     format!("  {association:5}  {name:width$}  {}{components}  {range}{unit}{bad}\n", array.number_type)
 }
