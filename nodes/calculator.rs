@@ -250,7 +250,7 @@ fn demand(asking: &mut DemandContext) -> Result<()> {
             demand.arrays.named.extend(asking.method()?.arrays()?);
         }
         let arrays = if calculation.at_cells { &mut demand.cell_arrays } else { &mut demand.arrays };
-        match axis(name).filter(|_| !calculation.at_cells && name == &array.name) {
+        match axis(name).filter(|_| !calculation.at_cells && name == array.name) {
             Some(_) => drop(arrays.optional.insert(name.to_owned())),
             None => arrays.request(name, origin),
         }
