@@ -428,6 +428,26 @@ fn boundaries_read_the_same_in_bytes_packed_and_decomposed() {
 }
 
 #[test]
+fn patches_that_processors_share_have_the_values_of_all() {
+    let own = |name: &str, fields: &[&str]| {
+        let folder = tempfile::tempdir().unwrap();
+        copy(&sample(name), folder.path());
+        for field in fields {
+            let path = folder.path().join(field);
+            let text = std::fs::read_to_string(&path).unwrap();
+            let begin = text.find("boundaryField").unwrap();
+            let walls = text[begin..].replacen("zeroGradient;", "fixedValue; value uniform 5;", 1);
+            assert!(walls.contains("uniform 5"), "{field}");
+            std::fs::write(path, format!("{}{walls}", &text[..begin])).unwrap();
+        }
+        grid(folder.path(), &means("T"))
+    };
+    let whole = own("text", &["10/T"]);
+    assert!(whole.scalar.as_ref().unwrap().iter().any(|&value| value == 5.0));
+    same(&own("decomposed", &["processor0/10/T", "processor1/10/T"]), &whole, 1e-12, "decomposed");
+}
+
+#[test]
 fn regions_are_blocks_with_meshes_of_their_own() {
     let folder = tempfile::tempdir().unwrap();
     let (from, to) = (sample("text"), folder.path());
