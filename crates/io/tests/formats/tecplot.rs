@@ -236,3 +236,20 @@ fn passive_variables_of_text_have_no_numbers() {
         assert!(found.contains("no array 's'"), "{found}");
     }
 }
+
+#[test]
+fn subzone_files_and_meshes_of_mfem_are_refused_with_a_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text, words) in [
+        ("a.szplt", "#!SZPLT 105BF $Revision:", ["subzone file of Tecplot", "Write Data", "a .plt file"]),
+        (
+            "a.mesh",
+            "MFEM mesh v1.0\n\ndimension\n3\n",
+            ["mesh of MFEM", "ParaViewDataCollection", "a .vtu file"],
+        ),
+    ] {
+        let found =
+            read(&file(&folder, name, text.as_bytes()), &request("s"), &NoProgress).unwrap_err().to_string();
+        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+    }
+}
