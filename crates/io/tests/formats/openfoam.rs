@@ -443,7 +443,7 @@ fn patches_that_processors_share_have_the_values_of_all() {
         grid(folder.path(), &means("T"))
     };
     let whole = own("text", &["10/T"]);
-    assert!(whole.scalar.as_ref().unwrap().iter().any(|&value| value == 5.0));
+    assert!(whole.scalar.as_ref().unwrap().contains(&5.0));
     same(&own("decomposed", &["processor0/10/T", "processor1/10/T"]), &whole, 1e-12, "decomposed");
 }
 
