@@ -92,7 +92,12 @@ pub const NODE: Node = Node {
             default: DefaultValue::Unset("the ends of colour maps, or the data's range"),
             help: "values of s at the ends of the bar, or of the plane, [low, high]",
         },
-        Parameter { name: "unit", help: "unit of the scalar, as readers shall see it", ..UNIT },
+        Parameter {
+            name: "unit",
+            help: "unit of the scalar, as readers shall see it",
+            default: DefaultValue::Unset("that of the file, or none"),
+            ..UNIT
+        },
         Parameter {
             name: "axes",
             parameter_type: ParameterType::Choice(&[
@@ -305,7 +310,11 @@ fn write(call: &RunContext, canvas: &mut Canvas) -> Result<Vec<String>> {
     let bar = p.text("bar")?;
     let side = if bar == "left" { Side::Left } else { Side::Right };
     if bar != "none" && call.is_wired("transfer_function")? {
-        let units = [unit(p, "unit"), unit(p, "length_unit")];
+        let grid = volume.as_ref().map(|volume| &volume.grid);
+        let of_file =
+            grid.and_then(|grid| grid.origin.units.get(&grid.scalar_name)).map_or("", String::as_str);
+        let of_scalar = if p.is_set("unit") { unit(p, "unit") } else { of_file };
+        let units = [of_scalar, unit(p, "length_unit")];
         let scale = ColorScale::new(call, volume.as_deref(), bar_title?, units)?;
         let border = match bar {
             "top" => Some(Border::Top),

@@ -31,7 +31,7 @@ pub const NODE: Node = Node {
             parameter_type: ParameterType::Text,
             unit: "",
             default: DefaultValue::Required,
-            help: "such as \"mag(V) - ln(p)/2\": arrays, + - * / ^ and the functions that docs/src/how-to/calculator.md lists",
+            help: "such as \"mag(V) - ln(p)/2\": arrays, x y z, + - * / ^ and the functions that docs/src/how-to/calculator.md lists",
         },
         Parameter {
             name: "name",
@@ -100,6 +100,11 @@ const UNIT: Parameter = Parameter {
     default: DefaultValue::Unset(""),
     help: "",
 };
+
+/// The axis whose coordinates a name stands for where there is no array of it.
+fn axis(name: &str) -> Option<usize> {
+    ["x", "y", "z"].iter().position(|axis| *axis == name)
+}
 
 /// Beginning of the names of arrays of the input `other`.
 const OTHER: &str = "other.";
@@ -219,6 +224,7 @@ fn demand(asking: &mut DemandContext) -> Result<()> {
     let mut demand = asking.asked.clone();
     let mut of_other = Demand { without_scalar: true, ..Demand::default() };
     demand.arrays.named.remove(&calculation.name);
+    demand.arrays.optional.remove(&calculation.name);
     if calculation.at_cells {
         demand.cell_arrays.named.remove(&calculation.name);
     }
@@ -229,7 +235,8 @@ fn demand(asking: &mut DemandContext) -> Result<()> {
         return asking.ask("grid", &demand);
     }
     let has_other = asking.fed_by("other")?.is_some();
-    for NamedArray { name, derivative, span } in &calculation.expression.arrays {
+    for array in &calculation.expression.arrays {
+        let NamedArray { name, derivative, span } = array;
         let origin = origin(asking.parameters, span);
         let (demand, name) = match name.strip_prefix(OTHER) {
             Some(name) if has_other => (&mut of_other, name),
@@ -243,7 +250,10 @@ fn demand(asking: &mut DemandContext) -> Result<()> {
             demand.arrays.named.extend(asking.method()?.arrays()?);
         }
         let arrays = if calculation.at_cells { &mut demand.cell_arrays } else { &mut demand.arrays };
-        arrays.request(name, origin);
+        match axis(name).filter(|_| !calculation.at_cells && name == array.name) {
+            Some(_) => drop(arrays.optional.insert(name.to_owned())),
+            None => arrays.request(name, origin),
+        }
     }
     if has_other && of_other.arrays.named.is_empty() && of_other.cell_arrays.named.is_empty() {
         let error = asking.parameters.error("expression", "no array is of the input 'other', which is wired");
@@ -279,6 +289,8 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     grid.point_arrays.retain(|name, _| call.demand.arrays.contains(name));
     grid.cell_arrays.retain(|name, _| call.demand.cell_arrays.contains(name));
     let (name, array) = (calculation.name, Array::from(values));
+    let unit = call.parameters.optional("unit").and_then(|unit| unit.text());
+    set_unit(&mut grid, &name, unit);
     if calculation.at_cells {
         grid.cell_arrays.insert(name.clone(), Arc::new(array.clone()));
         if !calculation.is_scalar && !call.demand.arrays.contains(&name) {
@@ -303,6 +315,18 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
         (grid.scalar, grid.scalar_name) = (Some(at_points), name);
     }
     Ok(vec![Value::Grid(Arc::new(grid))])
+}
+
+/// Sets the unit of an array: an array of the file that had the name is no more.
+fn set_unit(grid: &mut Grid, name: &str, unit: Option<&str>) {
+    if unit.is_none() && !grid.origin.units.contains_key(name) {
+        return;
+    }
+    let units = &mut Arc::make_mut(&mut grid.origin).units;
+    match unit {
+        Some(unit) => units.insert(name.to_owned(), unit.to_owned()),
+        None => units.remove(name),
+    };
 }
 
 /// The arrays of the expression, one number each at the points or in the cells.
@@ -384,6 +408,11 @@ fn found(calculation: &Calculation, grid: &Grid, name: &str, array: &NamedArray)
                       own for each kind"
             }
         }));
+    }
+    let place = axis(name).filter(|_| name == array.name && !all.contains_key(name));
+    if let Some(axis) = place.filter(|_| !calculation.at_cells) {
+        let coordinates: Vec<f64> = grid.points.iter().map(|point| point[axis]).collect();
+        return Ok(Arc::new(coordinates.into()));
     }
     let Some(found) = all.get(name) else {
         let error = Error::usage(format!("there is no array '{name}'"));

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use voltet_core::reading::FileArray;
 use voltet_core::{Error, Result};
 use voltet_graph::{
     DefaultValue, Demand, Diagnostics, Node, Outputs, Parameter, ParameterType, ParameterValue, Parameters,
@@ -246,6 +247,14 @@ fn asked(
     request.every_array = demand.arrays.and_all_others || demand.cell_arrays.and_all_others;
     if p.is_set("solution") {
         request.solution = Some(resolve(p.text("solution")?));
+    }
+    if !demand.arrays.optional.is_empty() {
+        let heads = formats::arrays(&resolve(p.text("path")?), &request).map_err(with_file_named)?;
+        let is_there = |name: &&String| {
+            let is_it = |head: &FileArray| head.association == Association::Point && head.name == **name;
+            !demand.arrays.named.contains(*name) && heads.iter().any(is_it)
+        };
+        request.point_arrays.extend(demand.arrays.optional.iter().filter(is_there).cloned());
     }
     Ok(request)
 }

@@ -108,8 +108,18 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
 
     let of_cells = parts.cell_arrays.keys().filter(|name| !parts.point_arrays.contains_key(*name));
     origin.arrays_of_cells = of_cells.cloned().collect();
-    let cell_values = cell_values::take(&mut parts);
+    let mut cell_values = cell_values::take(&mut parts);
+    for (name, count) in cell_values.not_finite_at_boundary() {
+        origin.warnings.push(format!(
+            "{} of '{name}' at the boundary {} not finite: the points there have means of cells.",
+            counted(count, "value"),
+            agreeing(&count, "is", "are")
+        ));
+    }
     let mut numbers = drop_unused_points(&mut parts, &mut tetrahedra)?;
+    if let Some(numbers) = &numbers {
+        cell_values = cell_values.renumbered(numbers);
+    }
     let mut grid = Grid {
         points: parts.points,
         tetrahedra,

@@ -1,6 +1,6 @@
 //! Averages of cell values at the points.
 
-use super::parts::{Association, CellValues, RawGrid, Scalar, number};
+use super::parts::{Association, BoundaryValues, CellValues, RawGrid, Scalar, number};
 use super::{Array, Grid, cells_of_points, tetrahedron_volume};
 use crate::Result;
 use crate::SharedSlice;
@@ -12,6 +12,7 @@ use std::sync::Arc;
 pub(super) struct CellArrays {
     scalar: Option<Scalar>,
     arrays: BTreeMap<String, Array>,
+    boundary: BTreeMap<String, BoundaryValues>,
 }
 
 impl CellArrays {
@@ -19,15 +20,31 @@ impl CellArrays {
         self.scalar.is_none() && self.arrays.is_empty()
     }
 
-    /// Point arrays; `convert` is given the values and the components of a tuple.
-    fn converted(self, convert: impl Fn(&[f64], usize) -> Vec<f64>) -> CellArrays {
-        let convert = |values: &[f64], n| SharedSlice::from(convert(values, n));
-        let scalar = self.scalar.map(|s| Scalar { values: convert(&s.values, 1), ..s });
-        let arrays = self
-            .arrays
-            .into_iter()
-            .map(|(name, a)| (name, Array { values: convert(&a.values, a.component_count), ..a }));
-        CellArrays { scalar, arrays: arrays.collect() }
+    /// Names of arrays with the number of faces at the boundary whose values are not finite.
+    pub fn not_finite_at_boundary(&self) -> Vec<(&str, usize)> {
+        let components = |name: &String| self.arrays.get(name).map_or(1, |array| array.component_count);
+        let counts =
+            self.boundary.iter().map(|(name, own)| (name.as_str(), own.not_finite(components(name))));
+        counts.filter(|entry| entry.1 > 0).collect()
+    }
+
+    /// The points of faces at the boundary by other numbers.
+    pub fn renumbered(mut self, numbers: &[u32]) -> CellArrays {
+        let renumber = |own: BoundaryValues| own.renumbered(|point| numbers[point as usize]);
+        self.boundary = self.boundary.into_iter().map(|(name, own)| (name, renumber(own))).collect();
+        self
+    }
+
+    /// Point arrays; `convert` is given the values, the components of a tuple, and what faces at the boundary have.
+    fn converted(self, convert: impl Fn(&[f64], usize, Option<&BoundaryValues>) -> Vec<f64>) -> CellArrays {
+        let convert =
+            |name: &String, values: &[f64], n| SharedSlice::from(convert(values, n, self.boundary.get(name)));
+        let scalar = self.scalar.map(|s| Scalar { values: convert(&s.name, &s.values, 1), ..s });
+        let arrays = self.arrays.into_iter().map(|(name, a)| {
+            let values = convert(&name, &a.values, a.component_count);
+            (name, Array { values, ..a })
+        });
+        CellArrays { scalar, arrays: arrays.collect(), boundary: BTreeMap::new() }
     }
 }
 
@@ -37,13 +54,15 @@ pub(super) fn take(parts: &mut RawGrid) -> CellArrays {
     CellArrays {
         scalar: if on_cells { parts.scalar.take() } else { None },
         arrays: std::mem::take(&mut parts.cell_arrays),
+        boundary: std::mem::take(&mut parts.boundary_values),
     }
 }
 
 /// Gives every point the mean over the cells of the file that use it, weighted by their volume (the sum of their
 /// tetrahedra's); where all these volumes are zero, the plain mean. In an adaptive grid the weight is one over the size of the cell,
 /// and hanging points have what is interpolated in the larger cell: both is exact for linear fields
-/// (docs/src/explanation/optics.md, section 3).
+/// (docs/src/explanation/optics.md, section 3). Where the file states values on faces at the boundary, their points have the means
+/// of these.
 pub(super) fn average(grid: &mut Grid, cells: CellArrays) {
     if cells.is_empty() {
         return;
@@ -54,7 +73,7 @@ pub(super) fn average(grid: &mut Grid, cells: CellArrays) {
         Some(_) if volumes[cell] > 0.0 => volumes[cell].cbrt().recip(),
         _ => volumes[cell],
     };
-    let average = |values: &[f64], component_count: usize| {
+    let average = |values: &[f64], component_count: usize, boundary: Option<&BoundaryValues>| {
         let n = component_count.max(1);
         let mut means = vec![0.0; grid.points.len() * n];
         means.par_chunks_exact_mut(n).with_min_len(1024).enumerate().for_each(|(p, mean)| {
@@ -86,6 +105,9 @@ pub(super) fn average(grid: &mut Grid, cells: CellArrays) {
                 means[own.point as usize * n + k] = terms.sum();
             }
         }
+        if let Some(boundary) = boundary {
+            boundary.set_means(&mut means, n);
+        }
         means
     };
     let converted = cells.converted(average);
@@ -98,7 +120,8 @@ pub(super) fn average(grid: &mut Grid, cells: CellArrays) {
 /// - cells that keep constant values need too many points.
 pub fn add_from_cells(grid: &mut Grid, name: &str, array: Array, conversion: CellValues) -> Result<()> {
     grid.point_arrays.remove(name);
-    let cells = CellArrays { scalar: None, arrays: BTreeMap::from([(name.to_owned(), array)]) };
+    let arrays = BTreeMap::from([(name.to_owned(), array)]);
+    let cells = CellArrays { scalar: None, arrays, boundary: BTreeMap::new() };
     match conversion {
         CellValues::Average => average(grid, cells),
         CellValues::Constant => keep_constant(grid, cells)?,
@@ -167,7 +190,7 @@ pub(super) fn keep_constant(grid: &mut Grid, cells: CellArrays) -> Result<()> {
         let n = array.component_count;
         *array = Arc::new(Array { component_count: n, values: gather(&array.values, n, &old_points).into() });
     }
-    set(grid, cells.converted(|values, component_count| gather(values, component_count, &owners)));
+    set(grid, cells.converted(|values, component_count, _| gather(values, component_count, &owners)));
     Ok(())
 }
 

@@ -35,8 +35,8 @@ pub use contour::contour;
 pub use feature_edges::{SharpTriangles, feature_edges, sharp_triangles};
 pub use grid_surface::{EdgePoint, GridSurface, point_normals};
 pub use parts::{
-    Array, Association, CellSet, CellValues, Cells, FileCells, HangingPoint, ImportStats, Options,
-    Polyhedron, RawGrid, Scalar, is_drawn, structured_corners,
+    Array, Association, BoundaryValues, CellSet, CellValues, Cells, FileCells, HangingPoint, ImportStats,
+    Options, Polyhedron, RawGrid, Scalar, is_drawn, structured_corners,
 };
 pub use pieces::{check_cells, into_set, join};
 pub use polygon::triangles_of_polygon;

@@ -93,10 +93,69 @@ pub struct ImportStats {
     pub arrays_of_cells: Vec<String>,
     /// The time that the values are of, where the file says it.
     pub time: Option<f64>,
+    /// Units that the file states of the scalar and of further arrays that were read, by their names.
+    pub units: BTreeMap<String, String>,
     /// Names of the blocks of the file, by the numbers in the cell array that holds them.
     pub blocks: Vec<String>,
     /// Warnings for the user, each a sentence.
     pub warnings: Vec<String>,
+}
+
+/// Values of an array of cells on faces at the boundary, where a file states them: points of these faces have the means of the faces'
+/// values in the place of those of the cells'.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct BoundaryValues {
+    /// Points of all faces.
+    pub points: Vec<u32>,
+    /// The end of each face's points.
+    pub ends: Vec<u32>,
+    /// A tuple for each face.
+    pub values: Vec<f64>,
+}
+
+impl BoundaryValues {
+    /// Faces with the points by other numbers.
+    pub(super) fn renumbered(mut self, number: impl Fn(u32) -> u32) -> BoundaryValues {
+        self.points.iter_mut().for_each(|point| *point = number(*point));
+        self
+    }
+
+    /// Adds the faces of another piece.
+    pub(super) fn append(&mut self, other: BoundaryValues) {
+        let first = self.points.len() as u32;
+        self.points.extend(other.points);
+        self.ends.extend(other.ends.iter().map(|end| first + end));
+        self.values.extend(other.values);
+    }
+
+    /// Number of faces with a value that is not finite, `component_count` numbers a tuple.
+    pub(super) fn not_finite(&self, component_count: usize) -> usize {
+        let tuples = self.values.chunks(component_count.max(1));
+        tuples.filter(|tuple| tuple.iter().any(|value| !value.is_finite())).count()
+    }
+
+    /// Sets means at the points of the faces with finite values, `component_count` numbers a tuple.
+    pub(super) fn set_means(&self, means: &mut [f64], component_count: usize) {
+        let n = component_count.max(1);
+        let mut sums: BTreeMap<u32, (f64, Vec<f64>)> = BTreeMap::new();
+        let begins = std::iter::once(0).chain(self.ends.iter().copied());
+        for ((begin, &end), value) in begins.zip(&self.ends).zip(self.values.chunks(n)) {
+            if value.iter().any(|value| !value.is_finite()) {
+                continue;
+            }
+            let points = self.points.get(begin as usize..end as usize).unwrap_or_default();
+            for &point in points.iter().filter(|point| **point != UNUSED) {
+                let (count, sum) = sums.entry(point).or_insert_with(|| (0.0, vec![0.0; n]));
+                *count += 1.0;
+                sum.iter_mut().zip(value).for_each(|(sum, value)| *sum += value);
+            }
+        }
+        for (point, (count, sum)) in sums {
+            if let Some(mean) = means.get_mut(point as usize * n..(point as usize + 1) * n) {
+                mean.iter_mut().zip(sum).for_each(|(mean, sum)| *mean = sum / count);
+            }
+        }
+    }
 }
 
 /// Result of a reader, in the file's own numbering.
@@ -121,6 +180,8 @@ pub struct RawGrid {
     pub point_arrays: BTreeMap<String, Array>,
     /// Further arrays that sit on cells; they become point arrays as [`Options::cell_values`] says.
     pub cell_arrays: BTreeMap<String, Array>,
+    /// Values at the boundary of the scalar and of `cell_arrays`, by their names, where the file has such.
+    pub boundary_values: BTreeMap<String, BoundaryValues>,
     /// Arrays that stay on the cells: [`super::Grid::cell_arrays`].
     pub kept_cell_arrays: BTreeMap<String, Array>,
     /// Degrees along the three axes of every cell, for Lagrange and Bezier cells whose degrees differ between axes;
@@ -145,6 +206,7 @@ impl RawGrid {
             scalar: None,
             point_arrays: BTreeMap::new(),
             cell_arrays: BTreeMap::new(),
+            boundary_values: BTreeMap::new(),
             kept_cell_arrays: BTreeMap::new(),
             degrees: None,
             hanging: None,
@@ -205,6 +267,11 @@ impl RawGrid {
         }
         if let Some(degrees) = &self.degrees {
             expect("degrees", degrees.len(), cell_count)?;
+        }
+        let of_faces = self.boundary_values.values().flat_map(|own| own.points.iter().copied());
+        if let Some(wrong) = of_faces.filter(|&number| number as usize >= point_count).min() {
+            let error = Error::run("a face at the boundary names a point that does not exist").got(wrong);
+            return Err(error.expected(format!("a point number below {point_count}")));
         }
         let numbers = self.hanging.iter().flatten().flat_map(HangingPoint::numbers);
         if let Some(wrong) = numbers.into_iter().find(|&number| number as usize >= point_count) {

@@ -4,8 +4,8 @@
 //! The rule: docs/src/explanation/optics.md, section 2.
 
 use super::parts::{
-    Array, Association, CellSet, Cells, DUPLICATE, HangingPoint, OWNED, RawGrid, Scalar, is_drawn, is_ghost,
-    number, structured_corners,
+    Array, Association, BoundaryValues, CellSet, Cells, DUPLICATE, HangingPoint, OWNED, RawGrid, Scalar,
+    is_drawn, is_ghost, number, structured_corners,
 };
 use super::{CellType, code, extent};
 use crate::{Error, Result, SharedSlice, counted};
@@ -57,6 +57,7 @@ pub fn join(mut pieces: Vec<RawGrid>) -> Result<RawGrid> {
     let mut ghost = of_all_cells(&pieces, |piece| piece.ghost.as_ref(), 0);
     let degrees = of_all_cells(&pieces, |piece| piece.degrees.as_ref(), [0; 3]);
     let hanging = join_hanging(&pieces, &starts, &numbers);
+    let boundary_values = join_boundary_values(&mut pieces, &starts, &numbers);
     let cells = join_cells(&mut pieces, &starts, &numbers);
     if let Some(ghost) = &mut ghost {
         mark_spare_ghosts(&cells, ghost, count);
@@ -66,6 +67,7 @@ pub fn join(mut pieces: Vec<RawGrid>) -> Result<RawGrid> {
     joined.origin.warnings =
         pieces.iter_mut().flat_map(|piece| std::mem::take(&mut piece.origin.warnings)).collect();
     (joined.ghost, joined.degrees, joined.hanging) = (ghost, degrees, hanging);
+    joined.boundary_values = boundary_values;
     join_arrays(&mut joined, pieces, &targets, count)?;
     joined.origin.points_joined = (targets.len() - count) as u64;
     joined.joined_points = Some(numbers);
@@ -345,6 +347,21 @@ fn join_hanging(pieces: &[RawGrid], starts: &[usize], numbers: &[u32]) -> Option
         piece.hanging.as_ref().map(|own| own.iter().map(|own| own.renumbered(number)).collect::<Vec<_>>())
     };
     pieces.iter().zip(starts).filter_map(of_piece).reduce(|all, own| [all, own].concat())
+}
+
+/// Values at the boundaries of all pieces by the numbers of the joined points.
+fn join_boundary_values(
+    pieces: &mut [RawGrid],
+    starts: &[usize],
+    numbers: &[u32],
+) -> BTreeMap<String, BoundaryValues> {
+    let mut joined: BTreeMap<String, BoundaryValues> = BTreeMap::new();
+    for (piece, &start) in pieces.iter_mut().zip(starts) {
+        for (name, own) in std::mem::take(&mut piece.boundary_values) {
+            joined.entry(name).or_default().append(own.renumbered(|point| numbers[start + point as usize]));
+        }
+    }
+    joined
 }
 
 fn take_cells(piece: &mut RawGrid) -> Cells {

@@ -49,6 +49,8 @@ pub struct Arrays {
     /// Arrays that some node named, also one of several components or a length (`velocity:0`, `velocity:magnitude`): each must
     /// be there.
     pub named: BTreeSet<String>,
+    /// Arrays that are requested where they are there.
+    pub optional: BTreeSet<String>,
     /// True if all other arrays are requested, too.
     pub and_all_others: bool,
     /// Places where some of the names are written.
@@ -58,11 +60,12 @@ pub struct Arrays {
 impl Arrays {
     /// True if this array is requested, by name or with all.
     pub fn contains(&self, name: &str) -> bool {
-        self.and_all_others || self.named.contains(name)
+        self.and_all_others || self.named.contains(name) || self.optional.contains(name)
     }
 
     fn join(&mut self, other: &Arrays) {
         self.named.extend(other.named.iter().cloned());
+        self.optional.extend(other.optional.iter().cloned());
         self.and_all_others |= other.and_all_others;
         for (name, origin) in &other.origins {
             self.origins.entry(name.clone()).or_insert(origin.clone());

@@ -76,6 +76,7 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
         [] => dataset.time,
         times => Some(times[request.step_index(times)?]),
     };
+    parts.origin.units = units(dataset, request, &choices);
     parts.origin.arrays_decoded = choices.len() as u64;
     if request.every_array {
         parts.origin.arrays_decoded += left.arrays.len() as u64;
@@ -83,6 +84,21 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
         (parts.origin.arrays_unread, parts.origin.values_unread) = (left.arrays, left.value_count);
     }
     grid::build(parts, &Options { without_tetrahedra: is_unsplit, ..request.options }, progress)
+}
+
+/// Units that the file states of the arrays that are read, by the names that these are read under.
+fn units(dataset: &Dataset, request: &Request, choices: &[ArraySelection]) -> BTreeMap<String, String> {
+    let scalar = (!request.without_scalar).then_some(request.scalar.as_ref());
+    let others = unique(&request.point_arrays).into_iter().chain(unique(&request.cell_arrays));
+    let names = scalar.into_iter().chain(others.map(Some));
+    let unit = |choice: &ArraySelection| {
+        let mut arrays = dataset.pieces.iter().flat_map(|piece| piece.arrays_of(choice.association));
+        arrays.find(|array| array.stored.name == choice.name).and_then(|array| array.unit.clone())
+    };
+    let entry = |(name, choice): (Option<&String>, &ArraySelection)| {
+        unit(choice).map(|unit| (name.unwrap_or(&choice.name).clone(), unit))
+    };
+    names.zip(choices).filter_map(entry).collect()
 }
 
 /// True if the file's cells are taken as they are, and no tetrahedra are made: none are asked for, and no value needs them, as means of
@@ -134,7 +150,7 @@ fn of_each<P: Send, T: Send>(pieces: Vec<P>, work: impl Fn(P) -> Result<T> + Syn
 pub(super) fn group(dataset: &Dataset, piece: &Piece, index: usize) -> usize {
     match piece.blocks {
         _ if !dataset.has_blocks => 0,
-        CellBlocks::One(block) => block,
+        CellBlocks::One(block) | CellBlocks::Each { grid: Some(block), .. } => block,
         // Numbers of blocks come first.
         _ => dataset.blocks.len() + index,
     }
@@ -297,6 +313,7 @@ pub(super) fn load(piece: &Piece, mut cells: Cells, wanted: &PieceRequest, meter
         && let Some((choice, values)) = columns.next()
     {
         let name = wanted.request.scalar.clone().unwrap_or_else(|| choice.name.clone());
+        add_boundary(&mut raw, &name, piece, choice, wanted, meter)?;
         raw.scalar = Some(Scalar { name, association: choice.association, values: values.into() });
     }
     let (names, kept) = (unique(&wanted.request.point_arrays), unique(&wanted.request.cell_arrays));
@@ -305,6 +322,7 @@ pub(super) fn load(piece: &Piece, mut cells: Cells, wanted: &PieceRequest, meter
         let array = Array { component_count, values: values.into() };
         match names.get(i) {
             Some(name) if choice.association == Association::Cell => {
+                add_boundary(&mut raw, name, piece, choice, wanted, meter)?;
                 raw.cell_arrays.insert(name.to_string(), array)
             }
             Some(name) => raw.point_arrays.insert(name.to_string(), array),
@@ -318,6 +336,26 @@ pub(super) fn load(piece: &Piece, mut cells: Cells, wanted: &PieceRequest, meter
         };
     }
     Ok(raw)
+}
+
+/// Adds what the file states of a chosen array at the boundary, where cell values become means at points.
+fn add_boundary(
+    raw: &mut RawGrid,
+    name: &str,
+    piece: &Piece,
+    choice: &ArraySelection,
+    wanted: &PieceRequest,
+    meter: &Meter,
+) -> Result<()> {
+    if wanted.request.options.cell_values != CellValues::Average || choice.association != Association::Cell {
+        return Ok(());
+    }
+    let mut arrays = piece.arrays_of(Association::Cell).filter(|array| array.stored.name == choice.name);
+    let Some(compute) = arrays.next().and_then(|array| array.boundary.as_ref()) else { return Ok(()) };
+    let mut own = compute(meter)?;
+    own.values = component(&own.values, choice);
+    raw.boundary_values.insert(name.to_owned(), own);
+    Ok(())
 }
 
 /// Adds the displacement of a request to points.

@@ -114,7 +114,7 @@ fn block_array(piece: &Piece, source: &Arc<Source>) -> PieceArray {
     let runs = match piece.blocks.clone() {
         CellBlocks::One(block) => vec![(block, piece.cell_count)],
         CellBlocks::Runs(runs) => runs,
-        CellBlocks::Each(compute) => return numbers_of(piece, source, compute),
+        CellBlocks::Each { numbers, .. } => return numbers_of(piece, source, numbers),
     };
     let count: u64 = runs.iter().fold(0, |sum, run| sum.saturating_add(run.1));
     let compute: Compute = Arc::new(move |meter| {
@@ -219,7 +219,7 @@ fn name<'a>(dataset: &'a Dataset, piece: &Piece) -> &'a str {
     let number = match &piece.blocks {
         CellBlocks::One(block) => *block,
         CellBlocks::Runs(runs) => runs.first().map_or(0, |run| run.0),
-        CellBlocks::Each(_) => 0,
+        CellBlocks::Each { grid, .. } => grid.unwrap_or(0),
     };
     dataset.blocks.get(number).map_or("", String::as_str)
 }

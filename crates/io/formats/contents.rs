@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use voltet_core::grid::{Association, Cells};
+use voltet_core::grid::{Association, BoundaryValues, Cells};
 use voltet_core::progress::{NoProgress, Progress, refuse_beyond_memory};
 use voltet_core::reading::{FileArray, OpenGrid};
 use voltet_core::{Error, Result, counted};
@@ -94,8 +94,9 @@ pub(super) enum CellBlocks {
     One(usize),
     /// One after the other: the number of a block, and of its cells.
     Runs(Vec<(usize, u64)>),
-    /// In any order: the number of each cell's block.
-    Each(Compute),
+    /// In any order: the number of each cell's block. Where grids are several, pieces of one have the same `grid`, the number of
+    /// one of its blocks.
+    Each { numbers: Compute, grid: Option<usize> },
 }
 
 impl Default for CellBlocks {
@@ -113,7 +114,14 @@ pub(super) struct PieceArray {
     pub component_names: Vec<String>,
     /// Blocks of the piece without values, whose cells have NaN.
     pub blocks_without: Vec<usize>,
+    /// Unit that the file states.
+    pub unit: Option<String>,
+    /// Values of an array of cells on faces at the boundary, where the file has some.
+    pub boundary: Option<ComputeBoundary>,
 }
+
+/// Reads the values of an array on faces at the boundary.
+pub(super) type ComputeBoundary = Arc<dyn Fn(&Meter) -> Result<BoundaryValues> + Send + Sync>;
 
 /// Points and cells.
 pub(super) enum Geometry {
@@ -160,7 +168,14 @@ pub(super) enum StoredFaces {
 impl PieceArray {
     /// An array whose components have no names.
     pub fn new(association: Association, stored: Stored) -> PieceArray {
-        PieceArray { association, stored, component_names: Vec::new(), blocks_without: Vec::new() }
+        PieceArray {
+            association,
+            stored,
+            component_names: Vec::new(),
+            blocks_without: Vec::new(),
+            unit: None,
+            boundary: None,
+        }
     }
 
     /// Its header.

@@ -93,6 +93,8 @@ impl BlockSummary {
 pub struct ArraySummary {
     /// Header.
     pub head: FileArray,
+    /// Unit that the file states.
+    pub unit: Option<String>,
     /// Type of the numbers as the XML formats call it: "Float32".
     pub number_type: &'static str,
     /// Tuples of all pieces.
@@ -287,7 +289,8 @@ fn add_array(
     let known = |(array, _): &WithRange| array.head == head && array.number_type == number_type;
     let place = arrays.iter().position(known).unwrap_or_else(|| {
         let (tuple_count, range, not_finite_count) = (0, None, 0);
-        let array = ArraySummary { head: head.clone(), number_type, tuple_count, range, not_finite_count };
+        let (head, unit) = (head.clone(), array.unit.clone());
+        let array = ArraySummary { head, unit, number_type, tuple_count, range, not_finite_count };
         arrays.push((array, None));
         arrays.len() - 1
     });

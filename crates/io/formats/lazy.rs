@@ -125,7 +125,7 @@ pub(super) fn tetrahedra(corners: Vec<u32>) -> Cells {
 }
 
 /// Cells gathered one by one.
-pub(super) struct GatheredCells(CellSet);
+pub(super) struct GatheredCells(pub CellSet);
 
 impl Default for GatheredCells {
     fn default() -> Self {

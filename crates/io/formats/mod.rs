@@ -12,7 +12,7 @@
 //! | meshes of Gmsh (.msh) | [`gmsh`] |
 //! | cases of OpenFOAM | [`foam`] |
 //! | cases of EnSight Gold (.case) | [`ensight`] |
-//! | Tecplot text (.dat) | [`tecplot`] |
+//! | Tecplot, text and binary (.dat, .plt) | [`tecplot`] |
 //! | AVS UCD (.inp, .ucd) | [`ucd`] |
 //! | meshes of Abaqus (.inp), SU2 (.su2), Nastran (.bdf) | [`abaqus`], [`su2`], [`nastran`] |
 //! | PLOT3D grid and solution | [`plot3d`] |
@@ -69,6 +69,7 @@ mod tagged;
 mod tecplot;
 mod text;
 mod ucd;
+mod units;
 mod unsupported;
 mod vtkhdf;
 mod xdmf;
@@ -206,7 +207,8 @@ const FORMATS: &[Format] = &[
     exodus::FORMAT,
     gmsh::FORMAT,
     ensight::FORMAT,
-    tecplot::FORMAT,
+    tecplot::BINARY,
+    tecplot::TEXT,
     ucd::FORMAT,
     abaqus::FORMAT,
     su2::FORMAT,

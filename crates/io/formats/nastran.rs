@@ -1,7 +1,7 @@
 //! Bulk data of Nastran (.bdf, .nas, .dat) as a mesh: grid points and solid elements, by property (PID) as blocks. They hold no arrays.
 //!
 //! Source: MSC Nastran quick reference guide, "Bulk data entries": GRID, CTETRA, CPYRAM, CPENTA, CHEXA in the free, small (eight columns)
-//! and large (sixteen) field format. Nodes on the vertical edges of prisms and hexahedra stand before those of the upper
+//! and large (sixteen) field format; CORD1R, CORD1C, CORD1S, CORD2R, CORD2C, CORD2S. Nodes on the vertical edges of prisms and hexahedra stand before those of the upper
 //! face, and in VTK after them.
 
 use super::contents::Dataset;
@@ -10,8 +10,9 @@ use super::request::{Format, Request};
 use super::source::Source;
 use super::tagged::{TaggedElement, TaggedMesh, VisitElement, VisitNode, dataset};
 use super::text::{TextPiece, TextRange};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use std::borrow::Cow;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
 use voltet_core::grid::code;
@@ -51,10 +52,11 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     dataset(&source, "Nastran bulk data".to_owned(), mesh, Vec::new(), request)
 }
 
-/// An entry: its name, and its fields after the name.
+/// An entry: its name, its fields after the name, and its place in the file.
 struct BulkEntry {
     name: String,
     fields: Fields,
+    place: u64,
 }
 
 /// Texts of fields, one after the other, and their ends.
@@ -182,7 +184,7 @@ fn entries<R>(
         if names.contains(&name.as_str()) {
             let mut fields = Fields { text: String::with_capacity(64), ends: Vec::with_capacity(16) };
             add_fields(data, &own, &mut fields);
-            open = Some((BulkEntry { name, fields }, line));
+            open = Some((BulkEntry { name, fields, place: piece.place(line) }, line));
         }
     }
     if let Some((complete, first)) = open {
@@ -200,6 +202,17 @@ impl BulkEntry {
 
     fn field(&self, place: usize) -> &str {
         self.fields.get(place)
+    }
+
+    /// The point of a GRID.
+    fn point(&self) -> Result<SystemPoint> {
+        let system = if self.field(1).is_empty() { 0 } else { self.integer(1, "the system")? };
+        Ok(SystemPoint { system, position: self.vector(2)?, place: self.place })
+    }
+
+    fn vector(&self, first: usize) -> Result<DVec3> {
+        let axis = |axis: usize| self.real(first + axis, "a coordinate");
+        Ok(DVec3::new(axis(0)?, axis(1)?, axis(2)?))
     }
 
     fn integer(&self, place: usize, what: &str) -> Result<u64> {
@@ -236,6 +249,198 @@ struct BulkElement {
     nodes: Vec<u64>,
 }
 
+/// An entry that places nodes.
+enum PlacingEntry {
+    Node(u64, SystemPoint),
+    /// Systems with their numbers.
+    Systems(Vec<(u64, SystemEntry)>),
+    Nothing,
+}
+
+/// The systems of an entry.
+fn systems(entry: &BulkEntry) -> Result<Vec<(u64, SystemEntry)>> {
+    let kind = entry.name.chars().last().unwrap_or('R');
+    let define = |first: usize, points: DefiningPoints| {
+        Ok((entry.integer(first, "the number")?, SystemEntry { kind, place: entry.place, points }))
+    };
+    if entry.name.starts_with("CORD2") {
+        let system = if entry.field(1).is_empty() { 0 } else { entry.integer(1, "the system")? };
+        let points = [entry.vector(2)?, entry.vector(5)?, entry.vector(8)?];
+        return Ok(vec![define(0, DefiningPoints::Placed { system, points })?]);
+    }
+    // Two systems stand in one entry.
+    let firsts = [0, 4].into_iter().filter(|&first| first == 0 || !entry.field(first).is_empty());
+    let by_nodes = |first: usize| {
+        let node = |place: usize| entry.integer(first + place, "a node");
+        define(first, DefiningPoints::Nodes([node(1)?, node(2)?, node(3)?]))
+    };
+    firsts.map(by_nodes).collect()
+}
+
+fn placing(entry: &BulkEntry) -> Result<PlacingEntry> {
+    match entry.name.as_str() {
+        "GRID" => Ok(PlacingEntry::Node(entry.integer(0, "the number")?, entry.point()?)),
+        "GRDSET" if !["", "0"].contains(&entry.field(1)) => {
+            let error = Error::run("a system of coordinates for all points is not read");
+            Err(error
+                .got(format_args!("GRDSET with the system {}", entry.field(1)))
+                .expected("GRID with the system"))
+        }
+        "GRDSET" => Ok(PlacingEntry::Nothing),
+        _ => systems(entry).map(PlacingEntry::Systems),
+    }
+}
+
+/// Entries that define systems of coordinates: by three nodes, or by three points; rectangular, cylindrical, spherical.
+const SYSTEMS: [&str; 6] = ["CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S"];
+
+/// A point in the coordinates of a system.
+struct SystemPoint {
+    system: u64,
+    position: DVec3,
+    /// Place of its entry in the file.
+    place: u64,
+}
+
+/// A system of coordinates that an entry defines by its origin, a point on its z axis, and one in its xz plane.
+struct SystemEntry {
+    /// Last letter of the entry's name.
+    kind: char,
+    /// Place of its entry in the file.
+    place: u64,
+    points: DefiningPoints,
+}
+
+enum DefiningPoints {
+    Nodes([u64; 3]),
+    Placed { system: u64, points: [DVec3; 3] },
+}
+
+/// A system of coordinates by its origin and axes in the basic one.
+#[derive(Clone, Copy)]
+struct CoordinateSystem {
+    kind: char,
+    origin: DVec3,
+    axes: DMat3,
+}
+
+impl Default for CoordinateSystem {
+    fn default() -> Self {
+        CoordinateSystem { kind: 'R', origin: DVec3::ZERO, axes: DMat3::IDENTITY }
+    }
+}
+
+impl CoordinateSystem {
+    /// Position in the basic system of coordinates of this one; angles are in degrees.
+    fn basic(&self, [a, b, c]: [f64; 3]) -> DVec3 {
+        let (second, third) = (b.to_radians(), c.to_radians());
+        let own = match self.kind {
+            'C' => DVec3::new(a * second.cos(), a * second.sin(), c),
+            // The angle from the z axis, then that round it.
+            'S' => a * DVec3::new(second.sin() * third.cos(), second.sin() * third.sin(), second.cos()),
+            _ => DVec3::new(a, b, c),
+        };
+        self.origin + self.axes * own
+    }
+}
+
+/// The systems of a file by their numbers.
+struct SystemEntries {
+    file: TextRange,
+    entries: HashMap<u64, SystemEntry>,
+}
+
+impl SystemEntries {
+    fn add(&mut self, number: u64, entry: SystemEntry) -> Result<()> {
+        let place = entry.place;
+        if number == 0 || self.entries.insert(number, entry).is_some() {
+            let error = Error::run("the number of a system of coordinates is taken").got(number);
+            return Err(self.file.locate(error.expected("each number once, and none 0"), place));
+        }
+        Ok(())
+    }
+
+    /// Nodes that define systems.
+    fn nodes(&self) -> HashSet<u64> {
+        let of_entry = |entry: &SystemEntry| match entry.points {
+            DefiningPoints::Nodes(nodes) => nodes.to_vec(),
+            DefiningPoints::Placed { .. } => Vec::new(),
+        };
+        self.entries.values().flat_map(of_entry).collect()
+    }
+
+    /// Adds the system of a point, and those by which it is defined, to those that are resolved.
+    fn resolve(
+        &self,
+        point: &SystemPoint,
+        nodes: &HashMap<u64, SystemPoint>,
+        resolved: &mut HashMap<u64, CoordinateSystem>,
+    ) -> Result<()> {
+        let mut open = vec![(point.system, point.place)];
+        let mut begun = HashSet::new();
+        while let Some(&(number, place)) = open.last() {
+            if resolved.contains_key(&number) {
+                open.pop();
+                continue;
+            }
+            let entry = self.entries.get(&number).ok_or_else(|| {
+                let error = Error::run("a system of coordinates is not defined").got(number);
+                let expected = "CORD1R, CORD1C, CORD1S, CORD2R, CORD2C or CORD2S with this number";
+                self.file.locate(error.expected(expected), place)
+            })?;
+            let located = |error| self.file.locate(error, entry.place);
+            let points = entry.points(nodes).map_err(located)?;
+            let missing: Vec<u64> =
+                points.iter().map(|own| own.0).filter(|system| !resolved.contains_key(system)).collect();
+            if missing.is_empty() {
+                let points = points.map(|(system, position)| resolved[&system].basic(position.to_array()));
+                resolved.insert(number, entry.system(points).map_err(located)?);
+            } else if begun.insert(number) {
+                open.extend(missing.into_iter().map(|system| (system, entry.place)));
+            } else {
+                let error = Error::run("systems of coordinates are defined by each other").got(number);
+                return Err(located(error.expected("a system that leads to the basic one")));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl SystemEntry {
+    /// The points that define it, each with the number of the system of its coordinates.
+    fn points(&self, nodes: &HashMap<u64, SystemPoint>) -> Result<[(u64, DVec3); 3]> {
+        let mut all = [(0, DVec3::ZERO); 3];
+        for place in 0..3 {
+            all[place] = match &self.points {
+                DefiningPoints::Placed { system, points } => (*system, points[place]),
+                DefiningPoints::Nodes(own) => {
+                    let node = nodes.get(&own[place]).ok_or_else(|| {
+                        let error = Error::run("a system of coordinates names a node that does not exist");
+                        error.got(own[place]).expected("the number of a GRID")
+                    })?;
+                    (node.system, node.position)
+                }
+            };
+        }
+        Ok(all)
+    }
+
+    /// The system by its points in the basic one.
+    fn system(&self, [origin, on_z, in_xz]: [DVec3; 3]) -> Result<CoordinateSystem> {
+        let z = (on_z - origin).normalize_or_zero();
+        let y = z.cross((in_xz - origin).normalize_or_zero());
+        // Directions of unit length: rounding of a right angle's sine.
+        if y.length() < 1e-12 {
+            let error = Error::run("the points of a system of coordinates lie on a line");
+            return Err(error
+                .got(format_args!("{origin}, {on_z}, {in_xz}"))
+                .expected("three points of a plane"));
+        }
+        let y = y.normalize();
+        Ok(CoordinateSystem { kind: self.kind, origin, axes: DMat3::from_cols(y.cross(z), y, z) })
+    }
+}
+
 impl TaggedMesh for NastranMesh {
     fn count_nodes(&self) -> Result<u64> {
         let mut count = 0;
@@ -251,22 +456,43 @@ impl TaggedMesh for NastranMesh {
         Ok(count)
     }
 
+    /// Points of the basic system first.
     fn each_node(&self, visit: VisitNode) -> Result<()> {
-        let parse = |entry: &BulkEntry| {
-            let system = entry.field(1);
-            if !["", "0"].contains(&system) {
-                let error = Error::run("coordinates of a system of their own are not read");
-                return Err(error
-                    .got(format_args!("GRID in the system {system}"))
-                    .expected("the basic system, 0"));
+        let file = TextRange::new(&self.0, 0..self.0.len());
+        let mut systems = SystemEntries { file, entries: HashMap::new() };
+        let mut others = Vec::new();
+        let names: Vec<&str> = ["GRID", "GRDSET"].into_iter().chain(SYSTEMS).collect();
+        each_entry(&self.0, &names, placing, |entry| match entry {
+            PlacingEntry::Node(tag, point) if point.system == 0 => visit(tag, point.position),
+            PlacingEntry::Node(tag, point) => {
+                others.push((tag, point));
+                Ok(())
             }
-            let mut position = DVec3::ZERO;
-            for axis in 0..3 {
-                position[axis] = entry.real(2 + axis, "a coordinate")?;
+            PlacingEntry::Systems(all) => {
+                all.into_iter().try_for_each(|(number, entry)| systems.add(number, entry))
             }
-            Ok((entry.integer(0, "the number")?, position))
-        };
-        each_entry(&self.0, &["GRID"], parse, |(tag, position)| visit(tag, position))
+            PlacingEntry::Nothing => Ok(()),
+        })?;
+        if others.is_empty() {
+            return Ok(());
+        }
+        let nodes = systems.nodes();
+        let mut known = HashMap::new();
+        if !nodes.is_empty() {
+            let parse = |entry: &BulkEntry| Ok((entry.integer(0, "the number")?, entry.point()?));
+            each_entry(&self.0, &["GRID"], parse, |(tag, point)| {
+                if nodes.contains(&tag) {
+                    known.insert(tag, point);
+                }
+                Ok(())
+            })?;
+        }
+        let mut resolved = HashMap::from([(0, CoordinateSystem::default())]);
+        for (tag, point) in others {
+            systems.resolve(&point, &known, &mut resolved)?;
+            visit(tag, resolved[&point.system].basic(point.position.to_array()))?;
+        }
+        Ok(())
     }
 
     fn each_element(&self, visit: VisitElement) -> Result<()> {

@@ -139,7 +139,8 @@ pub(super) fn dataset(
         blocks: CellBlocks::One(0),
     };
     if has_blocks {
-        piece.blocks = CellBlocks::Each(Arc::new(move |_: &Meter| Ok(open.read_elements()?.1)));
+        let numbers: Compute = Arc::new(move |_: &Meter| Ok(open.read_elements()?.1));
+        piece.blocks = CellBlocks::Each { numbers, grid: None };
     }
     Ok(Dataset { format, pieces: vec![piece], blocks, file_bytes: source.len(), ..Dataset::default() })
 }

@@ -10,6 +10,7 @@ use super::request::{Format, Request};
 use super::source::Source;
 use super::tagged::{TaggedElement, TaggedMesh, VisitElement, VisitNode, VisitValues, dataset};
 use super::text::{TextRange, is_space, next_word};
+use super::units;
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
@@ -82,7 +83,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     cursor.line()?;
     let nodes = skip_lines(&mut cursor, node_count, "a node")?;
     let cells = skip_lines(&mut cursor, cell_count, "a cell")?;
-    let (mut arrays, mut heads) = (Vec::new(), Vec::new());
+    let (mut arrays, mut heads, mut units) = (Vec::new(), Vec::new(), Vec::new());
     for (association, width, row_count) in
         [(Association::Point, of_nodes, node_count), (Association::Cell, of_cells, cell_count)]
     {
@@ -95,7 +96,8 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
             }
             let rows = skip_lines(&mut cursor, row_count, "a row of values")?;
             let mut first = 0;
-            for head in found {
+            for (head, unit) in found {
+                units.push(unit);
                 let component_count = head.component_count;
                 arrays.push(UcdArray { rows: rows.clone(), width: width as usize, first, component_count });
                 first += component_count;
@@ -104,7 +106,11 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
         }
     }
     let mesh = UcdMesh { nodes, node_count, cells, arrays };
-    dataset(&source, "AVS UCD, ASCII".to_owned(), mesh, heads, request)
+    let mut dataset = dataset(&source, "AVS UCD, ASCII".to_owned(), mesh, heads, request)?;
+    for (array, unit) in dataset.pieces.iter_mut().flat_map(|piece| piece.arrays.iter_mut().zip(&units)) {
+        array.unit.clone_from(unit);
+    }
+    Ok(dataset)
 }
 
 fn skip_lines(cursor: &mut Cursor, count: u64, what: &str) -> Result<TextRange> {
@@ -158,8 +164,12 @@ impl LineWords<'_> {
     }
 }
 
-/// Arrays whose components make up rows of this width.
-fn array_heads(cursor: &mut Cursor, association: Association, width: u64) -> Result<Vec<FileArray>> {
+/// Arrays whose components make up rows of this width, with their units.
+fn array_heads(
+    cursor: &mut Cursor,
+    association: Association,
+    width: u64,
+) -> Result<Vec<(FileArray, Option<String>)>> {
     let line = cursor.text_line("numbers of components")?;
     let words: Vec<u64> = line.split_ascii_whitespace().map_while(|word| word.parse().ok()).collect();
     let sizes = words.get(1..).unwrap_or(&[]);
@@ -171,8 +181,9 @@ fn array_heads(cursor: &mut Cursor, association: Association, width: u64) -> Res
     let mut heads = Vec::new();
     for &size in sizes {
         let label = cursor.text_line("the name of an array")?;
-        let name = label.split(',').next().unwrap_or_default().trim().to_owned();
-        heads.push(FileArray { name, association, component_count: size as usize });
+        let (name, unit) = label.split_once(',').unwrap_or((&label, ""));
+        let name = name.trim().to_owned();
+        heads.push((FileArray { name, association, component_count: size as usize }, units::stated(unit)));
     }
     Ok(heads)
 }

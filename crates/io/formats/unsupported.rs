@@ -35,6 +35,8 @@ const ABAQUS: &str =
 const ENSIGHT: &str = "the .case file beside it";
 const LS_DYNA: &str = "a .vtu file: LS-PrePost saves the results (d3plot), and ParaView reads these";
 const ANSYS: &str = "a .vtu file: `pymapdl_reader` (ansys-mapdl-reader) reads it and saves its grid";
+const SUBZONES: &str = "a .plt file: Tecplot writes one by File › Write Data (Tecplot Binary Data)";
+const MFEM: &str = "a .vtu file: MFEM writes one by ParaViewDataCollection";
 const TABLE: &str =
     "a grid with cells: points alone have no volume; ParaView's Delaunay3D joins them to tetrahedra";
 
@@ -51,7 +53,8 @@ pub(super) const BY_MAGIC: &[UnsupportedFormat] = &[
     ("a file of OpenFOAM", OPENFOAM, |file| file.has_line(|line| line.trim() == "FoamFile")),
     ("a mesh or case of Ansys Fluent", PARAVIEW, |file| file.begins(&["(0 ", "(1 ", "(2 "])),
     ("a geometry file of EnSight", ENSIGHT, |file| file.begins(&["C Binary", "Fortran Binary"])),
-    ("a binary Tecplot file", PARAVIEW, |file| file.begins(&["#!TDV"])),
+    ("a subzone file of Tecplot (.szplt)", SUBZONES, |file| file.begins(&["#!SZPLT"])),
+    ("a mesh of MFEM", MFEM, |file| file.begins(&["MFEM mesh v", "MFEM NC mesh v", "MFEM INLINE mesh"])),
     ("a mesh of FEniCS (XML)", MESHIO, |file| file.has_tag("dolfin")),
     ("a surface (PLY)", SURFACE, |file| file.begins(&["ply\n", "ply\r"])),
     ("a surface (STL)", SURFACE, |file| file.is_stl()),

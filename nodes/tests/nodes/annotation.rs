@@ -120,6 +120,32 @@ fn a_level_bar_has_the_colours_of_the_map() {
     }
 }
 
+#[test]
+fn the_unit_of_the_file_stands_at_the_bar() {
+    let grid = |unit: &str| {
+        format!(
+            "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece NumberOfPoints=\"4\" NumberOfCells=\"1\"><PointData>\
+             <DataArray type=\"Float64\" Name=\"p\" format=\"ascii\">100 120 150 200 {unit}</DataArray></PointData><Points>\
+             <DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 0 1 0 0 0 1</DataArray></Points>\
+             <Cells><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 2 3</DataArray><DataArray \
+             type=\"Int32\" Name=\"offsets\" format=\"ascii\">4</DataArray><DataArray type=\"UInt8\" Name=\"types\" \
+             format=\"ascii\">10</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>"
+        )
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let key = "<InformationKey name=\"UNITS_LABEL\" location=\"vtkDataArray\">kPa</InformationKey>";
+    std::fs::write(folder.path().join("with.vtu"), grid(key)).unwrap();
+    std::fs::write(folder.path().join("without.vtu"), grid("")).unwrap();
+    let picture = |name: &str, lines: &str| {
+        let reader = format!("type = \"reader\"\npath = \"{name}.vtu\"");
+        figure(&run_in(folder.path(), &reader, AWAY, VIRIDIS, lines, ALL).unwrap()).rgba.clone()
+    };
+    let stated = picture("without", "unit = \"kPa\"");
+    assert!(picture("with", "") == stated);
+    assert!(picture("without", "") != stated);
+    assert!(picture("with", "unit = \"bar\"") == picture("without", "unit = \"bar\""));
+}
+
 /// Premultiplied: no colour is above its opacity. What is not written over stays.
 #[test]
 fn letters_are_composited_over_the_picture() {

@@ -363,3 +363,35 @@ fn vtk_reads_what_was_written() {
         assert_eq!(before["points"], after["points"]);
     }
 }
+
+/// Values of the calculator's result at the points of a tetrahedron whose array has this name.
+fn calculated(array: &str, expression: &str) -> Vec<f64> {
+    let folder = folder_with(
+        format!(
+            "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece NumberOfPoints=\"4\" NumberOfCells=\"1\"><PointData>\
+             <DataArray type=\"Float64\" Name=\"{array}\" format=\"ascii\">5 6 7 8</DataArray></PointData><Points><DataArray \
+             type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 0 2 0 0 0 3</DataArray></Points><Cells>\
+             <DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 2 3</DataArray><DataArray type=\"Int32\" \
+             Name=\"offsets\" format=\"ascii\">4</DataArray><DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">10\
+             </DataArray></Cells></Piece></UnstructuredGrid></VTKFile>"
+        )
+        .as_bytes(),
+    );
+    let text = format!(
+        "[pipeline]\nformat = 1\n[nodes.grid]\ntype = \"reader\"\npath = \"in.vtu\"\n\
+         [nodes.sum]\ntype = \"calculator\"\nexpression = \"{expression}\"\ninputs = {{ grid = \"grid\" }}\n\
+         [nodes.gradient]\ntype = \"gradient-magnitude\"\ninputs = {{ grid = \"sum\" }}\n\
+         [nodes.file]\ntype = \"grid-writer\"\npath = \"out.vtu\"\narrays = [\"scalar\"]\ninputs = {{ volume = \"gradient\" }}\n"
+    );
+    run(&graph(&text, folder.path()).unwrap());
+    let grid = read_back(folder.path(), "result", &[], &[]);
+    grid.scalar.as_ref().unwrap().to_vec()
+}
+
+#[test]
+fn names_of_axes_are_coordinates_where_no_array_has_them() {
+    let values = calculated("q", "x + 10*y + 100*z + q");
+    assert_eq!(values, [5.0, 7.0, 27.0, 308.0]);
+    assert_eq!(calculated("q", "z"), [0.0, 0.0, 0.0, 3.0]);
+    assert_eq!(calculated("x", "x + y"), [5.0, 6.0, 9.0, 8.0]);
+}

@@ -59,7 +59,7 @@ fn json(summary: &Summary) -> Value {
             "name": array.head.name,
             "association": if array.head.association == Association::Cell { "cell" } else { "point" },
             "components": array.head.component_count, "number_type": array.number_type, "tuples": array.tuple_count,
-            "range": array.range, "not_finite": array.not_finite_count,
+            "range": array.range, "not_finite": array.not_finite_count, "unit": array.unit,
         })
     };
     let cells = |(&code, &count): (&u8, &u64)| object!({ "vtk_type": code, "name": CellType::name_of(code, 1), "count": count });
@@ -188,8 +188,9 @@ fn array_line(array: &ArraySummary, width: usize) -> String {
         0 => String::new(),
         n => format!(", {} not finite", with_commas(n)),
     };
+    let unit = array.unit.as_ref().map_or(String::new(), |unit| format!(" {}", name(unit)));
     let name = name(&array.head.name);
-    format!("  {association:5}  {name:width$}  {}{components}  {range}{bad}\n", array.number_type)
+    format!("  {association:5}  {name:width$}  {}{components}  {range}{unit}{bad}\n", array.number_type)
 }
 
 /// A pipeline to start with that `run` accepts, or the reason why there is none.

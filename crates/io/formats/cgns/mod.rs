@@ -12,6 +12,7 @@ use super::contents::{
 };
 use super::hdf5::{Array, Extent, Group};
 use super::request::{Request, list};
+use super::units;
 use elements::Section;
 use std::sync::Arc;
 use voltet_core::grid::Association;
@@ -79,16 +80,18 @@ pub(super) fn open(root: &Group, request: &Request) -> Result<Dataset> {
         let children = base.children()?;
         let step = step(&children, request, &mut dataset)?;
         let has_volume = base.numbers()?.first() == Some(&3);
+        let units = own_units(&children)?;
         for zone in children.into_iter().filter(|node| node.label == "Zone_t") {
             dataset.blocks.push(format!("{}/{}", base.name, zone.name));
-            zones.push((zone, step, has_volume));
+            zones.push((zone, step, has_volume, units.clone()));
         }
     }
     let selected = blocks::selected(&dataset.blocks, request)?;
     let mut flat = Vec::new();
-    for (block, (zone, step, has_volume)) in zones.iter().enumerate().filter(|(block, _)| selected[*block]) {
+    let own = zones.iter().enumerate().filter(|(block, _)| selected[*block]);
+    for (block, (zone, step, has_volume, units)) in own {
         if *has_volume {
-            let piece = piece(zone, *step, &mut dataset.warnings)?;
+            let piece = piece(zone, *step, units, &mut dataset.warnings)?;
             dataset.pieces.push(Piece { blocks: CellBlocks::One(block), ..piece });
         } else {
             flat.push(dataset.blocks[block].as_str());
@@ -111,6 +114,57 @@ fn step(base: &[Node], request: &Request, dataset: &mut Dataset) -> Result<Optio
     let times: Vec<f64> = values.data()?.numbers()?;
     dataset.note_times(&times, "bases").map_err(|error| error.at_item(values.group.path()))?;
     request.step_index(&times).map(Some)
+}
+
+/// Symbols of mass, length, time, temperature and angle; none where nothing is stated.
+type Units = Vec<&'static str>;
+
+/// Symbols of the units that SIDS names.
+const UNIT_NAMES: [(&str, &str); 16] = [
+    ("Kilogram", "kg"),
+    ("Gram", "g"),
+    ("Slug", "slug"),
+    ("PoundMass", "lbm"),
+    ("Meter", "m"),
+    ("Centimeter", "cm"),
+    ("Millimeter", "mm"),
+    ("Foot", "ft"),
+    ("Inch", "in"),
+    ("Second", "s"),
+    ("Kelvin", "K"),
+    ("Celsius", "°C"),
+    ("Rankine", "°R"),
+    ("Fahrenheit", "°F"),
+    ("Degree", "°"),
+    ("Radian", "rad"),
+];
+
+/// The units that one of these nodes states; none where there is no such.
+fn own_units(nodes: &[Node]) -> Result<Units> {
+    let Some(node) = labelled(nodes, "DimensionalUnits_t") else { return Ok(Units::new()) };
+    let bytes = node.data()?.letters()?;
+    let symbol = |bytes: &[u8]| {
+        let name = String::from_utf8_lossy(bytes).trim_matches(['\0', ' ']).to_owned();
+        UNIT_NAMES.iter().find(|known| known.0 == name).map_or("", |known| known.1)
+    };
+    Ok(bytes.chunks(NAME_LEN).map(symbol).collect())
+}
+
+/// The units that hold below: those of one of these nodes, or else those from above.
+fn units_there(nodes: &[Node], above: &Units) -> Result<Units> {
+    let own = own_units(nodes)?;
+    Ok(if own.is_empty() { above.clone() } else { own })
+}
+
+/// The unit of an array that states its exponents; `None` for others, and where a unit is not known.
+fn unit(array: &Node, above: &Units) -> Result<Option<String>> {
+    let children = array.children()?;
+    let Some(node) = labelled(&children, "DimensionalExponents_t") else { return Ok(None) };
+    let exponents: Vec<f64> = node.data()?.numbers()?;
+    let symbols = units_there(&children, above)?;
+    let factors: Vec<(&str, f64)> = symbols.into_iter().zip(exponents).collect();
+    let is_known = factors.iter().all(|factor| factor.1 == 0.0 || !factor.0.is_empty());
+    Ok(if is_known { units::product(&factors) } else { None })
 }
 
 /// Names of nodes, one for each step; none where the zone does not change them.
@@ -147,8 +201,9 @@ impl Sizes {
 }
 
 /// The grid of a zone.
-fn piece(zone: &Node, step: Option<usize>, warnings: &mut Vec<String>) -> Result<Piece> {
+fn piece(zone: &Node, step: Option<usize>, units: &Units, warnings: &mut Vec<String>) -> Result<Piece> {
     let children = zone.children()?;
+    let units = units_there(&children, units)?;
     let kind = labelled(&children, "ZoneType_t").map(Node::text).transpose()?;
     let is_structured = match kind.as_deref() {
         Some("Structured") => true,
@@ -182,7 +237,7 @@ fn piece(zone: &Node, step: Option<usize>, warnings: &mut Vec<String>) -> Result
     let pointers = pointers(&iterative, &["FlowSolutionPointers", "FlowSolutionVertexPointers"])?;
     let mut arrays = Vec::new();
     for solution in of_step(&children, "FlowSolution_t", &pointers, step) {
-        add_solution(solution, &sizes, &mut arrays, warnings)?;
+        add_solution(solution, &sizes, &units, &mut arrays, warnings)?;
     }
     Ok(Piece::new([point_count, cell_count], geometry, arrays))
 }
@@ -272,6 +327,7 @@ fn sections(zone: &[Node]) -> Result<Vec<Section>> {
 fn add_solution(
     solution: &Node,
     sizes: &Sizes,
+    units: &Units,
     arrays: &mut Vec<PieceArray>,
     warnings: &mut Vec<String>,
 ) -> Result<()> {
@@ -288,6 +344,7 @@ fn add_solution(
             return Ok(());
         }
     };
+    let units = units_there(&children, units)?;
     let rind = rind(&children, sizes.len())?;
     let fields: Vec<&Node> = children.iter().filter(|node| node.label == "DataArray_t").collect();
     let field = |name: &str| fields.iter().find(|node| node.name == name);
@@ -309,7 +366,8 @@ fn add_solution(
         if arrays.iter().any(is_taken) {
             own.name = format!("{}/{}", solution.name, own.name);
         }
-        arrays.push(PieceArray { component_names, ..PieceArray::new(association, own) });
+        let unit = unit(node, &units)?;
+        arrays.push(PieceArray { component_names, unit, ..PieceArray::new(association, own) });
     }
     Ok(())
 }

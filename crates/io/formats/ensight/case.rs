@@ -18,10 +18,34 @@ struct TimeSet {
     increment: u64,
 }
 
-/// A file, or one for each step of a time set where its name has asterisks.
+/// Files that hold several steps each.
+struct FileSet {
+    number: u64,
+    /// For each file the number in its name, 0 where there is but one, and its steps.
+    files: Vec<(u64, u64)>,
+}
+
+/// A file, or one for each step of a time set where its name has asterisks; with a file set, files of several steps.
 pub(super) struct FilePattern {
     time_set: Option<u64>,
+    file_set: Option<u64>,
     name: String,
+}
+
+impl FilePattern {
+    fn new(numbers: &[u64], name: &str) -> FilePattern {
+        FilePattern {
+            time_set: numbers.first().copied(),
+            file_set: numbers.get(1).copied(),
+            name: name.to_owned(),
+        }
+    }
+}
+
+/// A file, and the number from 0 of a step in it where it holds several.
+pub(super) struct StepFile {
+    pub path: PathBuf,
+    pub step: Option<u64>,
 }
 
 /// A variable of a case.
@@ -38,6 +62,9 @@ pub(super) struct CaseFile {
     pub geometry: FilePattern,
     pub variables: Vec<CaseVariable>,
     time_sets: Vec<TimeSet>,
+    file_sets: Vec<FileSet>,
+    /// True in the section about file sets.
+    is_of_files: bool,
 }
 
 /// Kinds of variables: first words of their lines, location, number of components.
@@ -59,9 +86,11 @@ impl CaseFile {
     pub fn read(source: &Arc<Source>) -> Result<CaseFile> {
         let mut case = CaseFile {
             folder: source.path().parent().unwrap_or(Path::new("")).to_owned(),
-            geometry: FilePattern { time_set: None, name: String::new() },
+            geometry: FilePattern::new(&[], ""),
             variables: Vec::new(),
             time_sets: Vec::new(),
+            file_sets: Vec::new(),
+            is_of_files: false,
         };
         let mut cursor = Cursor::new(source);
         // Key of the line before, which a line of numbers alone goes on with.
@@ -90,13 +119,37 @@ impl CaseFile {
 
     fn line(&mut self, key: &str, value: &str) -> Result<()> {
         if let Some(&(_, association, component_count)) = KINDS.iter().find(|kind| kind.0 == key) {
-            let (time_set, words) = numbers_first(value)?;
+            let (numbers, words) = numbers_first(value, 2);
             let [name, file] = &words[..] else {
                 let error = Error::run("a variable of the case is damaged").got(format_args!("'{value}'"));
-                return Err(error.expected("the number of a time set, or none, a name and a file"));
+                return Err(
+                    error.expected("the numbers of a time set and a file set, or none, a name and a file")
+                );
             };
-            let pattern = FilePattern { time_set, name: file.clone() };
+            let pattern = FilePattern::new(&numbers, file);
             self.variables.push(CaseVariable { name: name.clone(), association, component_count, pattern });
+            return Ok(());
+        }
+        match key {
+            "" => self.is_of_files = value.eq_ignore_ascii_case("file"),
+            "file set" => {
+                let number = first_word(value).parse().map_err(|_| damaged(key, value))?;
+                self.file_sets.push(FileSet { number, files: Vec::new() });
+            }
+            _ => {}
+        }
+        if let Some(set) = self.file_sets.last_mut().filter(|_| self.is_of_files) {
+            match key {
+                "filename index" => set.files.push((value.parse().map_err(|_| damaged(key, value))?, 0)),
+                "number of steps" => {
+                    let count = value.parse().map_err(|_| damaged(key, value))?;
+                    match set.files.last_mut().filter(|file| file.1 == 0) {
+                        Some(file) => file.1 = count,
+                        None => set.files.push((0, count)),
+                    }
+                }
+                _ => {}
+            }
             return Ok(());
         }
         let set = self.time_sets.last_mut();
@@ -105,13 +158,12 @@ impl CaseFile {
                 Err(Error::run("this type of EnSight case is not read").got(value).expected("ensight gold"))
             }
             ("model", _) => {
-                let (time_set, words) = numbers_first(value)?;
-                let name = words.into_iter().next().unwrap_or_default();
-                self.geometry = FilePattern { time_set, name };
+                let (numbers, words) = numbers_first(value, 1);
+                self.geometry = FilePattern::new(&numbers, words.first().map_or("", String::as_str));
                 Ok(())
             }
             ("time set", _) => {
-                let number = value.split_ascii_whitespace().next().unwrap_or_default();
+                let number = first_word(value);
                 self.time_sets.push(TimeSet {
                     number: number.parse().map_err(|_| damaged(key, number))?,
                     increment: 1,
@@ -147,13 +199,12 @@ impl CaseFile {
         times
     }
 
-    /// The file of a pattern at a time: that of the last step until then.
-    pub fn file(&self, pattern: &FilePattern, time: Option<f64>) -> Result<PathBuf> {
-        let Some(first) = pattern.name.find('*') else { return Ok(self.folder.join(&pattern.name)) };
-        let rest = pattern.name[first..].trim_start_matches('*');
-        if rest.contains('*') {
-            let error = Error::run("the name of a file has asterisks in several places");
-            return Err(error.got(format_args!("'{}'", pattern.name)).expected("asterisks in one place"));
+    /// The file of a pattern at a time, and the step in it: the last until then.
+    pub fn file(&self, pattern: &FilePattern, time: Option<f64>) -> Result<StepFile> {
+        let in_folder = |name: &str, step: Option<u64>| StepFile { path: self.folder.join(name), step };
+        let has_stars = pattern.name.contains('*');
+        if !has_stars && pattern.file_set.is_none() {
+            return Ok(in_folder(&pattern.name, None));
         }
         let found =
             self.time_sets.iter().find(|set| pattern.time_set.is_none_or(|number| set.number == number));
@@ -162,22 +213,60 @@ impl CaseFile {
             error.got(format_args!("'{}'", pattern.name)).expected("a section TIME")
         })?;
         let step = set.times.iter().rposition(|&own| time.is_none_or(|time| own <= time)).unwrap_or(0);
-        let counted = (step as u64).checked_mul(set.increment).and_then(|steps| set.start.checked_add(steps));
-        let number = match set.file_numbers.get(step) {
-            Some(&number) => number,
-            None if set.file_numbers.is_empty() => {
-                counted.ok_or_else(|| damaged("filename increment", &set.increment.to_string()))?
+        let Some(number) = pattern.file_set else {
+            return Ok(in_folder(&numbered(&pattern.name, set.file_number(step)?)?, None));
+        };
+        let files = self.file_sets.iter().find(|set| set.number == number).ok_or_else(|| {
+            let error = Error::run("a file of the case is of a file set that does not exist").got(number);
+            error.expected("a section FILE with it")
+        })?;
+        let mut left = step as u64;
+        for &(index, count) in &files.files {
+            if left < count {
+                let name = if has_stars { numbered(&pattern.name, index)? } else { pattern.name.clone() };
+                return Ok(in_folder(&name, Some(left)));
+            }
+            left -= count;
+        }
+        let error = Error::run("the file set has too few steps").got(step as u64 - left);
+        Err(error.expected(format_args!("{}, as of 'time values'", set.times.len())))
+    }
+}
+
+impl TimeSet {
+    /// Number in the name of the file of a step.
+    fn file_number(&self, step: usize) -> Result<u64> {
+        let counted =
+            (step as u64).checked_mul(self.increment).and_then(|steps| self.start.checked_add(steps));
+        match self.file_numbers.get(step) {
+            Some(&number) => Ok(number),
+            None if self.file_numbers.is_empty() => {
+                counted.ok_or_else(|| damaged("filename increment", &self.increment.to_string()))
             }
             None => {
-                let error = Error::run("the case has too few 'filename numbers'").got(set.file_numbers.len());
-                return Err(error.expected(format_args!("{}, as of 'time values'", set.times.len())));
+                let error =
+                    Error::run("the case has too few 'filename numbers'").got(self.file_numbers.len());
+                Err(error.expected(format_args!("{}, as of 'time values'", self.times.len())))
             }
-        };
-        let number = number.to_string();
-        let star_count = pattern.name.len() - first - rest.len();
-        let zeros = "0".repeat(star_count.saturating_sub(number.len()));
-        Ok(self.folder.join(format!("{}{zeros}{number}{rest}", &pattern.name[..first])))
+        }
     }
+}
+
+/// A name with a number in the place of its asterisks.
+fn numbered(name: &str, number: u64) -> Result<String> {
+    let first = name.find('*').unwrap_or(name.len());
+    let rest = name[first..].trim_start_matches('*');
+    if rest.contains('*') {
+        let error = Error::run("the name of a file has asterisks in several places");
+        return Err(error.got(format_args!("'{name}'")).expected("asterisks in one place"));
+    }
+    let number = number.to_string();
+    let zeros = "0".repeat((name.len() - first - rest.len()).saturating_sub(number.len()));
+    Ok(format!("{}{zeros}{number}{rest}", &name[..first]))
+}
+
+fn first_word(value: &str) -> &str {
+    value.split_ascii_whitespace().next().unwrap_or_default()
 }
 
 fn damaged(key: &str, value: &str) -> Error {
@@ -191,8 +280,9 @@ fn push_numbers<T: std::str::FromStr>(numbers: &mut Vec<T>, key: &str, value: &s
     Ok(())
 }
 
-/// The number of a time set, if one stands first, and the words after it; words may stand in quotes.
-fn numbers_first(value: &str) -> Result<(Option<u64>, Vec<String>)> {
+/// The numbers of a time set and of a file set, if such stand before the last `count` words, and the words after them; words may stand
+/// in quotes.
+fn numbers_first(value: &str, count: usize) -> (Vec<u64>, Vec<String>) {
     let mut words: Vec<String> = Vec::new();
     for (place, part) in value.split('"').enumerate() {
         match place % 2 {
@@ -200,12 +290,8 @@ fn numbers_first(value: &str) -> Result<(Option<u64>, Vec<String>)> {
             _ => words.extend(part.split_ascii_whitespace().map(str::to_owned)),
         }
     }
-    let is_number = |word: &String| word.bytes().all(|byte| byte.is_ascii_digit());
-    let count = words.iter().take(words.len().saturating_sub(1)).take_while(|word| is_number(word)).count();
-    if count > 1 {
-        let error = Error::run("files that hold several steps are not read").got(format_args!("'{value}'"));
-        return Err(error.expected("a file for each step, with asterisks in its name"));
-    }
-    let time_set = words.first().filter(|_| count == 1).and_then(|word| word.parse().ok());
-    Ok((time_set, words.split_off(count)))
+    let before = words.iter().take(words.len().saturating_sub(count).min(2));
+    let numbers: Vec<u64> = before.map_while(|word| word.parse().ok()).collect();
+    let rest = words.split_off(numbers.len());
+    (numbers, rest)
 }

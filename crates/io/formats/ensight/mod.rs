@@ -1,4 +1,5 @@
-//! Cases of EnSight Gold (.case): geometry and variables in text and in C binary, with their steps. Parts are blocks.
+//! Cases of EnSight Gold (.case): geometry and variables in text and in C binary, with their steps, in files of one or
+//! of several. Parts are blocks.
 //!
 //! Source: EnSight user manual, "EnSight Gold Case File Format". Parts without volume elements are left out.
 
@@ -36,8 +37,8 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     let case = CaseFile::read(&source)?;
     let times = case.times();
     let time = if times.is_empty() { None } else { Some(times[request.step_index(&times)?]) };
-    let path = case.file(&case.geometry, time)?;
-    let grid = Arc::new(GoldGeometry::open(&path)?);
+    let file = case.file(&case.geometry, time)?;
+    let grid = Arc::new(GoldGeometry::open(&file)?);
     let volumes: Vec<usize> =
         (0..grid.parts.len()).filter(|&part| grid.parts[part].cell_count() > 0).collect();
     let is_unique = |name: &str| grid.parts.iter().filter(|part| part.name == name).count() == 1;
@@ -53,7 +54,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
         has_blocks: true,
         blocks,
         time_steps: times,
-        file_bytes: std::fs::metadata(&path).map_or(0, |metadata| metadata.len()),
+        file_bytes: std::fs::metadata(&file.path).map_or(0, |metadata| metadata.len()),
         ..Dataset::default()
     };
     for (block, &place) in volumes.iter().enumerate().filter(|(block, _)| is_selected[*block]) {
@@ -99,7 +100,7 @@ pub(super) fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf
     };
     let patterns = || std::iter::once(&case.geometry).chain(case.variables.iter().map(|own| &own.pattern));
     let of_time = |time: Option<f64>| {
-        patterns().filter_map(move |pattern| case.file(pattern, time).ok()).collect::<Vec<_>>()
+        patterns().filter_map(move |pattern| Some(case.file(pattern, time).ok()?.path)).collect::<Vec<_>>()
     };
     let mut files: Vec<PathBuf> = times.into_iter().flat_map(of_time).collect();
     files.sort();

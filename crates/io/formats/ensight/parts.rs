@@ -1,5 +1,6 @@
 //! Geometry and variables of EnSight Gold: parts with nodes and elements of several types, in text and in C binary of either order.
 
+use super::case::StepFile;
 use crate::formats::cursor::{Cursor, Place};
 use crate::formats::lazy::GatheredCells;
 use crate::formats::numbers::{ByteOrder, NumberType, Target};
@@ -7,7 +8,6 @@ use crate::formats::source::Source;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
-use std::path::Path;
 use std::sync::Arc;
 use voltet_core::grid::{Association, Cells, code};
 use voltet_core::{Error, Result};
@@ -80,10 +80,52 @@ struct GoldFile {
     source: Arc<Source>,
 }
 
+/// Marks of a step in a file of several, and of the table of their places at its end.
+const STEP: &str = "BEGIN TIME STEP";
+const END_OF_STEP: &str = "END TIME STEP";
+const INDEX: &str = "FILE_INDEX";
+/// Bytes of a line in a binary file.
+const LINE: u64 = 80;
+
 impl GoldFile {
-    fn open(path: &Path) -> Result<GoldFile> {
-        let source = Source::open(path)?;
+    fn open(file: &StepFile) -> Result<GoldFile> {
+        let source = Source::open(&file.path)?;
         Ok(GoldFile { cursor: Cursor::new(&source), source })
+    }
+
+    /// Moves behind the mark of the file's step.
+    fn go_to_step(&mut self, file: &StepFile) -> Result<()> {
+        let Some(step) = file.step else { return Ok(()) };
+        let is_binary = self.cursor.binary.is_some();
+        if let Some(place) = self.indexed(step).filter(|_| is_binary) {
+            return self.cursor.skip((place + LINE).saturating_sub(self.cursor.position()));
+        }
+        for before in 0..=step {
+            if self.cursor.skip_past(STEP.as_bytes())?.is_none() {
+                let error = self.cursor.error("the file has too few steps").got(before);
+                return Err(error.expected(format_args!("{} or more, as the case says", step + 1)));
+            }
+        }
+        match is_binary {
+            true => self.cursor.skip(LINE - STEP.len() as u64),
+            false => self.cursor.line().map(drop),
+        }
+    }
+
+    /// Place of a step by the table at the end of the file, in either byte order: the number of steps, the place of each, a flag, the
+    /// place of the table, and its name. `None` where it does not lead to the step.
+    fn indexed(&self, step: u64) -> Option<u64> {
+        let len = self.source.len();
+        let at = |place: u64, count: u64| self.source.read(place, count).ok();
+        let wide = |place: u64| at(place, 8).and_then(|bytes| bytes.first_chunk().copied());
+        let name = len.checked_sub(LINE)?;
+        let table = wide(name.checked_sub(8)?)
+            .filter(|_| at(name, LINE).is_some_and(|line| line.starts_with(INDEX.as_bytes())))?;
+        let is_step = |place: &u64| at(*place, LINE).is_some_and(|line| line.starts_with(STEP.as_bytes()));
+        [u64::from_le_bytes as fn([u8; 8]) -> u64, u64::from_be_bytes].into_iter().find_map(|number| {
+            let entry = number(table).checked_add(4)?.checked_add(step.checked_mul(8)?)?;
+            wide(entry).map(number).filter(is_step)
+        })
     }
 
     /// A line of text, or 80 bytes; `None` at the end.
@@ -96,7 +138,7 @@ impl GoldFile {
                 }
             },
             Some(_) if self.cursor.left() == 0 => None,
-            Some(_) => Some(self.cursor.bytes(80)?),
+            Some(_) => Some(self.cursor.bytes(LINE as usize)?),
         };
         let text = |line: &[u8]| {
             let end = line.iter().position(|&byte| byte == 0).unwrap_or(line.len());
@@ -169,13 +211,13 @@ pub(super) struct GoldGeometry {
 
 impl GoldGeometry {
     /// Finds the parts.
-    pub fn open(path: &Path) -> Result<GoldGeometry> {
-        GoldGeometry::of_path(path).map_err(|error| error.in_file(path))
+    pub fn open(file: &StepFile) -> Result<GoldGeometry> {
+        GoldGeometry::of_file(file).map_err(|error| error.in_file(&file.path))
     }
 
-    fn of_path(path: &Path) -> Result<GoldGeometry> {
-        let mut file = GoldFile::open(path)?;
-        let head = file.source.head(80)?;
+    fn of_file(of: &StepFile) -> Result<GoldGeometry> {
+        let mut file = GoldFile::open(of)?;
+        let head = file.source.head(LINE)?;
         if head.starts_with(b"Fortran Binary") {
             return Err(Error::run("records of Fortran are not read").expected("C binary or text"));
         }
@@ -183,6 +225,7 @@ impl GoldGeometry {
             file.cursor.binary = Some(ByteOrder::Little);
             file.line()?;
         }
+        file.go_to_step(of)?;
         file.description("a description")?;
         file.description("a description")?;
         let has_ids = |line: &str| ["given", "ignore"].iter().any(|word| line.ends_with(word));
@@ -192,6 +235,7 @@ impl GoldGeometry {
         let mut line = file.line()?;
         while let Some(word) = line {
             match word.as_str() {
+                END_OF_STEP if of.step.is_some() => break,
                 "extents" => file.skip(6)?,
                 "part" => {
                     if parts.is_empty() && file.cursor.binary.is_some() {
@@ -261,29 +305,33 @@ impl GoldGeometry {
     /// Values of a variable at the points or volume elements of a part; not a number where it has none.
     pub fn values(
         &self,
-        path: &Path,
+        file: &StepFile,
         part: usize,
         association: Association,
         component_count: usize,
     ) -> Result<Vec<f64>> {
-        self.values_of(path, part, association, component_count).map_err(|error| error.in_file(path))
+        self.values_of(file, part, association, component_count).map_err(|error| error.in_file(&file.path))
     }
 
     fn values_of(
         &self,
-        path: &Path,
+        of: &StepFile,
         part: usize,
         association: Association,
         component_count: usize,
     ) -> Result<Vec<f64>> {
         let (own, n) = (&self.parts[part], component_count as u64);
-        let mut file = GoldFile::open(path)?;
+        let mut file = GoldFile::open(of)?;
         file.cursor.binary = self.binary;
+        file.go_to_step(of)?;
         file.description("a description")?;
         let count = if association == Association::Point { own.node_count } else { own.cell_count() };
         let mut found: HashMap<String, Vec<f64>> = HashMap::new();
         let mut current = None;
         while let Some(line) = file.line()? {
+            if line == END_OF_STEP && of.step.is_some() {
+                break;
+            }
             if line == "part" {
                 let number = file.count("the number of a part")?;
                 current = self.parts.iter().find(|part| part.number == number);

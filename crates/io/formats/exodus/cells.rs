@@ -4,7 +4,7 @@
 //! the other. An element with nodes that VTK's cell lacks (in faces or the middle) becomes the cell without these.
 
 use crate::formats::contents::{Meter, Stored};
-use crate::formats::lazy::tetrahedra;
+use crate::formats::lazy::{GatheredCells, tetrahedra};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -23,6 +23,7 @@ pub(super) struct ElementShape {
 /// VTK's codes of cells of fewer dimensions.
 const VERTEX: u8 = 1;
 const LINE: u8 = 3;
+const POLYGON: u8 = 7;
 const TRIANGLE: u8 = 5;
 const QUAD: u8 = 9;
 const QUADRATIC_EDGE: u8 = 21;
@@ -31,8 +32,36 @@ const QUADRATIC_QUAD: u8 = 23;
 const BIQUADRATIC_QUAD: u8 = 28;
 const BIQUADRATIC_TRIANGLE: u8 = 34;
 
+/// Elements of a block.
+#[derive(Clone)]
+pub(super) enum BlockKind {
+    Shape(ElementShape),
+    Polygons,
+    Polyhedra,
+}
+
+impl BlockKind {
+    /// The kind of elements by their name in the file and the number of their nodes; `None`: no such is read.
+    pub fn of_elements(name: &str, node_count: u64) -> Option<BlockKind> {
+        match name.trim().to_ascii_uppercase().as_str() {
+            "NSIDED" => Some(BlockKind::Polygons),
+            "NFACED" => Some(BlockKind::Polyhedra),
+            _ => element_shape(name, node_count).map(BlockKind::Shape),
+        }
+    }
+
+    /// Nodes of a cell; polyhedra are taken for hexahedra, and polygons for squares.
+    pub fn node_count(&self) -> u64 {
+        match self {
+            BlockKind::Shape(shape) => shape.nodes.len() as u64,
+            BlockKind::Polygons => 4,
+            BlockKind::Polyhedra => 8,
+        }
+    }
+}
+
 /// The cell type of elements by their name in the file and the number of their nodes; `None`: no such is read.
-pub(super) fn element_shape(name: &str, node_count: u64) -> Option<ElementShape> {
+fn element_shape(name: &str, node_count: u64) -> Option<ElementShape> {
     let family = name.trim().to_ascii_uppercase().chars().take(3).collect::<String>();
     let plain = |code: u8, count: usize| (code, (0..count).collect::<Vec<usize>>());
     let parts = |code: u8, parts: &[Range<usize>]| (code, parts.iter().cloned().flatten().collect());
@@ -66,11 +95,20 @@ pub(super) fn element_shape(name: &str, node_count: u64) -> Option<ElementShape>
 /// Numbers that one task looks at.
 const PART: usize = 1 << 14;
 
-/// The elements of a block.
-pub(super) struct BlockElements {
-    pub shape: ElementShape,
-    /// Node numbers from 1, those of an element side by side.
-    pub connectivity: Stored,
+/// The elements of a block; numbers of nodes and faces are from 1.
+pub(super) enum BlockElements {
+    /// Elements of one type: the nodes of each side by side.
+    Alike { shape: ElementShape, connectivity: Stored },
+    /// Polygons: the number of nodes of each, then the nodes of all.
+    Polygons { counts: Stored, connectivity: Stored },
+    /// Polyhedra: the number of faces of each, then the faces of all.
+    Polyhedra { counts: Stored, faces: Stored },
+}
+
+/// Faces of a face block: numbers of their nodes, or `None` where all have as many as components; then the nodes of all.
+pub(super) struct FaceBlock {
+    pub counts: Option<Stored>,
+    pub nodes: Stored,
 }
 
 /// Points and cells of a file.
@@ -79,6 +117,8 @@ pub(super) struct Mesh {
     /// One array for each axis of space.
     pub coordinates: Vec<Stored>,
     pub blocks: Vec<BlockElements>,
+    /// Faces of polyhedra, in the order in which they are numbered.
+    pub faces: Vec<FaceBlock>,
 }
 
 impl OpenGrid for Mesh {
@@ -105,50 +145,113 @@ impl Mesh {
     fn points(&self, meter: &Meter) -> Result<Vec<DVec3>> {
         let axes: Result<Vec<Vec<f64>>> = self.coordinates.iter().map(|axis| axis.load(meter)).collect();
         let axes = axes?;
-        if let [x, y, z] = &axes[..] {
-            return Ok(x.par_iter().zip(y).zip(z).map(|((&x, &y), &z)| DVec3::new(x, y, z)).collect());
-        }
         let at = |axis: usize, point: usize| axes.get(axis).map_or(0.0, |axis| axis[point]);
         let count = axes.first().map_or(0, Vec::len);
         Ok((0..count).into_par_iter().map(|i| DVec3::new(at(0, i), at(1, i), at(2, i))).collect())
     }
 
     fn cells(&self, point_count: usize, meter: &Meter) -> Result<Cells> {
-        let mut connectivity = Vec::new();
-        for BlockElements { shape: ElementShape { nodes, .. }, connectivity: stored } in &self.blocks {
-            let mut numbers: Vec<u32> = stored.load(meter)?;
-            let is_wrong = |number: u32| number == 0 || number as usize > point_count;
-            let has_wrong = |part: &[u32]| part.iter().fold(false, |found, &number| found | is_wrong(number));
-            if let Some(wrong) = numbers.par_chunks(PART).find_first(|part| has_wrong(part)) {
-                let error = Error::run("an element names a node that does not exist");
-                let found = wrong.iter().find(|number| is_wrong(**number)).copied().unwrap_or(0);
-                return Err(error
-                    .got(found)
-                    .expected(format_args!("a number from 1 to {point_count}"))
-                    .at_item(&stored.name));
+        let mut cells = GatheredCells::default();
+        let mut faces = None;
+        for block in &self.blocks {
+            match block {
+                BlockElements::Alike { shape, connectivity } => {
+                    add_alike(shape, connectivity, point_count, &mut cells.0, meter)?;
+                }
+                BlockElements::Polygons { counts, connectivity } => {
+                    let nodes = lists(counts, connectivity, point_count, meter)?;
+                    nodes.into_iter().for_each(|nodes| cells.add(POLYGON, nodes));
+                }
+                BlockElements::Polyhedra { counts, faces: numbers } => {
+                    if faces.is_none() {
+                        faces = Some(self.read_faces(point_count, meter)?);
+                    }
+                    let known = faces.as_deref().unwrap_or_default();
+                    let of_cell =
+                        |own: Vec<u32>| own.into_iter().map(|face| known[face as usize].clone()).collect();
+                    for own in lists(counts, numbers, known.len(), meter)? {
+                        cells.add_polyhedron(of_cell(own));
+                    }
+                }
             }
-            numbers.par_iter_mut().with_min_len(PART).for_each(|number| *number -= 1);
-            let is_in_order = nodes.iter().copied().eq(0..stored.component_count);
-            match is_in_order {
-                true if connectivity.is_empty() => connectivity = numbers,
-                true => connectivity.extend_from_slice(&numbers),
-                false => connectivity.par_extend(
-                    numbers
-                        .par_chunks_exact(stored.component_count)
-                        .flat_map_iter(|element| nodes.iter().map(|&node| element[node])),
-                ),
-            }
         }
-        if !connectivity.is_empty() && self.blocks.iter().all(|block| block.shape.code == code::TETRA) {
-            return Ok(tetrahedra(connectivity));
+        let are_tetrahedra = |block: &BlockElements| matches!(block, BlockElements::Alike { shape, .. } if shape.code == code::TETRA);
+        let cells = cells.into_set();
+        if !cells.types.is_empty() && self.blocks.iter().all(are_tetrahedra) {
+            return Ok(tetrahedra(cells.connectivity));
         }
-        let (mut types, mut offsets) = (Vec::new(), vec![0]);
-        for BlockElements { shape: ElementShape { code, nodes }, connectivity: stored } in &self.blocks {
-            let (count, begin) = (stored.tuple_count.unwrap_or(0), offsets.last().copied().unwrap_or(0));
-            types.resize(types.len() + count as usize, *code);
-            offsets
-                .par_extend((1..=count as usize).into_par_iter().map(|i| begin + (i * nodes.len()) as u64));
-        }
-        Ok(Cells::Mixed(CellSet { types, offsets, connectivity, polyhedra: Vec::new() }))
+        Ok(Cells::Mixed(cells))
     }
+
+    /// Nodes of all faces.
+    fn read_faces(&self, point_count: usize, meter: &Meter) -> Result<Vec<Vec<u32>>> {
+        let mut faces = Vec::new();
+        for FaceBlock { counts, nodes } in &self.faces {
+            match counts {
+                Some(counts) => faces.extend(lists(counts, nodes, point_count, meter)?),
+                None => {
+                    let numbers = checked(nodes, point_count, meter)?;
+                    faces.extend(numbers.chunks(nodes.component_count).map(<[u32]>::to_vec));
+                }
+            }
+        }
+        Ok(faces)
+    }
+}
+
+/// Adds elements of one type.
+fn add_alike(
+    ElementShape { code, nodes }: &ElementShape,
+    connectivity: &Stored,
+    point_count: usize,
+    cells: &mut CellSet,
+    meter: &Meter,
+) -> Result<()> {
+    let numbers = checked(connectivity, point_count, meter)?;
+    let elements = numbers.par_chunks_exact(connectivity.component_count);
+    let count = elements.len();
+    cells.types.resize(cells.types.len() + count, *code);
+    let begin = cells.connectivity.len() as u64;
+    cells.offsets.par_extend((1..=count).into_par_iter().map(|i| begin + (i * nodes.len()) as u64));
+    let is_in_order = nodes.iter().copied().eq(0..connectivity.component_count);
+    match is_in_order {
+        true if cells.connectivity.is_empty() => cells.connectivity = numbers,
+        true => cells.connectivity.extend_from_slice(&numbers),
+        false => cells
+            .connectivity
+            .par_extend(elements.flat_map_iter(|element| nodes.iter().map(|&node| element[node]))),
+    }
+    Ok(())
+}
+
+/// Numbers from 0 of things of which there are `count`. Errors: one that is not there.
+fn checked(numbers: &Stored, count: usize, meter: &Meter) -> Result<Vec<u32>> {
+    let mut own: Vec<u32> = numbers.load(meter)?;
+    let is_wrong = |number: u32| number == 0 || number as usize > count;
+    let has_wrong = |part: &[u32]| part.iter().fold(false, |found, &number| found | is_wrong(number));
+    if let Some(part) = own.par_chunks(PART).find_first(|part| has_wrong(part)) {
+        let wrong = part.iter().copied().find(|&number| is_wrong(number)).unwrap_or(0);
+        let error = Error::run("an element names a node or a face that does not exist").got(wrong);
+        return Err(error.expected(format_args!("a number from 1 to {count}")).at_item(&numbers.name));
+    }
+    own.par_iter_mut().with_min_len(PART).for_each(|number| *number -= 1);
+    Ok(own)
+}
+
+/// Lists of such numbers by their lengths.
+fn lists(lengths: &Stored, numbers: &Stored, count: usize, meter: &Meter) -> Result<Vec<Vec<u32>>> {
+    let (lengths_of, all): (Vec<u32>, Vec<u32>) = (lengths.load(meter)?, checked(numbers, count, meter)?);
+    let sum: u64 = lengths_of.iter().map(|&length| u64::from(length)).sum();
+    if sum != all.len() as u64 {
+        let error = Error::run("the numbers of nodes or faces of elements are wrong");
+        let expected = format!("a sum of {}, as '{}' has", all.len(), numbers.name);
+        return Err(error.got(format_args!("a sum of {sum}")).expected(expected).at_item(&lengths.name));
+    }
+    let mut rest = &all[..];
+    let list = |length: u32| {
+        let (own, after) = rest.split_at(length as usize);
+        rest = after;
+        own.to_vec()
+    };
+    Ok(lengths_of.into_iter().map(list).collect())
 }

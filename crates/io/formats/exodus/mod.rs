@@ -17,7 +17,8 @@ use super::netcdf;
 use super::numbers::NumberType;
 use super::request::{Format, Request, list};
 use super::source::Source;
-use cells::{BlockElements, ElementShape, Mesh, element_shape};
+use super::units;
+use cells::{BlockElements, BlockKind, FaceBlock, Mesh};
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
@@ -173,7 +174,11 @@ fn element_blocks(variables: &Variables) -> Result<Vec<ElementBlock>> {
     let count = ids.len().max(greatest);
     let block = |index: usize| {
         let connectivity = format!("connect{}", index + 1);
-        let shape = variables.shape(&connectivity)?.unwrap_or_default();
+        // Polyhedra list faces in the place of nodes; these and polygons have a list of counts beside.
+        let listed =
+            if variables.has(&connectivity) { connectivity } else { format!("facconn{}", index + 1) };
+        let shape = variables.shape(&listed)?.unwrap_or_default();
+        let counts = variables.shape(&format!("ebepecnt{}", index + 1))?;
         let id = ids.get(index).copied().unwrap_or(index as i64 + 1);
         let name = names.get(index).filter(|name| !name.is_empty());
         Ok(ElementBlock {
@@ -182,13 +187,33 @@ fn element_blocks(variables: &Variables) -> Result<Vec<ElementBlock>> {
             // A block without elements has no connectivity.
             element_type: match shape.is_empty() {
                 true => String::new(),
-                false => variables.attribute(&connectivity, "elem_type")?.unwrap_or_default(),
+                false => variables.attribute(&listed, "elem_type")?.unwrap_or_default(),
             },
-            element_count: shape.first().copied().unwrap_or(0),
+            element_count: counts.as_ref().unwrap_or(&shape).first().copied().unwrap_or(0),
             node_count: shape.get(1).copied().unwrap_or(1),
         })
     };
     (0..count).map(block).collect()
+}
+
+/// The face blocks of a file.
+fn face_blocks(variables: &Variables) -> Result<Vec<FaceBlock>> {
+    let blocks = 1..=variables.greatest_of("fbconn").min(MAX_BLOCKS);
+    let block = |number: usize| {
+        let [nodes, counts] = ["fbconn", "fbepecnt"].map(|stem| format!("{stem}{number}"));
+        let Some(shape) = variables.shape(&nodes)? else { return Ok(None) };
+        let count = shape.get(1).map_or(1, |&count| usize::try_from(count).unwrap_or(usize::MAX));
+        Ok(Some(FaceBlock {
+            counts: if variables.has(&counts) {
+                Some(variables.part(&counts, &[], &counts, 1)?)
+            } else {
+                None
+            },
+            nodes: variables.part(&nodes, &[], &nodes, count)?,
+        }))
+    };
+    // A block without faces has no nodes.
+    blocks.filter_map(|number| block(number).transpose()).collect()
 }
 
 /// Most blocks that a name of a variable may mean by itself.
@@ -271,7 +296,7 @@ struct Selection<'a> {
 struct ReadBlock<'a> {
     place: usize,
     block: &'a ElementBlock,
-    shape: ElementShape,
+    kind: BlockKind,
 }
 
 impl Selection<'_> {
@@ -286,8 +311,8 @@ impl Selection<'_> {
             if block.element_count == 0 || self.selected.get(self.number(block)) != Some(&true) {
                 continue;
             }
-            match element_shape(&block.element_type, block.node_count) {
-                Some(shape) => read.push(ReadBlock { place, block, shape }),
+            match BlockKind::of_elements(&block.element_type, block.node_count) {
+                Some(kind) => read.push(ReadBlock { place, block, kind }),
                 None => {
                     let kind = format!("{} of {} nodes", block.element_type, block.node_count);
                     unread.insert(format!("{} ({kind})", block.name));
@@ -328,19 +353,35 @@ impl Selection<'_> {
             return Err(error.expected(self.part.node_count).at_item(&wrong.name));
         }
         let elements = |own: &ReadBlock| {
-            let name = format!("connect{}", own.place + 1);
-            let connectivity = variables.part(&name, &[], &name, own.block.node_count as usize)?;
-            Ok(BlockElements { shape: own.shape.clone(), connectivity })
+            let part = |stem: &str, components: u64| {
+                let name = format!("{stem}{}", own.place + 1);
+                variables.part(&name, &[], &name, components as usize)
+            };
+            Ok(match &own.kind {
+                BlockKind::Shape(shape) => BlockElements::Alike {
+                    shape: shape.clone(),
+                    connectivity: part("connect", own.block.node_count)?,
+                },
+                BlockKind::Polygons => BlockElements::Polygons {
+                    counts: part("ebepecnt", 1)?,
+                    connectivity: part("connect", 1)?,
+                },
+                BlockKind::Polyhedra => {
+                    BlockElements::Polyhedra { counts: part("ebepecnt", 1)?, faces: part("facconn", 1)? }
+                }
+            })
         };
         let cell_bytes =
-            |own: &ReadBlock| own.block.element_count.saturating_mul(own.shape.nodes.len() as u64 * 4 + 9);
+            |own: &ReadBlock| own.block.element_count.saturating_mul(own.kind.node_count() * 4 + 9);
+        let has_polyhedra = read.iter().any(|own| matches!(own.kind, BlockKind::Polyhedra));
+        let faces = if has_polyhedra { face_blocks(variables)? } else { Vec::new() };
         let head = GridHead {
             point_count: self.part.node_count,
             cell_count,
             cell_bytes: read.iter().map(cell_bytes).fold(0, u64::saturating_add),
             ..GridHead::default()
         };
-        Ok(Mesh { head, coordinates, blocks: read.iter().map(elements).collect::<Result<_>>()? })
+        Ok(Mesh { head, coordinates, blocks: read.iter().map(elements).collect::<Result<_>>()?, faces })
     }
 
     /// Results at nodes; of a file of one process also the numbers of the nodes.
@@ -370,6 +411,10 @@ impl Selection<'_> {
             }
         };
         for names::Joined { name, places, components } in names::joined(&self.part.of_nodes) {
+            let stated = match places.first().filter(|_| !is_one) {
+                Some(place) => variables.attribute(&format!("vals_nod_var{}", place + 1), "units")?,
+                None => None,
+            };
             let parts: Vec<Stored> = places.into_iter().map(of_node).collect::<Result<_>>()?;
             let number_type = parts.first().map_or(NumberType::F64, |part| part.number_type);
             // A vector, or one variable by itself.
@@ -377,8 +422,10 @@ impl Selection<'_> {
                 Ok(axes) => vec![Stored { number_type, ..Stored::joined(&name, axes) }],
                 Err(parts) => parts,
             };
+            let unit = stated.and_then(|text| units::stated(&text));
             arrays.extend(stored.into_iter().map(|stored| PieceArray {
                 component_names: components.clone(),
+                unit: unit.clone(),
                 ..PieceArray::new(Association::Point, stored)
             }));
         }

@@ -1,6 +1,6 @@
 //! Cells of OpenFOAM from their faces: tetrahedra, pyramids, prisms and hexahedra where the faces show them, polyhedra elsewhere.
 
-use super::file::{FoamFile, misfit};
+use super::file::{CollatedPart, FoamFile, misfit};
 use crate::formats::lazy::GatheredCells;
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -15,6 +15,10 @@ pub(super) struct MeshPaths {
     pub owner: PathBuf,
     pub neighbour: PathBuf,
     pub zones: Option<PathBuf>,
+    /// The file about patches.
+    pub boundary: Option<PathBuf>,
+    /// The part of each file that is meant.
+    pub part: Option<CollatedPart>,
 }
 
 /// Faces with their cells.
@@ -29,8 +33,8 @@ pub(super) struct FaceCells {
 impl FaceCells {
     /// Reads them.
     pub fn read(mesh: &MeshPaths) -> Result<FaceCells> {
-        let labels = |path: &PathBuf| FoamFile::open(path, false)?.labels();
-        let (points, ends) = FoamFile::open(&mesh.faces, false)?.faces()?;
+        let labels = |path: &PathBuf| FoamFile::open(path, mesh.part.as_ref(), false)?.labels();
+        let (points, ends) = FoamFile::open(&mesh.faces, mesh.part.as_ref(), false)?.faces()?;
         let (owner, neighbour) = (labels(&mesh.owner)?, labels(&mesh.neighbour)?);
         if owner.len() != ends.len() {
             return Err(misfit("owners of faces", owner.len(), ends.len(), &mesh.owner));
@@ -51,6 +55,15 @@ impl FaceCells {
     fn face(&self, face: usize) -> &[u32] {
         let begin = if face == 0 { 0 } else { self.ends[face - 1] as usize };
         &self.points[begin..self.ends[face] as usize]
+    }
+
+    /// The first face with one cell, and of those from there on the points, the ends of each one's, and the cells.
+    pub fn at_boundary(&self) -> (usize, Vec<u32>, Vec<u32>, Vec<u32>) {
+        let first = self.neighbour.len();
+        let begin = if first == 0 { 0 } else { self.ends[first - 1] };
+        let points = self.points[begin as usize..].to_vec();
+        let ends = self.ends[first..].iter().map(|end| end - begin).collect();
+        (first, points, ends, self.owner[first..].to_vec())
     }
 
     /// Selected cells, in VTK's terms.
@@ -110,7 +123,9 @@ impl CellZones {
     pub fn read(mesh: &MeshPaths, cell_count: u64) -> Result<CellZones> {
         let Some(path) = &mesh.zones else { return Ok(CellZones::default()) };
         let mut zones = CellZones::default();
-        for (place, (name, cells)) in FoamFile::open(path, false)?.zones()?.into_iter().enumerate() {
+        for (place, (name, cells)) in
+            FoamFile::open(path, mesh.part.as_ref(), false)?.zones()?.into_iter().enumerate()
+        {
             zones.names.push(name);
             zones.cells.extend(cells.into_iter().map(|cell| (cell, place as u32)));
         }

@@ -7,22 +7,28 @@ use crate::formats::cursor::Cursor;
 use crate::formats::numbers::{self, ByteOrder, NumberType, Target};
 use crate::formats::source::Source;
 use crate::formats::text::is_space;
+use std::collections::HashMap;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::{Error, Result};
 
 /// Bytes of a packed file that are unpacked for its head.
 const HEAD_BYTES: u64 = 1 << 16;
+/// Class of files that hold those of all processors.
+const COLLATED: &str = "decomposedBlockData";
 /// First bytes of a packed file.
 const PACKED: [u8; 2] = [0x1f, 0x8b];
 
 /// A file behind its head.
 pub(super) struct FoamFile {
-    cursor: Cursor,
+    pub cursor: Cursor,
     pub source: Arc<Source>,
     pub path: PathBuf,
     pub class: String,
     pub note: String,
+    /// Exponents of the unit of a field, once its values were found.
+    pub dimensions: Option<Vec<f64>>,
     /// Byte order of lists of numbers; `None`: they are text.
     pub binary: Option<ByteOrder>,
     pub label: NumberType,
@@ -37,6 +43,17 @@ pub(super) enum FieldValues {
     /// Number of the tuples that follow.
     List(u64),
 }
+
+/// A processor whose files stand in files of all processors, one after the other.
+#[derive(Clone)]
+pub(super) struct CollatedPart {
+    /// Its place in each file.
+    pub place: usize,
+    pub known: Arc<KnownParts>,
+}
+
+/// Places of all parts of the files that were looked at.
+pub(super) type KnownParts = Mutex<HashMap<PathBuf, Arc<Vec<Range<u64>>>>>;
 
 /// The file at a path, or the packed one beside it with the ending .gz; `None` where there is neither.
 pub(super) fn existing(path: &Path) -> Option<PathBuf> {
@@ -55,16 +72,19 @@ pub(super) fn has_head(path: &Path) -> Result<bool> {
 }
 
 impl FoamFile {
-    /// Opens a file and reads its head; `head_only`: of a packed one no more than the head is unpacked.
-    pub fn open(path: &Path, head_only: bool) -> Result<FoamFile> {
-        FoamFile::of_path(path, head_only).map_err(|error| error.in_file(path))
+    /// Opens a file, or a part of one, and reads its head; `head_only`: of a packed one no more than the head is unpacked.
+    pub fn open(path: &Path, part: Option<&CollatedPart>, head_only: bool) -> Result<FoamFile> {
+        FoamFile::of_path(path, part, head_only).map_err(|error| match part {
+            Some(part) => error.at_item(format!("part {} of the file", part.place)).in_file(path),
+            None => error.in_file(path),
+        })
     }
 
-    fn of_path(path: &Path, head_only: bool) -> Result<FoamFile> {
+    fn of_path(path: &Path, part: Option<&CollatedPart>, head_only: bool) -> Result<FoamFile> {
         let mut source = Source::open(path)?;
         let is_packed = source.head(2)? == PACKED;
         if is_packed {
-            source = source.unpacked(head_only.then_some(HEAD_BYTES))?;
+            source = source.unpacked((head_only && part.is_none()).then_some(HEAD_BYTES))?;
         }
         let mut file = FoamFile {
             cursor: Cursor::new(&source),
@@ -72,13 +92,68 @@ impl FoamFile {
             path: path.to_owned(),
             class: String::new(),
             note: String::new(),
+            dimensions: None,
             binary: None,
             label: NumberType::I32,
             scalar: NumberType::F64,
             is_packed,
         };
         file.read_head()?;
+        if file.class == COLLATED {
+            let part = part.ok_or_else(|| {
+                let error = file.cursor.error("the file holds those of several processors").got(COLLATED);
+                error.expected("a folder processorsN for such files")
+            })?;
+            file.go_to_part(part)?;
+        }
         Ok(file)
+    }
+
+    /// Moves into a part; the head of the first is that of all.
+    fn go_to_part(&mut self, part: &CollatedPart) -> Result<()> {
+        let lock = || part.known.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = lock().get(&self.path).cloned();
+        let parts = match known {
+            Some(parts) => parts,
+            None => {
+                let parts = Arc::new(self.parts()?);
+                lock().insert(self.path.clone(), parts.clone());
+                parts
+            }
+        };
+        let (Some(first), Some(own)) = (parts.first(), parts.get(part.place)) else {
+            let error = self.cursor.error("the file has too few parts for its processors").got(parts.len());
+            return Err(error.expected(format_args!("{} or more", part.place + 1)));
+        };
+        self.cursor = Cursor::within(&self.source, first.start, first.end, 1);
+        self.note.clear();
+        (self.label, self.scalar) = (NumberType::I32, NumberType::F64);
+        self.read_head()?;
+        if part.place > 0 {
+            // The head's note is about the first.
+            self.note.clear();
+            self.cursor = Cursor::within(&self.source, own.start, own.end, 1);
+            self.cursor.binary = self.binary;
+        }
+        Ok(())
+    }
+
+    /// Places of the parts behind the head.
+    fn parts(&mut self) -> Result<Vec<Range<u64>>> {
+        let mut parts = Vec::new();
+        while let Some(word) = self.token()? {
+            let count: u64 = word.parse().map_err(|_| {
+                let error =
+                    self.cursor.error("the length of a part is damaged").got(format_args!("'{word}'"));
+                error.expected("a number")
+            })?;
+            self.expect("(")?;
+            let start = self.cursor.position();
+            self.cursor.skip(count)?;
+            parts.push(start..start + count);
+            self.expect(")")?;
+        }
+        Ok(parts)
     }
 
     fn read_head(&mut self) -> Result<()> {
@@ -129,12 +204,12 @@ impl FoamFile {
     }
 
     /// An error that names the file.
-    fn in_file<T>(&self, result: Result<T>) -> Result<T> {
+    pub fn in_file<T>(&self, result: Result<T>) -> Result<T> {
         result.map_err(|error| error.in_file(&self.path))
     }
 
     /// The next word, sign of punctuation or text in quotes; `None` at the end.
-    fn token(&mut self) -> Result<Option<String>> {
+    pub fn token(&mut self) -> Result<Option<String>> {
         loop {
             match self.cursor.peek()? {
                 None => return Ok(None),
@@ -162,30 +237,37 @@ impl FoamFile {
         }
     }
 
-    fn required(&mut self, what: &str) -> Result<String> {
+    pub fn required(&mut self, what: &str) -> Result<String> {
         self.token()?.ok_or_else(|| self.cursor.error("the file ends early").expected(what))
     }
 
     /// Number of entries of a list, and true if one value stands for all.
-    fn list_head(&mut self) -> Result<(u64, bool)> {
+    pub fn list_head(&mut self) -> Result<(u64, bool)> {
+        self.typed_list_head().map(|(_, count, is_uniform)| (count, is_uniform))
+    }
+
+    /// Type of a list, if it is noted, number of entries, and true if one value stands for all.
+    pub fn typed_list_head(&mut self) -> Result<(Option<String>, u64, bool)> {
         let mut word = self.required("the length of a list")?;
+        let mut kind = None;
         if word.starts_with("List<") {
-            word = self.required("the length of a list")?;
+            let length = self.required("the length of a list")?;
+            kind = Some(std::mem::replace(&mut word, length));
         }
         let count: u64 = word.parse().map_err(|_| {
             let error = self.cursor.error("the length of a list is damaged").got(format_args!("'{word}'"));
             error.expected("a number")
         })?;
         match self.cursor.peek()? {
-            Some(b'(') => self.cursor.bytes(1).map(|_| (count, false)),
-            Some(b'{') => self.cursor.bytes(1).map(|_| (count, true)),
-            _ if count == 0 => Ok((0, false)),
+            Some(b'(') => self.cursor.bytes(1).map(|_| (kind, count, false)),
+            Some(b'{') => self.cursor.bytes(1).map(|_| (kind, count, true)),
+            _ if count == 0 => Ok((kind, 0, false)),
             _ => Err(self.cursor.error("a list is damaged").expected("(")),
         }
     }
 
     /// Numbers of text with parentheses between them, or of bytes.
-    fn numbers<T: Target>(&mut self, number_type: NumberType, count: u64) -> Result<Vec<T>> {
+    pub fn numbers<T: Target>(&mut self, number_type: NumberType, count: u64) -> Result<Vec<T>> {
         let size = number_type.size().unwrap_or(1) as u64;
         let least = if self.binary.is_some() { size } else { 2 };
         if count > self.cursor.left() / least + 1 {
@@ -223,7 +305,7 @@ impl FoamFile {
         Ok(labels)
     }
 
-    fn end_list(&mut self, count: u64) -> Result<()> {
+    pub fn end_list(&mut self, count: u64) -> Result<()> {
         match self.cursor.peek()? {
             Some(b')') => self.cursor.bytes(1).map(|_| ()),
             _ if count == 0 => Ok(()),
@@ -332,6 +414,7 @@ impl FoamFile {
             match key.as_str() {
                 "internalField" | "value" => break,
                 ";" => {}
+                "dimensions" => self.dimensions = self.exponents()?,
                 key if key.starts_with('#') => drop(self.cursor.line()?),
                 _ => self.skip_entry()?,
             }
@@ -356,9 +439,36 @@ impl FoamFile {
         }
     }
 
+    pub fn expect(&mut self, sign: &str) -> Result<()> {
+        let found = self.required(sign)?;
+        if found == sign {
+            return Ok(());
+        }
+        Err(self.cursor.error("an entry is damaged").got(format_args!("'{found}'")).expected(sign))
+    }
+
+    /// The exponents of a unit, to the end of the entry; `None` where it names units.
+    fn exponents(&mut self) -> Result<Option<Vec<f64>>> {
+        let mut exponents = Some(Vec::new());
+        loop {
+            match self.required("';'")?.as_str() {
+                ";" => return Ok(exponents),
+                "[" | "]" => {}
+                word => match (word.parse(), &mut exponents) {
+                    (Ok(exponent), Some(own)) => own.push(exponent),
+                    _ => exponents = None,
+                },
+            }
+        }
+    }
+
     /// Skips the rest of an entry: to its semicolon, or its dictionary.
-    fn skip_entry(&mut self) -> Result<()> {
-        let mut depth = 0_u32;
+    pub fn skip_entry(&mut self) -> Result<()> {
+        self.skip_rest(0)
+    }
+
+    /// Skips the rest of an entry in which `depth` brackets are open.
+    pub fn skip_rest(&mut self, mut depth: u32) -> Result<()> {
         loop {
             match self.required("';'")?.as_str() {
                 "{" | "(" | "[" => depth += 1,

@@ -1,20 +1,28 @@
-//! Cases of OpenFOAM: the mesh in `constant/polyMesh`, fields in a folder for each time; also decomposed ones, `processor0`, ….
+//! Cases of OpenFOAM: the mesh in `constant/polyMesh`, fields in a folder for each time; also decomposed ones, `processor0`, …, and
+//! collated ones, `processors4`, where each file holds those of all processors.
 //!
 //! A case is named by its folder, by a file `*.foam` in it, or by its `system/controlDict`. Steps are the folders whose
 //! names are numbers. The mesh of a time is the last that was written until then (`TIME/polyMesh`). Fields of cells
-//! and of points are arrays; values at boundaries are not read. Cell zones are blocks.
+//! and of points are arrays; values on patches serve means of cell values at points. Cell zones are blocks, and so are
+//! regions, each with a mesh of its own in `constant/REGION/polyMesh`.
 
 mod cells;
+mod entries;
 mod file;
+mod patches;
 
 use self::cells::{CellZones, FaceCells, MeshPaths};
-use self::file::{FieldValues, FoamFile, existing, has_head, misfit};
+use self::file::{CollatedPart, FieldValues, FoamFile, existing, has_head, misfit};
+use self::patches::MeshBoundary;
 use super::blocks::selected;
-use super::contents::{CellBlocks, Compute, Dataset, Encoding, Meter, Piece, PieceArray, Stored};
+use super::contents::{
+    CellBlocks, Compute, ComputeBoundary, Dataset, Encoding, Meter, Piece, PieceArray, Stored,
+};
 use super::lazy::geometry;
 use super::numbers::{ByteOrder, NumberType};
 use super::request::Request;
 use super::source::Source;
+use super::units;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -46,7 +54,14 @@ pub(super) fn case_folder(path: &Path) -> Option<PathBuf> {
 }
 
 fn has_mesh(folder: &Path) -> bool {
-    existing(&folder.join("constant/polyMesh/faces")).is_some()
+    !regions(folder).is_empty()
+}
+
+/// Names of the regions with a mesh, that of the case itself, without a name, first.
+fn regions(folder: &Path) -> Vec<String> {
+    let constant = folder.join("constant");
+    let own = std::iter::once(String::new()).chain(names(&constant));
+    own.filter(|region| existing(&constant.join(region).join("polyMesh/faces")).is_some()).collect()
 }
 
 /// A folder with a mesh and times: of the case, or of one of its processors.
@@ -54,6 +69,8 @@ struct CaseFolder {
     folder: PathBuf,
     /// Times in ascending order and the names of their folders.
     times: Vec<(f64, String)>,
+    /// The processor, where the folder is that of several.
+    part: Option<CollatedPart>,
 }
 
 impl CaseFolder {
@@ -64,20 +81,21 @@ impl CaseFolder {
             .filter_map(|name| Some((name.parse().ok().filter(|time: &f64| time.is_finite())?, name)))
             .collect();
         times.sort_by(|a, b| a.0.total_cmp(&b.0));
-        CaseFolder { folder, times }
+        CaseFolder { folder, times, part: None }
     }
 
-    /// The file of the mesh that was written last until a time.
-    fn mesh_file(&self, name: &str, time: f64) -> Option<PathBuf> {
+    /// The file of a region's mesh that was written last until a time.
+    fn mesh_file(&self, region: &str, name: &str, time: f64) -> Option<PathBuf> {
         let until = self.times.iter().rev().filter(|step| step.0 <= time).map(|step| step.1.as_str());
         let mut folders = until.chain(["constant"]);
-        folders.find_map(|folder| existing(&self.folder.join(folder).join("polyMesh").join(name)))
+        let path = |folder: &str| self.folder.join(folder).join(region).join("polyMesh").join(name);
+        folders.find_map(|folder| existing(&path(folder)))
     }
 
-    fn mesh(&self, time: f64) -> Result<MeshPaths> {
+    fn mesh(&self, region: &str, time: f64) -> Result<MeshPaths> {
         let file = |name: &str| {
-            self.mesh_file(name, time).ok_or_else(|| {
-                let wanted = self.folder.join("constant/polyMesh").join(name);
+            self.mesh_file(region, name, time).ok_or_else(|| {
+                let wanted = self.folder.join("constant").join(region).join("polyMesh").join(name);
                 Error::run("the mesh of the case is not complete")
                     .expected("this file, or one with .gz")
                     .in_file(wanted)
@@ -88,7 +106,9 @@ impl CaseFolder {
             faces: file("faces")?,
             owner: file("owner")?,
             neighbour: file("neighbour")?,
-            zones: self.mesh_file("cellZones", time),
+            zones: self.mesh_file(region, "cellZones", time),
+            boundary: self.mesh_file(region, "boundary", time),
+            part: self.part.clone(),
         })
     }
 }
@@ -101,6 +121,32 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
+/// The processors whose files a folder `processors4`, or `processors4_2-3` for some of them, holds; `None` for other names.
+fn collated(folder: &Path, name: &str) -> Option<Vec<CaseFolder>> {
+    let numbers = name.strip_prefix("processors")?;
+    let (count, range) =
+        numbers.split_once('_').map_or((numbers, None), |(count, range)| (count, Some(range)));
+    let count: usize = count.parse().ok()?;
+    let own_count = match range.and_then(|range| range.split_once('-')) {
+        None => count,
+        Some((first, last)) => {
+            last.parse::<usize>().ok()?.checked_sub(first.parse().ok()?)?.checked_add(1)?
+        }
+    };
+    if own_count > MAX_PROCESSORS {
+        return None;
+    }
+    let (whole, known) = (CaseFolder::of_folder(folder.join(name)), Arc::default());
+    let part = |place: usize| {
+        let part = Some(CollatedPart { place, known: Arc::clone(&known) });
+        CaseFolder { folder: whole.folder.clone(), times: whole.times.clone(), part }
+    };
+    Some((0..own_count).map(part).collect())
+}
+
+/// More processors than any case has.
+const MAX_PROCESSORS: usize = 1 << 20;
+
 /// The folders that are read: of the case, or those of its processors where it has no mesh or later times there.
 fn parts(folder: &Path) -> Result<(Vec<CaseFolder>, bool)> {
     let whole = CaseFolder::of_folder(folder.to_owned());
@@ -108,8 +154,12 @@ fn parts(folder: &Path) -> Result<(Vec<CaseFolder>, bool)> {
     let mut processors: Vec<String> =
         names(folder).into_iter().filter(|name| number(name).is_some()).collect();
     processors.sort_by_key(number);
-    let processors: Vec<CaseFolder> =
+    let mut processors: Vec<CaseFolder> =
         processors.iter().map(|name| CaseFolder::of_folder(folder.join(name))).collect();
+    if processors.is_empty() {
+        let folders = names(folder);
+        processors = folders.iter().filter_map(|name| collated(folder, name)).flatten().collect();
+    }
     let last = |part: &CaseFolder| part.times.last().map(|step| step.0);
     let has_later = processors.first().is_some_and(|first| last(first) > last(&whole));
     match (has_mesh(folder), processors.is_empty()) {
@@ -117,8 +167,7 @@ fn parts(folder: &Path) -> Result<(Vec<CaseFolder>, bool)> {
         (true, false) if !has_later => Ok((vec![whole], false)),
         (has_mesh, false) => Ok((processors, has_mesh)),
         (false, true) => Err(Error::run("the case of OpenFOAM has no mesh").in_file(folder).expected(
-            "constant/polyMesh, or processor0, … with one each; of several regions or collated processors: reconstructPar, and \
-             foamToVTK",
+            "constant/polyMesh, constant/REGION/polyMesh, or processor0, … or processorsN with such",
         )),
     }
 }
@@ -140,23 +189,44 @@ pub(super) fn open(folder: &Path, request: &Request) -> Result<(Dataset, Arc<Sou
         None => (None, f64::INFINITY),
         Some((time, name)) => (Some(name.as_str()), *time),
     };
-    let meshes =
-        parts.iter().map(|part| FolderMesh::open(part, time)).collect::<Result<Vec<FolderMesh>>>()?;
-    dataset.blocks = block_names(&meshes);
+    let regions = regions(&parts[0].folder);
+    // A mesh without a name among others has a block, too.
+    dataset.has_blocks = regions.len() > 1 || regions.iter().any(|region| !region.is_empty());
+    let mut meshes = Vec::new();
+    for region in &regions {
+        let of_parts = parts.iter().map(|part| FolderMesh::open(part, region, time));
+        let of_region: Vec<FolderMesh> = of_parts.collect::<Result<_>>()?;
+        let first = dataset.blocks.len();
+        dataset.blocks.extend(block_names(&of_region, region, dataset.has_blocks));
+        let blocks = first..dataset.blocks.len();
+        let of_parts = parts.iter().zip(of_region);
+        meshes.extend(of_parts.map(|(part, mesh)| (part.folder.as_path(), region, mesh, blocks.clone())));
+    }
     let is_selected = selected(&dataset.blocks, request)?;
-    for (part, mesh) in parts.iter().zip(meshes) {
-        let numbers =
-            mesh.zones.names.iter().map(|name| dataset.blocks.iter().position(|block| block == name));
+    for (part, region, mesh, blocks) in meshes {
+        let place = |zone: &String| {
+            let mut names = dataset.blocks[blocks.clone()].iter();
+            names.position(|block| *block == in_region(region, zone)).map_or(0, |place| blocks.start + place)
+        };
         let selection = CellSelection {
-            blocks: numbers.map(|block| block.unwrap_or(0)).collect(),
+            blocks: mesh.zones.names.iter().map(place).collect(),
+            rest: blocks.end.saturating_sub(1),
             is_selected: is_selected.clone(),
             zones: mesh.zones,
         };
-        let folder = name.map(|name| part.folder.join(name));
+        if dataset.has_blocks && !is_selected[blocks.clone()].contains(&true) {
+            continue;
+        }
+        let folder = name.map(|name| part.join(name).join(region));
         let counts = [mesh.point_count, mesh.cell_count];
-        dataset.pieces.push(piece(mesh.paths, counts, folder, selection, &mut dataset.file_bytes)?);
+        let mut own = piece(mesh.paths, counts, folder, selection, &mut dataset.file_bytes)?;
+        if let CellBlocks::Each { grid, .. } = &mut own.blocks {
+            *grid = dataset.has_blocks.then_some(blocks.start);
+        }
+        dataset.pieces.push(own);
     }
-    let head = FoamFile::open(&parts[0].mesh(f64::INFINITY)?.points, true)?;
+    let region = regions.first().map_or("", String::as_str);
+    let head = FoamFile::open(&parts[0].mesh(region, f64::INFINITY)?.points, parts[0].part.as_ref(), true)?;
     let encoding = if head.binary.is_some() { "binary" } else { "ASCII" };
     dataset.format = match parts.len() {
         1 => format!("OpenFOAM, {encoding}"),
@@ -167,7 +237,7 @@ pub(super) fn open(folder: &Path, request: &Request) -> Result<(Dataset, Arc<Sou
 
 /// Number of cells that the file of owners notes, or else that its numbers show.
 fn cell_count(mesh: &MeshPaths) -> Result<u64> {
-    let head = FoamFile::open(&mesh.owner, true)?;
+    let head = FoamFile::open(&mesh.owner, mesh.part.as_ref(), true)?;
     let noted = head.note.split("nCells:").nth(1).and_then(|rest| rest.split_whitespace().next());
     match noted.and_then(|word| word.parse().ok()) {
         Some(count) => Ok(count),
@@ -184,9 +254,9 @@ struct FolderMesh {
 }
 
 impl FolderMesh {
-    fn open(part: &CaseFolder, time: f64) -> Result<FolderMesh> {
-        let paths = part.mesh(time)?;
-        let point_count = FoamFile::open(&paths.points, true)?.point_count()?;
+    fn open(part: &CaseFolder, region: &str, time: f64) -> Result<FolderMesh> {
+        let paths = part.mesh(region, time)?;
+        let point_count = FoamFile::open(&paths.points, paths.part.as_ref(), true)?.point_count()?;
         let cell_count = cell_count(&paths)?;
         let zones = CellZones::read(&paths, cell_count)?;
         Ok(FolderMesh { paths, point_count, cell_count, zones })
@@ -196,16 +266,27 @@ impl FolderMesh {
 /// Name of the block of cells in no zone, where there are zones.
 const NO_ZONE: &str = "no zone";
 
-/// Names of the zones of all parts; of none where there are no zones.
-fn block_names(meshes: &[FolderMesh]) -> Vec<String> {
+/// Name of the block of a case's own mesh beside those of regions.
+const OWN_REGION: &str = "region0";
+
+/// Name of the block of a zone in a region.
+fn in_region(region: &str, zone: &str) -> String {
+    if region.is_empty() { zone.to_owned() } else { format!("{region}/{zone}") }
+}
+
+/// Names of the zones of all parts of a region; that of the region, or none where it is the only one, if it has no zones.
+fn block_names(meshes: &[FolderMesh], region: &str, is_among_others: bool) -> Vec<String> {
     let mut blocks: Vec<String> = Vec::new();
-    for name in meshes.iter().flat_map(|mesh| &mesh.zones.names) {
-        if !blocks.contains(name) {
-            blocks.push(name.clone());
+    for name in meshes.iter().flat_map(|mesh| &mesh.zones.names).map(|zone| in_region(region, zone)) {
+        if !blocks.contains(&name) {
+            blocks.push(name);
         }
     }
     if !blocks.is_empty() && meshes.iter().any(|mesh| mesh.zones.rest(mesh.cell_count) > 0) {
-        blocks.push(NO_ZONE.to_owned());
+        blocks.push(in_region(region, NO_ZONE));
+    }
+    if blocks.is_empty() && is_among_others {
+        blocks.push(if region.is_empty() { OWN_REGION } else { region }.to_owned());
     }
     blocks
 }
@@ -215,6 +296,8 @@ struct CellSelection {
     zones: CellZones,
     /// Numbers of the zones' blocks.
     blocks: Vec<usize>,
+    /// That of the block of cells in no zone.
+    rest: usize,
     is_selected: Vec<bool>,
 }
 
@@ -223,7 +306,7 @@ impl CellSelection {
     fn block(&self, cell: usize) -> usize {
         match self.zones.zone(cell) {
             Some(zone) => self.blocks[zone],
-            None => self.is_selected.len().saturating_sub(1),
+            None => self.rest,
         }
     }
 
@@ -232,7 +315,8 @@ impl CellSelection {
     }
 
     fn is_all(&self) -> bool {
-        !self.is_selected.contains(&false)
+        let blocks = self.blocks.iter().chain([&self.rest]);
+        !blocks.into_iter().any(|&block| self.is_selected.get(block) == Some(&false))
     }
 
     /// Number of selected cells.
@@ -241,7 +325,8 @@ impl CellSelection {
             return cell_count;
         }
         let zones = self.blocks.iter().enumerate().filter(|&(_, &block)| self.is_selected[block]);
-        let rest = if self.is_selected.last() == Some(&true) { self.zones.rest(cell_count) } else { 0 };
+        let rest =
+            if self.is_selected.get(self.rest) == Some(&true) { self.zones.rest(cell_count) } else { 0 };
         zones.fold(rest, |sum, (zone, _)| sum + self.zones.count(zone))
     }
 }
@@ -255,25 +340,32 @@ fn piece(
 ) -> Result<Piece> {
     let selected_count = selection.count(cell_count);
     let selection = Arc::new(selection);
+    let boundary = MeshBoundary::of_mesh(&mesh);
     let mut arrays = Vec::new();
     if let Some(folder) = folder {
         let mut files: Vec<String> =
             names(&folder).into_iter().filter(|name| folder.join(name).is_file()).collect();
         files.dedup_by(|packed, plain| packed.strip_suffix(".gz") == Some(plain));
         for file in files {
-            if let Some(field) = Field::of_file(&folder.join(file))? {
+            if let Some(field) = Field::of_file(&folder.join(file), mesh.part.as_ref())? {
                 *file_bytes += field.source.len();
                 arrays.push(match field.association {
                     Association::Point => field.array(point_count, None),
                     Association::Cell => {
+                        let at_boundary =
+                            boundary.clone().map(|own| field.at_boundary(own, &mesh, &selection));
                         let selection = (!selection.is_all()).then(|| (selection.clone(), selected_count));
-                        field.array(cell_count, selection)
+                        PieceArray { boundary: at_boundary, ..field.array(cell_count, selection) }
                     }
                 });
             }
         }
     }
-    for path in [&mesh.points, &mesh.faces, &mesh.owner, &mesh.neighbour].into_iter().chain(&mesh.zones) {
+    for path in [&mesh.points, &mesh.faces, &mesh.owner, &mesh.neighbour]
+        .into_iter()
+        .chain(&mesh.zones)
+        .chain(&mesh.boundary)
+    {
         *file_bytes += std::fs::metadata(path).map_or(0, |metadata| metadata.len());
     }
     // Hexahedra, which are most cells of most meshes, have eight corners.
@@ -287,19 +379,27 @@ fn piece(
         point_count,
         cell_count: selected_count,
         arrays,
-        geometry: geometry(counts, move |_| read_mesh(&mesh, cell_count, &of)),
-        blocks: CellBlocks::Each(numbers),
+        geometry: geometry(counts, move |_| read_mesh(&mesh, cell_count, &of, boundary.as_deref())),
+        blocks: CellBlocks::Each { numbers, grid: None },
         is_old_order: false,
     })
 }
 
-fn read_mesh(mesh: &MeshPaths, cell_count: u64, selection: &CellSelection) -> Result<(Vec<DVec3>, Cells)> {
-    let coordinates = FoamFile::open(&mesh.points, false)?.points()?;
+fn read_mesh(
+    mesh: &MeshPaths,
+    cell_count: u64,
+    selection: &CellSelection,
+    boundary: Option<&MeshBoundary>,
+) -> Result<(Vec<DVec3>, Cells)> {
+    let coordinates = FoamFile::open(&mesh.points, mesh.part.as_ref(), false)?.points()?;
     let copied = |(_, numbers): (_, Vec<f64>)| bytemuck::cast_slice(&numbers).to_vec();
     let points = bytemuck::try_cast_vec(coordinates).unwrap_or_else(copied);
     let faces = FaceCells::read(mesh)?;
     if faces.cell_count as u64 != cell_count {
         return Err(misfit("cells", faces.cell_count, format!("{cell_count}, as it notes"), &mesh.owner));
+    }
+    if let Some(boundary) = boundary {
+        boundary.keep(&faces);
     }
     Ok((points, faces.cells(|cell| selection.contains(cell))))
 }
@@ -307,20 +407,22 @@ fn read_mesh(mesh: &MeshPaths, cell_count: u64, selection: &CellSelection) -> Re
 /// A field of a time, whose head was read.
 struct Field {
     path: PathBuf,
+    part: Option<CollatedPart>,
     source: Arc<Source>,
     association: Association,
     kind: &'static (&'static str, usize, &'static [&'static str]),
+    unit: Option<String>,
     /// Number of tuples of an unpacked file that lie side by side, type and order of their numbers, and their place.
     bytes_of_tuples: Option<(u64, NumberType, ByteOrder, u64)>,
 }
 
 impl Field {
     /// The field of a file; `None` for other files, and for fields on faces.
-    fn of_file(path: &Path) -> Result<Option<Field>> {
+    fn of_file(path: &Path, part: Option<&CollatedPart>) -> Result<Option<Field>> {
         if !has_head(path)? {
             return Ok(None);
         }
-        let mut file = FoamFile::open(path, true)?;
+        let mut file = FoamFile::open(path, part, true)?;
         let class = file.class.strip_suffix("::Internal").unwrap_or(&file.class);
         let Some(class) = class.strip_suffix("Field") else { return Ok(None) };
         let is_cell = class.strip_prefix("vol").map(|kind| (Association::Cell, kind));
@@ -329,29 +431,42 @@ impl Field {
         let Some(kind) = KINDS.iter().find(|kind| kind.0 == name) else { return Ok(None) };
         let mut bytes_of_tuples = None;
         // A field with other values, or without any, is an error once it is read.
-        if let (Some(order), false) = (file.binary, file.is_packed)
-            && let Ok(FieldValues::List(count)) = file.field_values(kind.1)
-        {
+        let values = file.field_values(kind.1);
+        if let (Some(order), false, Ok(FieldValues::List(count))) = (file.binary, file.is_packed, values) {
             bytes_of_tuples = Some((count, file.scalar, order, file.position()));
         }
+        let unit = file.dimensions.as_deref().and_then(unit);
         Ok(Some(Field {
             path: path.to_owned(),
+            part: part.cloned(),
             source: file.source.closed(),
             association,
             kind,
             bytes_of_tuples,
+            unit,
         }))
+    }
+
+    /// Its values on patches.
+    fn at_boundary(
+        &self,
+        boundary: Arc<MeshBoundary>,
+        mesh: &MeshPaths,
+        selection: &Arc<CellSelection>,
+    ) -> ComputeBoundary {
+        let (path, n, mesh, selection) = (self.path.clone(), self.kind.1, mesh.clone(), selection.clone());
+        Arc::new(move |_| boundary.values(&mesh, &path, n, |cell| selection.contains(cell)))
     }
 
     /// Its array, of all tuples or of the selected cells; bytes that lie side by side are read from the file as they are.
     fn array(self, tuple_count: u64, selection: Option<(Arc<CellSelection>, u64)>) -> PieceArray {
         let name = self.path.file_name().unwrap_or_default().to_string_lossy();
         let name = name.strip_suffix(".gz").unwrap_or(&name).to_owned();
-        let (n, path) = (self.kind.1, self.path);
+        let (n, path, part) = (self.kind.1, self.path, self.part);
         let selected_count = selection.as_ref().map_or(tuple_count, |selection| selection.1);
         let is_whole = selection.is_none();
         let load: Compute = Arc::new(move |meter| {
-            let values = load_field(&path, n, tuple_count, meter)?;
+            let values = load_field(&path, part.as_ref(), n, tuple_count, meter)?;
             let Some((selection, _)) = &selection else { return Ok(values) };
             let tuples = values.chunks(n).enumerate().filter(|&(cell, _)| selection.contains(cell));
             Ok(tuples.flat_map(|(_, tuple)| tuple.iter().copied()).collect())
@@ -363,13 +478,26 @@ impl Field {
             stored = Stored { number_type, order, encoding: Encoding::Bytes(place), ..stored };
         }
         let component_names = self.kind.2.iter().map(|name| (*name).to_owned()).collect();
-        PieceArray { component_names, ..PieceArray::new(self.association, stored) }
+        PieceArray { component_names, unit: self.unit, ..PieceArray::new(self.association, stored) }
     }
 }
 
+/// A unit by its exponents of kilogram, metre, second, kelvin, mole, ampere and candela, of which the last may be left out.
+fn unit(exponents: &[f64]) -> Option<String> {
+    let factors: Vec<(&str, f64)> =
+        ["kg", "m", "s", "K", "mol", "A", "cd"].into_iter().zip(exponents.iter().copied()).collect();
+    units::product(&factors)
+}
+
 /// Values of a field within the mesh.
-fn load_field(path: &Path, component_count: usize, tuple_count: u64, meter: &Meter) -> Result<Vec<f64>> {
-    let mut file = FoamFile::open(path, false)?;
+fn load_field(
+    path: &Path,
+    part: Option<&CollatedPart>,
+    component_count: usize,
+    tuple_count: u64,
+    meter: &Meter,
+) -> Result<Vec<f64>> {
+    let mut file = FoamFile::open(path, part, false)?;
     match file.field_values(component_count)? {
         FieldValues::List(count) if count == tuple_count => file.scalars(count * component_count as u64),
         FieldValues::List(count) => Err(misfit("values of the field", count as usize, tuple_count, path)),
@@ -387,12 +515,13 @@ pub(super) fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf
     let Some(folder) = case_folder(path) else { return Vec::new() };
     let parts = parts(&folder).map_or(Vec::new(), |found| found.0);
     let mut files = Vec::new();
-    for part in &parts {
+    let regions = parts.first().map_or(Vec::new(), |first| regions(&first.folder));
+    for (part, region) in parts.iter().flat_map(|part| regions.iter().map(move |region| (part, region))) {
         let times: Vec<f64> = part.times.iter().map(|step| step.0).collect();
         let index = request.filter(|_| !times.is_empty()).and_then(|request| request.step_index(&times).ok());
         let time = index.map(|index| times[index]);
         let of_time = part.times.iter().filter(|step| time.is_none_or(|time| time == step.0));
-        let folders = of_time.map(|step| part.folder.join(&step.1));
+        let folders = of_time.map(|step| part.folder.join(&step.1).join(region));
         for folder in folders {
             files.extend(
                 names(&folder).into_iter().map(|name| folder.join(name)).filter(|file| file.is_file()),
@@ -402,8 +531,13 @@ pub(super) fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf
             Some(time) => vec![time],
             None => times.into_iter().chain([f64::INFINITY]).collect(),
         };
-        for mesh in times.into_iter().filter_map(|time| part.mesh(time).ok()) {
-            files.extend([mesh.points, mesh.faces, mesh.owner, mesh.neighbour].into_iter().chain(mesh.zones));
+        for mesh in times.into_iter().filter_map(|time| part.mesh(region, time).ok()) {
+            files.extend(
+                [mesh.points, mesh.faces, mesh.owner, mesh.neighbour]
+                    .into_iter()
+                    .chain(mesh.zones)
+                    .chain(mesh.boundary),
+            );
         }
     }
     files.sort();

@@ -225,7 +225,7 @@ fn piece(file: Arc<MeshFile>, node_count: u64, counts: &GroupCounts, arrays: Vec
             let of = file.clone();
             move |_| of.read_geometry()
         }),
-        blocks: CellBlocks::Each(Arc::new(move |_| Ok(file.read_volumes()?.blocks))),
+        blocks: CellBlocks::Each { numbers: Arc::new(move |_| Ok(file.read_volumes()?.blocks)), grid: None },
         is_old_order: false,
     }
 }

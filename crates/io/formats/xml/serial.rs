@@ -9,11 +9,15 @@ use crate::formats::contents::{
 use crate::formats::numbers::{ByteOrder, NumberType};
 use crate::formats::request::Request;
 use crate::formats::source::Source;
+use crate::formats::units;
 use glam::{DMat3, DVec3};
 use std::ops::Range;
 use std::sync::Arc;
 use voltet_core::grid::Association;
 use voltet_core::{Error, Result};
+
+/// Bytes of a text that are looked at for a unit.
+const LONGEST_UNIT: u64 = 1024;
 
 /// The element that bears the name of the file's type.
 pub(super) fn grid<'a>(root: &'a Element, kind: &str) -> Result<&'a Element> {
@@ -335,6 +339,16 @@ impl Context {
         })
     }
 
+    /// The unit of an array: VTK's information key `UNITS_LABEL`.
+    fn unit(&self, array: &Element) -> Option<String> {
+        let mut keys = array.children_of("InformationKey");
+        let key = keys.find(|key| key.attribute("name") == Some("UNITS_LABEL"))?;
+        // A longer text is no unit.
+        let Range { start, end } = key.text.first()?.clone();
+        let bytes = self.source.read(start, (end - start).min(LONGEST_UNIT)).ok()?;
+        units::stated(&String::from_utf8_lossy(&bytes))
+    }
+
     /// The arrays of `<PointData>` or `<CellData>`; arrays of text are not among them.
     pub(super) fn section(
         &self,
@@ -353,7 +367,7 @@ impl Context {
                 }
                 let name = |component: usize| array.attribute(&format!("ComponentName{component}"));
                 let names = (0..own.stored.component_count).map_while(name).map(str::to_owned);
-                Ok(PieceArray { component_names: names.collect(), ..own })
+                Ok(PieceArray { component_names: names.collect(), unit: self.unit(array), ..own })
             })
             .collect()
     }

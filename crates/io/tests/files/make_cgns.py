@@ -170,6 +170,30 @@ def steps():
     return base("Base", own, times)
 
 
+def units():
+    """Pressure in pascals, a velocity in the centimetres of its solution, a number without unit, one without exponents."""
+
+    def names(*own):
+        rows = [[*text.ljust(32).encode()] for text in own]
+        return node("DimensionalUnits", "DimensionalUnits_t", np.array(rows, dtype=np.uint8).view("S1").T)
+
+    def exponents(*own):
+        return node("DimensionalExponents", "DimensionalExponents_t", np.array(own, dtype=np.float32))
+
+    si = names("Kilogram", "Meter", "Second", "Kelvin", "Degree")
+    own = structured("Zone")
+    values = meshes.box()[:, 0].reshape((3, 2, 2), order="F")
+    fields = arrays(Pressure=values, Mach=values, Other=values)
+    fields[0][2].append(exponents(1, -1, -2, 0, 0))
+    fields[1][2].append(exponents(0, 0, 0, 0, 0))
+    moving = arrays(VelocityX=values, VelocityY=values, VelocityZ=values)
+    for field in moving:
+        field[2].append(exponents(0, 1, -1, 0, 0))
+    cgs = names("Gram", "Centimeter", "Second", "Kelvin", "Degree")
+    own[2] += [solution("Of the flow", "Vertex", fields), solution("Moving", "Vertex", [cgs, *moving])]
+    return base("Base", own, si)
+
+
 def base(name, *children, dimensions=(3, 3)):
     return node(name, "CGNSBase_t", np.array(dimensions, dtype=np.int32), children)
 
@@ -198,6 +222,7 @@ write(
     base("Solid", unstructured("Block", meshes.hexahedra(start=(20.0, 0.0, 0.0)), False)),
 )
 write("steps", steps())
+write("units", units())
 # A file of a solution, whose coordinates lie in another file.
 linked = unstructured("Zone", every, True)
 linked[2] = [child for child in linked[2] if child[0] != "GridCoordinates"]

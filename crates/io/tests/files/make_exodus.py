@@ -4,6 +4,7 @@ One element of each kind in a block of its own, at nodes of its own, one unit ap
 formulas of the place and the time; p in elements is missing in the block of tetrahedra.
 """
 
+import ctypes
 import gzip
 import os
 
@@ -151,6 +152,102 @@ def row(count):
     return points, cells
 
 
+class InitParameters(ctypes.Structure):
+    NAMES = "dim nodes edge edge_blk face face_blk elem elem_blk node_sets edge_sets face_sets side_sets elem_sets node_maps"
+    NAMES += " edge_maps face_maps elem_maps assembly blob"
+    _fields_ = [("title", ctypes.c_char * 81), *[(name, ctypes.c_int64) for name in NAMES.split()]]
+
+
+def polyhedra(path):
+    """Polyhedra, polygons and a brick by Sandia's own library, of which VTK holds a copy: pip install vtk."""
+    import vtk
+
+    import meshes
+
+    folder = os.path.join(os.path.dirname(vtk.__file__), "vtkmodules")
+    library = ctypes.CDLL(os.path.join(folder, "libvtkexodusII.so"))
+
+    def call(name, *values):
+        given = []
+        for value in values:
+            array = value if isinstance(value, np.ndarray) else None
+            given.append(array.ctypes.data_as(ctypes.c_void_p) if array is not None else value)
+        result = getattr(library, "vtkexodusII_ex_" + name)(*given)
+        assert result >= 0, (name, result)
+        return result
+
+    grid, brick = meshes.polyhedra(), meshes.hexahedra((2, 2, 2), start=(20.0, 0.0, 0.0))
+    points = [[own.GetPoint(i) for i in range(own.GetNumberOfPoints())] for own in (grid, brick)]
+    first = len(points[0])
+    points = np.array(points[0] + points[1])
+    numbers, faces, cells = {}, [], []
+    for number in range(grid.GetNumberOfCells()):
+        cell = grid.GetCell(number)
+        cells.append([])
+        for i in range(cell.GetNumberOfFaces()):
+            face = cell.GetFace(i)
+            ids = [face.GetPointId(k) + 1 for k in range(face.GetNumberOfPoints())]
+            key = tuple(sorted(ids))
+            if key not in numbers:
+                numbers[key] = len(faces) + 1
+                faces.append(ids)
+            cells[-1].append(numbers[key])
+    # Two blocks of faces: those of four nodes, and the others.
+    order = sorted(range(len(faces)), key=lambda place: len(faces[place]) != 4)
+    renumbered = {old + 1: new + 1 for new, old in enumerate(order)}
+    faces = [faces[place] for place in order]
+    cells = [[renumbered[face] for face in cell] for cell in cells]
+    quads = [face for face in faces if len(face) == 4]
+    others = [face for face in faces if len(face) != 4]
+    word = ctypes.c_int(8)
+    other_word = ctypes.c_int(8)
+    # A file that is there is written anew; 64-bit offsets.
+    mode = 0x0008 | 0x0020
+    file = call("create_int", path.encode(), mode, ctypes.byref(word), ctypes.byref(other_word), 904)
+    init = InitParameters(title=b"polyhedra", dim=3, nodes=len(points), face=len(faces), face_blk=2, elem=len(cells) + 3, elem_blk=3)
+    call("put_init_ext", file, ctypes.byref(init))
+    element, face_kind = 1, 8
+    ids = lambda value: ctypes.c_int64(value)
+    flat = lambda lists: np.array([value for own in lists for value in own], np.int32)
+    counts = lambda lists: np.array([len(own) for own in lists], np.int32)
+
+    def block(kind, number, name, count, nodes, faces=0):
+        call("put_block", file, kind, ids(number), name, ids(count), ids(nodes), ids(0), ids(faces), ids(0))
+
+    block(face_kind, 1, b"nsided", len(quads), 4 * len(quads))
+    block(face_kind, 2, b"nsided", len(others), len(flat(others)))
+    block(element, 10, b"nfaced", len(cells), 0, len(flat(cells)))
+    polygons = [[1, 2, 5, 4], [1, 2, 5]]
+    block(element, 20, b"nsided", len(polygons), 7)
+    block(element, 30, b"HEX8", 1, 8)
+    for number, own in [(1, quads), (2, others)]:
+        call("put_conn", file, face_kind, ids(number), flat(own), None, None)
+        call("put_entity_count_per_polyhedra", file, face_kind, ids(number), counts(own))
+    call("put_conn", file, element, ids(10), None, None, flat(cells))
+    call("put_entity_count_per_polyhedra", file, element, ids(10), counts(cells))
+    call("put_conn", file, element, ids(20), flat(polygons), None, None)
+    call("put_entity_count_per_polyhedra", file, element, ids(20), counts(polygons))
+    call("put_conn", file, element, ids(30), np.arange(first + 1, first + 9, dtype=np.int32)[[0, 1, 3, 2, 4, 5, 7, 6]], None, None)
+    call("put_coord", file, *[np.ascontiguousarray(axis) for axis in points.T])
+    for number, name in [(10, b"cells"), (20, b"wall"), (30, b"bricks")]:
+        call("put_name", file, element, ids(number), name)
+    call("put_variable_param", file, 14, 1)
+    call("put_variable_param", file, element, 1)
+    call("put_variable_name", file, 14, 1, b"s")
+    call("put_variable_name", file, element, 1, b"c")
+    call("put_time", file, 1, np.array([0.5]))
+    call("put_var", file, 1, 14, 1, ids(1), ids(len(points)), meshes.field(points))
+    for number, own in [(10, [1.0, 2.0, 3.0]), (20, [4.0, 5.0]), (30, [6.0])]:
+        call("put_var", file, 1, element, 1, ids(number), ids(len(own)), np.array(own))
+    call("close", file)
+    file = Dataset(path, "a")
+    file["vals_nod_var1"].units = "K"
+    file.close()
+    with open(path, "rb") as plain, open(path + ".gz", "wb") as packed:
+        packed.write(gzip.compress(plain.read(), mtime=0))
+    os.remove(path)
+
+
 if __name__ == "__main__":
     os.chdir(os.path.dirname(os.path.abspath(__file__)))
     points, blocks = apart(KINDS)
@@ -173,3 +270,4 @@ if __name__ == "__main__":
             for number, block in zip(numbers, own)
         ]
         write(f"exodus_row.e.2.{process}", "NETCDF3_CLASSIC", points[used], parts, ids=used, numbers=numbers)
+    polyhedra("exodus_faces.e")

@@ -1,7 +1,8 @@
 #!/bin/bash
 # Writes the cases in openfoam/ by the programs of OpenFOAM (v1912; Debian: apt-get install openfoam), each with the .vtu files
-# that its foamToVTK makes: a mesh of hexahedra and prisms in two zones as text with three times, the same in bytes, packed, and
-# decomposed, and its dual of polyhedra.
+# that its foamToVTK makes: a mesh of hexahedra and prisms in two zones as text with three times, the same in bytes, packed,
+# decomposed, and decomposed with the files of all processors in one (collated), and its dual of polyhedra. Where the programs miss
+# their settings: export WM_PROJECT_DIR=/usr/share/openfoam.
 set -e
 folder=${1:-openfoam}
 rm -rf "$folder"
@@ -59,14 +60,19 @@ cd ..
 cp -r text bytes
 cp -r text dual
 cp -r text decomposed
+cp -r text collated
 (cd bytes && rm -r 0 2 && settings binary off && foamFormatConvert -time 10 > /dev/null && foamFormatConvert -constant > /dev/null)
 cp -r bytes packed
 (cd packed && rm -r 10 && cp -r ../text/10 . && settings ascii on && foamFormatConvert -time 10 > /dev/null && foamFormatConvert -constant > /dev/null; rm -f constant/polyMesh/{points,faces,owner,neighbour,cellZones} )
 (cd dual && rm -r 0 2 10 && polyDualMesh -overwrite 60 > /dev/null && mkdir 10 && postProcess -func writeCellCentres -time 10 > /dev/null && rm 10/C?  && python3 fields.py 10 && vtu 10 dual)
 (cd decomposed && rm -r 0 2 && decomposePar -time 10 > /dev/null && rm -r 10 constant)
+collate() { rm -rf processors2; settings $1 off; decomposePar -fileHandler collated -time 10 > /dev/null; mkdir -p ../collated_$1/system; mv processors2 ../collated_$1; cp system/controlDict ../collated_$1/system; }
+(cd collated && rm -r 0 2 && collate ascii && collate binary)
+rm -r collated
+LC_ALL=C find collated_* -type f -exec sed -i '1,20s#location .*/collated/#location "#' {} +
 rm -f */fields.py */system/{fv*,block*,decomp*} */constant/polyMesh/*{Zones,set}*.orig
 find . -name "*Addressing*" -delete
 find . \( -name "*.obj" -o -name faceZones -o -name pointZones \) -delete
-find . \( -name C -o -name C.gz \) -not -path "./text/10/*" -delete
+find . \( -name C -o -name C.gz \) -not -path "./text/10/*" -not -path "./bytes/10/*" -not -path "./packed/10/*" -delete
 find . -name uniform -prune -exec rm -r {} +
 find . -name sets -prune -exec rm -r {} +

@@ -257,6 +257,109 @@ fn text_and_bytes_of_either_order_read_the_same() {
     }
 }
 
+/// Steps in one file, with the table of their places at its end or without.
+fn steps_in_one(big_endian: Option<bool>, has_table: bool, head: &str, steps: &[Vec<u8>]) -> Vec<u8> {
+    let line = |bytes: &mut Vec<u8>, text: &str| bytes.extend(Gold::new(big_endian).line(text).bytes);
+    let (mut bytes, mut places) = (Vec::new(), Vec::new());
+    if !head.is_empty() {
+        line(&mut bytes, head);
+    }
+    for step in steps {
+        places.push(bytes.len() as u64);
+        line(&mut bytes, "BEGIN TIME STEP");
+        bytes.extend(step);
+        line(&mut bytes, "END TIME STEP");
+    }
+    if has_table {
+        let is_big = big_endian == Some(true);
+        let wide = |place: u64| if is_big { place.to_be_bytes() } else { place.to_le_bytes() };
+        let word = |word: u32| if is_big { word.to_be_bytes() } else { word.to_le_bytes() };
+        let table = bytes.len() as u64;
+        bytes.extend(word(steps.len() as u32));
+        places.iter().for_each(|&place| bytes.extend(wide(place)));
+        bytes.extend(word(0));
+        bytes.extend(wide(table));
+        line(&mut bytes, "FILE_INDEX");
+    }
+    bytes
+}
+
+const CASE_OF_FILE_SETS: &str = "FORMAT\ntype: ensight gold\nGEOMETRY\nmodel: 1 1 one.geo\nVARIABLE\nvector per node: U a.vec\n\
+    scalar per element: 1 2 T two**.T\nTIME\ntime set: 1\nnumber of steps: 3\ntime values: 0.5 1 2.5\n\
+    FILE\nfile set: 1\nnumber of steps: 3\nfile set: 2\nfilename index: 4\nnumber of steps: 1\nfilename index: 5\nnumber of steps: 2\n";
+
+fn write_file_sets(folder: &Path, big_endian: Option<bool>, has_table: bool) -> PathBuf {
+    let write = |name: &str, bytes: &[u8]| std::fs::write(folder.join(name), bytes).unwrap();
+    let first = if big_endian.is_some() { 80 } else { 0 };
+    let geometries: Vec<Vec<u8>> =
+        [0.0, -1.0, -2.0].map(|x| geometry(big_endian, x).bytes[first..].to_vec()).to_vec();
+    let head = if big_endian.is_some() { "C Binary" } else { "" };
+    write("one.geo", &steps_in_one(big_endian, has_table, head, &geometries));
+    let values: Vec<Vec<u8>> = [1.0, 2.0, 3.0].map(|factor| scalar(big_endian, factor).bytes).to_vec();
+    write("two04.T", &steps_in_one(big_endian, has_table, "", &values[..1]));
+    write("two05.T", &steps_in_one(big_endian, has_table, "", &values[1..]));
+    write("a.vec", &vector(big_endian).bytes);
+    write("a.case", CASE_OF_FILE_SETS.as_bytes());
+    folder.join("a.case")
+}
+
+#[test]
+fn steps_may_stand_in_one_file() {
+    for (big_endian, has_table) in
+        [(None, false), (Some(false), true), (Some(false), false), (Some(true), true), (Some(true), false)]
+    {
+        let folder = tempfile::tempdir().unwrap();
+        let path = write_file_sets(folder.path(), big_endian, has_table);
+        let what = format!("{big_endian:?} {has_table}");
+        assert_eq!(
+            inspect(&path, &Request::default(), &NoProgress).unwrap().time_steps,
+            [0.5, 1.0, 2.5],
+            "{what}"
+        );
+        for (step, x) in [0.0, -1.0, -2.0].into_iter().enumerate() {
+            let own = grid(&path, &Request { time_step: Some(TimeStep::Index(step)), ..request("T") });
+            assert_eq!(own.points.iter().map(|p| p.x).fold(9.0, f64::min), x, "{what} {step}");
+            let (values, factor) = (own.scalar.as_ref().unwrap(), step as f64 + 1.0);
+            assert_eq!([values[0], values[4]], [factor, 3.0 * factor], "{what} {step}");
+        }
+        assert_eq!(files_beside(&path).len(), 4);
+        // The table leads to a step elsewhere: it is not believed, and the steps are looked for.
+        if has_table {
+            let file = folder.path().join("one.geo");
+            let mut bytes = std::fs::read(&file).unwrap();
+            let first_entry = bytes.len() - 80 - 8 - 4 - 3 * 8;
+            bytes[first_entry..first_entry + 8].fill(if big_endian == Some(true) { 0 } else { 255 });
+            std::fs::write(&file, bytes).unwrap();
+            let own = grid(&path, &request("T"));
+            assert_eq!(own.points.iter().map(|p| p.x).fold(9.0, f64::min), 0.0, "{what}");
+        }
+    }
+}
+
+#[test]
+fn mistakes_of_files_of_several_steps_say_what_and_where() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = write_file_sets(folder.path(), Some(false), false);
+    for (from, to, words) in [
+        ("model: 1 1 one", "model: 1 7 one", ["file set that does not exist", "found 7", "section FILE"]),
+        (
+            "number of steps: 3\nfile",
+            "number of steps: 2\nfile",
+            ["too few steps", "found 2", "3, as of 'time values'"],
+        ),
+        ("index: 5", "index: l", ["'filename index'", "'l'", "a.case:18"]),
+        ("time values: 0.5 1", "time values: 0.5 1 2", ["too few steps", "found 3", "4, as of"]),
+        ("model: 1 1 one.geo", "model: 1 1 two05.T", ["too few steps", "found 2", "3 or more"]),
+    ] {
+        let text = CASE_OF_FILE_SETS;
+        assert!(text.contains(from), "{from}");
+        std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
+        let last = Request { time_step: Some(TimeStep::Time(2.5)), ..request("T") };
+        let found = read(&path, &last, &NoProgress).unwrap_err().to_string();
+        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+    }
+}
+
 #[test]
 fn descriptions_and_names_may_be_blank() {
     let folder = tempfile::tempdir().unwrap();
@@ -288,7 +391,7 @@ fn mistakes_say_what_and_where() {
     };
     for (name, from, to, words) in [
         ("a.case", "ensight gold", "ensight", ["type", "'ensight'", "a.case:3"]),
-        ("a.case", "model: 1 a.****.geo", "model: 1 1 a.geo", ["several steps", "asterisks", "a.case:6"]),
+        ("a.case", "model: 1 a.****.geo", "model: 1 1 a.geo", ["file set", "found 1", "section FILE"]),
         ("a.case", "model: 1 ", "model: 2 ", ["time set that does not exist", "a.****.geo", "a.case"]),
         ("a.case", "time values:", "time values file:", ["file of their own", "time values", "a.case:16"]),
         ("a.case", "a.****.geo", "a.*.*.geo", ["several places", "a.*.*.geo", "one place"]),

@@ -229,3 +229,42 @@ fn memory_is_checked_for_the_files_of_all_processes() {
 fn a_name_alone_does_not_make_files_of_processes() {
     assert_eq!(files_beside(Path::new("none/a.e.1048576.0")), [Path::new("none/a.e.1048576.1")]);
 }
+
+#[test]
+fn polyhedra_and_polygons_of_sandias_library_are_read() {
+    let own = grid("exodus_faces.e", &request("s"));
+    follow(&own, super::packed::field, "exodus_faces");
+    // Two sheared cubes and a wedge of half the volume of its box, and a cube.
+    let truth = grid("polyhedra.vtu", &request("s"));
+    let volume = |grid: &Grid| -> f64 {
+        (0..grid.tetrahedra.len()).map(|i| tetrahedron_volume(grid.corners(i))).sum()
+    };
+    assert!((volume(&own) - volume(&truth) - 1.0).abs() < 1e-12, "{}", volume(&own));
+    assert_eq!(own.points.len(), truth.points.len() + 8);
+    let summary = inspect(&path("exodus_faces.e"), &Request::default(), &NoProgress).unwrap();
+    let blocks: Vec<(&str, u64)> =
+        summary.blocks.iter().map(|block| (&*block.name, block.cell_count())).collect();
+    assert_eq!(blocks, [("cells", 3), ("wall", 2), ("bricks", 1)]);
+    assert_eq!(summary.cells_by_type.get(&7), Some(&2));
+    let bricks = Request { blocks: vec!["bricks".into()], ..request("c") };
+    assert!(grid("exodus_faces.e", &bricks).scalar.unwrap().iter().all(|&c| c == 6.0));
+}
+
+#[test]
+fn mistakes_of_polyhedra_say_what_and_where() {
+    let sound = std::fs::read(path("exodus_faces.e")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let words = |numbers: &[i32]| numbers.iter().flat_map(|number| number.to_be_bytes()).collect::<Vec<u8>>();
+    for (from, to, expected) in [
+        ([6, 6, 5], [6, 6, 4], ["numbers of nodes or faces", "a sum of 16", "17, as 'facconn1'"]),
+        ([1, 2, 3], [1, 2, 17], ["does not exist", "found 17", "1 to 16"]),
+        ([1, 7, 10], [1, 7, 27], ["does not exist", "found 27", "1 to 26"]),
+    ] {
+        let (from, to) = (words(&from), words(&to));
+        let at = sound.windows(12).rposition(|window| window == from).unwrap();
+        let path = folder.path().join("a.e");
+        std::fs::write(&path, [&sound[..at], &to, &sound[at + 12..]].concat()).unwrap();
+        let found = read(&path, &request("s"), &NoProgress).unwrap_err().to_string();
+        assert!(expected.iter().all(|word| found.contains(word)), "{found}");
+    }
+}

@@ -18,6 +18,7 @@ mod plot3d;
 mod real_files;
 mod surfaces;
 mod tecplot;
+mod units;
 mod vtkhdf;
 mod writers;
 mod xdmf;

@@ -168,7 +168,7 @@ fn nastran_has_three_forms_of_fields() {
     assert_ne!(tabs, text);
     for (from, to, words) in [
         ("PSOLID,1,1", "include 'more.bdf'", ["includes", "more.bdf", "a.bdf:5"]),
-        ("GRID,2,,1.0", "GRID,2,4,1.0", ["system 4", "basic system", "a.bdf:7"]),
+        ("GRID,2,,1.0", "GRID,2,4,1.0", ["not defined", "found 4", "a.bdf:7"]),
         ("GRID,2,,1.0", "GRID,2,,l.0", ["coordinate of a GRID", "'l.0'", "a.bdf:7"]),
         ("2,7,2,3,4,5", "2,7,2,3,4,6", ["element 2", "does not exist", "found 6"]),
         ("2,7,2,3,4,5", "2,7,2,3,4,5,1", ["some of its edges", "found 1", "6"]),
@@ -222,6 +222,48 @@ fn abaqus_has_parts_instances_and_sets() {
         ("1, 1, 1\n", "1, 1000000000000, 1\n", ["more elements than the file", "step", "a.inp:17"]),
     ] {
         let path = file(&folder, "a.inp", text.replacen(from, to, 1).as_bytes());
+        let found = read(&path, &mesh(), &NoProgress).unwrap_err().to_string();
+        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+    }
+}
+
+/// Systems of every kind, defined by nodes and points of others.
+const SYSTEMS: &str = include_str!("../files/systems.bdf");
+
+#[test]
+fn nastran_has_systems_of_coordinates_as_pynastran_has() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(&folder, "a.bdf", SYSTEMS.as_bytes());
+    // Positions of all points by pyNastran (get_position).
+    let expected = [
+        [0.0, 0.0, 0.0],
+        [2.0, 3.732050807568877, 4.5],
+        [3.183342471764592, 5.253386924904077, 5.928362829059618],
+        [-0.7665917435607419, 2.4588351567716877, 3.0431307365688847],
+        [-0.15864496712741705, 2.7184639187870054, 3.031359322559836],
+        [0.9271867858065084, 0.8765249983145786, 3.971952063297299],
+        [1.2334765021752807, 5.914167640631258, 5.221678539733476],
+        [0.8844527101660029, 1.9788169776800195, 4.39041443779381],
+        [1.0, 0.5, 0.25],
+        [2.4095389311788624, 2.513030214988503, 5.0],
+        [2.3547181702573576, 3.8606057764034714, 4.342020143325668],
+        [1.0337832159689206, 3.9591923000307583, 4.626664268822006],
+    ];
+    let found = grid(&path, &mesh());
+    assert_eq!(found.points.len(), expected.len());
+    for own in expected.map(DVec3::from_array) {
+        assert!(found.points.iter().any(|point| point.distance(own) < 1e-12), "{own}");
+    }
+    for (from, to, words) in [
+        ("GRID,8,7,", "GRID,8,9,", ["not defined", "found 9", "a.bdf:18"]),
+        ("CORD2C,1,0,", "CORD2C,1,3,", ["by each other", "found ", "basic one"]),
+        ("CORD1S,7,13,", "CORD1S,7,99,", ["node that does not exist", "found 99", "a.bdf:10"]),
+        ("CORD1S,7,", "CORD1S,6,", ["is taken", "found 6", "a.bdf:10"]),
+        (",2.0,2.0,3.0\n", ",1.0,2.0,9.0\n", ["on a line", "[1, 2, 3]", "a.bdf:2"]),
+        ("GRID,1,", "GRDSET,,2\nGRID,1,", ["for all points", "GRDSET", "a.bdf:11"]),
+    ] {
+        assert!(SYSTEMS.contains(from), "{from}");
+        let path = file(&folder, "a.bdf", SYSTEMS.replacen(from, to, 1).as_bytes());
         let found = read(&path, &mesh(), &NoProgress).unwrap_err().to_string();
         assert!(words.iter().all(|word| found.contains(word)), "{found}");
     }

@@ -69,19 +69,27 @@ fn cases_are_what_foam_to_vtk_makes_of_them() {
 fn text_bytes_packed_and_decomposed_cases_read_the_same() {
     for scalar in ["T", "D:1", "S:4"] {
         let expected = grid(&sample("text"), &request(scalar));
-        for name in ["bytes", "packed", "decomposed"] {
+        for name in ["bytes", "packed", "decomposed", "collated_ascii", "collated_binary"] {
             // Text has 16 digits.
             same(&grid(&sample(name), &request(scalar)), &expected, 1e-13, name);
         }
     }
-    let summary = inspect(&sample("decomposed"), &request("T"), &NoProgress).unwrap();
-    assert_eq!((summary.piece_count, summary.cell_count), (2, 16));
-    assert_eq!(summary.point_count - summary.points_joined, 39);
+    for name in ["decomposed", "collated_ascii", "collated_binary"] {
+        let summary = inspect(&sample(name), &request("T"), &NoProgress).unwrap();
+        assert_eq!((summary.piece_count, summary.cell_count), (2, 16));
+        assert_eq!(summary.point_count - summary.points_joined, 39);
+        assert_eq!(summary.blocks.len(), 2, "{name}");
+    }
     let bytes = inspect(&sample("bytes"), &request("T"), &NoProgress).unwrap();
     assert_eq!(bytes.format, "OpenFOAM, binary");
     let arrays: Vec<(&str, Association, usize)> =
         bytes.quantities().map(|a| (&*a.head.name, a.head.association, a.head.component_count)).collect();
-    let expected = [("D", Association::Point, 3), ("S", Association::Cell, 6), ("T", Association::Cell, 1)];
+    let expected = [
+        ("D", Association::Point, 3),
+        ("C", Association::Cell, 3),
+        ("S", Association::Cell, 6),
+        ("T", Association::Cell, 1),
+    ];
     assert_eq!(arrays, expected);
 }
 
@@ -97,10 +105,10 @@ fn fields_are_those_of_the_time_and_of_the_place() {
         // Rounding of sums of at most 14.
         assert!((a + 10.0 - b).abs() < 1e-13);
     }
-    // Five files of the mesh; T, D and S of each time, C of the last.
+    // Six files of the mesh; T, D and S of each time, C of the last.
     assert_eq!(
         [files_beside(&case), files_read_beside(&case, &request("T"))].map(|files| files.len()),
-        [15, 9]
+        [16, 10]
     );
     let height = grid(&case, &request("D:2"));
     assert!(height.points.iter().zip(height.scalar.as_ref().unwrap().iter()).all(|(p, &d)| d == 2.0 * p.z));
@@ -336,4 +344,175 @@ fn labels_and_numbers_of_every_width_and_order_are_read() {
         }
         assert!(grid(folder.path(), &request("p")).scalar.unwrap().iter().all(|&p| p == 3.0), "{arch:?}");
     }
+}
+
+/// A request for the means of cell values at points.
+fn means(scalar: &str) -> Request {
+    Request { options: Options::default(), ..request(scalar) }
+}
+
+#[test]
+fn points_at_the_boundary_have_what_the_patches_state() {
+    let folder = tempfile::tempdir().unwrap();
+    copy(&sample("text"), folder.path());
+    // The walls are at x = 0, and at y = 0; T there is zeroGradient, C the centre of each face.
+    let plain = grid(folder.path(), &means("T"));
+    let centre = grid(folder.path(), &means("C:1"));
+    let on_wall = |p: &glam::DVec3| p.x.abs() < 1e-9 || p.y.abs() < 1e-9;
+    assert!(plain.points.iter().any(on_wall) && plain.points.iter().any(|p| !on_wall(p)));
+    for (p, &y) in centre.points.iter().zip(centre.scalar.as_ref().unwrap().iter()) {
+        // Faces at y = 0, away from the edge with x = 0, have their centres there.
+        if p.y.abs() < 1e-9 && p.x > 0.1 {
+            assert!(y.abs() < 1e-12, "{p} {y}");
+        }
+    }
+    let path = folder.path().join("10/T");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let begin = text.find("boundaryField").unwrap();
+    let values: String = (0..12).map(|face| format!("{}\n", if face < 4 { 7.0 } else { 3.0 })).collect();
+    let list = format!("value nonuniform List<scalar> 12\n(\n{values})\n;");
+    let nested = "{ coeffs { type a; table ((0 1) (1 2)); } refValue nonuniform List<vector> 1((1 2 3)); value uniform 5; }";
+    for (entry, [at_x, at_y]) in [
+        ("\"(walls|other)\" { type fixedValue; value uniform 5; }", [5.0, 5.0]),
+        (&*format!("wall {{ type mixed; {list} }} \".*\" {{ type a; value uniform 9; }}"), [7.0, 3.0]),
+        (&*format!("#include \"a\"\nwall {{ type a; value uniform 1; }} walls {nested}"), [5.0, 5.0]),
+    ] {
+        let own = format!(
+            "{}boundaryField {{ {entry} defaultFaces {{ type empty; value uniform 99; }} }}",
+            &text[..begin]
+        );
+        std::fs::write(&path, own).unwrap();
+        let found = grid(folder.path(), &means("T"));
+        assert_eq!(found.points, plain.points);
+        let rows = found.scalar.as_ref().unwrap().iter().zip(plain.scalar.as_ref().unwrap().iter());
+        for (p, (&value, &mean)) in found.points.iter().zip(rows) {
+            let expected = match (p.x.abs() < 1e-9, p.y.abs() < 1e-9) {
+                (true, false) => at_x,
+                (false, true) => at_y,
+                // Points of the edge have faces of both.
+                (true, true) => (at_x + at_y) / 2.0,
+                _ => mean,
+            };
+            assert!((value - expected).abs() < 1e-12, "{entry} {p}: {value} {expected}");
+        }
+    }
+    let nan = list.replacen("7\n", "nan\n", 1);
+    std::fs::write(&path, format!("{}boundaryField {{ walls {{ {nan} }} }}", &text[..begin])).unwrap();
+    let warnings = grid(folder.path(), &means("T")).origin.warnings.clone();
+    let expected = "1 value of 'T' at the boundary is not finite";
+    assert!(warnings.iter().any(|own| own.starts_with(expected)), "{warnings:?}");
+    let damaged =
+        format!("{}boundaryField {{ walls {{ {} }} }}", &text[..begin], list.replace("12\n(", "11\n("));
+    std::fs::write(&path, damaged).unwrap();
+    let found = read(folder.path(), &means("T"), &NoProgress).unwrap_err().to_string();
+    assert!(found.contains("longer than its length") && found.contains("T:"), "{found}");
+    let short = list.replace("12\n(", "11\n(").replacen("7\n", "", 1);
+    std::fs::write(&path, format!("{}boundaryField {{ walls {{ {short} }} }}", &text[..begin])).unwrap();
+    let found = read(folder.path(), &means("T"), &NoProgress).unwrap_err().to_string();
+    assert!(
+        found.contains("on the patch 'walls'") && found.contains("found 11") && found.contains("expected 12"),
+        "{found}"
+    );
+}
+
+#[test]
+fn boundaries_read_the_same_in_bytes_packed_and_decomposed() {
+    let expected = grid(&sample("text"), &means("C:0"));
+    for name in ["bytes", "packed"] {
+        same(&grid(&sample(name), &means("C:0")), &expected, 1e-13, name);
+    }
+    // What processors' patches hold is passed over.
+    for name in ["decomposed", "collated_ascii", "collated_binary"] {
+        same(&grid(&sample(name), &means("T")), &grid(&sample("text"), &means("T")), 1e-12, name);
+    }
+}
+
+#[test]
+fn patches_that_processors_share_have_the_values_of_all() {
+    let own = |name: &str, fields: &[&str]| {
+        let folder = tempfile::tempdir().unwrap();
+        copy(&sample(name), folder.path());
+        for field in fields {
+            let path = folder.path().join(field);
+            let text = std::fs::read_to_string(&path).unwrap();
+            let begin = text.find("boundaryField").unwrap();
+            let walls = text[begin..].replacen("zeroGradient;", "fixedValue; value uniform 5;", 1);
+            assert!(walls.contains("uniform 5"), "{field}");
+            std::fs::write(path, format!("{}{walls}", &text[..begin])).unwrap();
+        }
+        grid(folder.path(), &means("T"))
+    };
+    let whole = own("text", &["10/T"]);
+    assert!(whole.scalar.as_ref().unwrap().contains(&5.0));
+    same(&own("decomposed", &["processor0/10/T", "processor1/10/T"]), &whole, 1e-12, "decomposed");
+}
+
+#[test]
+fn regions_are_blocks_with_meshes_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let (from, to) = (sample("text"), folder.path());
+    copy(&from.join("system"), &to.join("system"));
+    for region in ["fluid", "solid"] {
+        copy(&from.join("constant/polyMesh"), &to.join("constant").join(region).join("polyMesh"));
+        copy(&from.join("10"), &to.join("10").join(region));
+    }
+    // The solid has no zones, lies elsewhere, and has no T.
+    let solid = to.join("constant/solid/polyMesh");
+    std::fs::remove_file(solid.join("cellZones")).unwrap();
+    let points = std::fs::read_to_string(solid.join("points")).unwrap();
+    let begin = points.find("\n(\n").unwrap();
+    std::fs::write(
+        solid.join("points"),
+        points[..begin].to_owned() + &points[begin..].replace("\n(0 ", "\n(-1 "),
+    )
+    .unwrap();
+    std::fs::remove_file(to.join("10/solid/T")).unwrap();
+    let summary = inspect(to, &Request::default(), &NoProgress).unwrap();
+    let blocks: Vec<(&str, u64)> =
+        summary.blocks.iter().map(|block| (&*block.name, block.cell_count())).collect();
+    assert_eq!(blocks, [("fluid/left", 8), ("fluid/right", 8), ("solid", 16)]);
+    let displacement = grid(to, &request("D:0"));
+    assert!(displacement.points.iter().any(|p| p.x == -1.0));
+    let whole = grid(&from, &request("T"));
+    let own = grid(to, &request("T"));
+    same(&own, &whole, 0.0, "fluid");
+    assert!(
+        own.origin.warnings.iter().any(|own| own.contains("'T'") && own.contains("solid")),
+        "{:?}",
+        own.origin.warnings
+    );
+    let right = Request { blocks: vec!["fluid/right".to_owned()], ..request("T") };
+    let expected = Request { blocks: vec!["right".to_owned()], ..request("T") };
+    same(&grid(to, &right), &grid(&from, &expected), 0.0, "fluid/right");
+    // Five files of each mesh but one, and a boundary; T, D, S and C.
+    assert_eq!(files_read_beside(to, &request("T")).len(), 6 + 5 + 4 + 3);
+    // The case's own mesh beside them is a block, too.
+    copy(&from.join("constant/polyMesh"), &to.join("constant/polyMesh"));
+    std::fs::remove_file(to.join("constant/polyMesh/cellZones")).unwrap();
+    let names = inspect(to, &Request::default(), &NoProgress).unwrap();
+    assert_eq!(names.blocks[0].name, "region0");
+}
+
+#[test]
+fn mistakes_in_collated_files_say_what_and_where() {
+    let folder = tempfile::tempdir().unwrap();
+    copy(&sample("collated_ascii"), folder.path());
+    let own = folder.path().join("processors2/10/T");
+    let sound = std::fs::read_to_string(&own).unwrap();
+    let second = sound.find("// Processor1").unwrap();
+    let cut = |at: usize| sound[..at].to_owned();
+    for (text, words) in [
+        (cut(second), ["too few parts", "found 1", "2 or more"]),
+        (cut(second) + "x (", ["length of a part", "'x'", "10/T"]),
+        (cut(second) + "99999 (", ["ends early", "99999", "10/T"]),
+        (cut(second) + "1 (1 x", ["damaged", "'x'", "10/T"]),
+    ] {
+        std::fs::write(&own, text).unwrap();
+        let found = read(folder.path(), &request("T"), &NoProgress).unwrap_err().to_string();
+        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+    }
+    // A folder for some of the processors.
+    std::fs::write(&own, sound).unwrap();
+    std::fs::rename(folder.path().join("processors2"), folder.path().join("processors4_2-3")).unwrap();
+    same(&grid(folder.path(), &request("T")), &grid(&sample("text"), &request("T")), 1e-13, "2-3");
 }

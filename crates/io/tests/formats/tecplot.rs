@@ -1,7 +1,8 @@
 //! Tecplot data as text: by meshio, and in the forms of its guide.
 
+use super::packed;
 use std::path::Path;
-use voltet_core::grid::{CellValues, Grid, Options};
+use voltet_core::grid::{Association, CellValues, Grid, Options};
 use voltet_core::progress::NoProgress;
 use voltet_io::formats::{Request, TimeStep, inspect, read};
 use voltet_testing::files::samples::file;
@@ -93,6 +94,162 @@ fn mistakes_say_what_and_where() {
         let path = file(&folder, "a.dat", TEXT.replacen(from, to, 1).as_bytes());
         let found = read(&path, &request("T"), &NoProgress);
         let found = found.map(|_| from).unwrap_err().to_string();
+        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+    }
+}
+
+fn whole(association: Option<Association>, scalar: &str) -> Request {
+    Request { association, ..packed::request(scalar) }
+}
+
+/// The same points, values and volume; wedges and pyramids are bricks here, which are split in another way.
+fn same_values(found: &Grid, expected: &Grid, what: &str) {
+    let values = |grid: &Grid| grid.scalar.as_ref().unwrap().to_vec();
+    assert_eq!(found.points.len(), expected.points.len(), "{what}");
+    let rows = |grid: &Grid| grid.points.iter().copied().zip(values(grid)).collect::<Vec<_>>();
+    for ((p, own), (q, other)) in rows(found).into_iter().zip(rows(expected)) {
+        // Single precision.
+        assert!(
+            p.distance(q) < 1e-6 && (own - other).abs() < 1e-6 * other.abs().max(1.0),
+            "{what}: {p} {own} {q} {other}"
+        );
+    }
+    let volume = |grid: &Grid| {
+        let of = |i: usize| voltet_core::grid::tetrahedron_volume(grid.corners(i));
+        (0..grid.tetrahedra.len()).map(of).sum::<f64>()
+    };
+    assert!(
+        (volume(found) - volume(expected)).abs() < 1e-5,
+        "{what}: {} {}",
+        volume(found),
+        volume(expected)
+    );
+}
+
+#[test]
+fn binary_files_of_tecplots_own_library_have_every_kind_of_zone() {
+    for (name, form) in [
+        ("tecplot_double.plt", "Tecplot, binary, little-endian"),
+        ("tecplot_single.plt", "Tecplot, binary, big-endian"),
+    ] {
+        for request in [whole(None, "s"), whole(Some(Association::Cell), "c")] {
+            let [found, expected] = [name, "tecplot_zones.vtu"].map(|name| packed::grid(name, &request));
+            same_values(&found, &expected, name);
+        }
+        packed::follow(&packed::grid(name, &whole(None, "s")), packed::field, name);
+        let summary = inspect(&packed::path(name), &Request::default(), &NoProgress).unwrap();
+        let blocks: Vec<&str> = summary.blocks.iter().map(|block| &*block.name).collect();
+        assert_eq!((&*summary.format, blocks), (form, vec!["tetrahedra", "bricks", "box", "polyhedra"]));
+        let request = Request { blocks: vec!["box".to_owned()], ..whole(None, "s") };
+        let part = packed::grid(name, &request);
+        assert!(part.points.len() == 24 && part.points.iter().all(|point| point.x >= 10.0), "{name}");
+    }
+}
+
+#[test]
+fn binary_zones_share_points_and_cells_over_steps() {
+    let path = packed::path("tecplot_steps.plt");
+    let summary = inspect(&path, &Request::default(), &NoProgress).unwrap();
+    assert_eq!((summary.time_steps, summary.blocks.len()), (vec![0.5, 0.75, 2.0], 2));
+    for step in 0..3 {
+        let own = packed::grid_at("tecplot_steps.plt", "s", step);
+        assert_eq!((own.points.len(), own.origin.time), (24, Some([0.5, 0.75, 2.0][step])));
+        let at = |p: [f64; 3]| packed::field(p) + if p[0] < 4.0 { 100.0 * step as f64 } else { 0.0 };
+        packed::follow(&own, at, "steps");
+        // The part of all times has no values of c.
+        let cells = packed::grid_at("tecplot_steps.plt", "c", step);
+        let warnings = &cells.origin.warnings;
+        assert!(
+            cells.points.len() == 12 && warnings.iter().any(|own| own.contains("'fixed'")),
+            "{warnings:?}"
+        );
+    }
+}
+
+#[test]
+fn older_binary_versions_are_read() {
+    for name in ["tecplot_107.plt", "tecplot_108.plt", "tecplot_111.plt"] {
+        let request = whole(None, "s");
+        let [found, expected] = [name, "tecplot_old.vtu"].map(|name| packed::grid(name, &request));
+        packed::same(&found, &expected, name);
+        if name != "tecplot_108.plt" {
+            let request = whole(Some(Association::Cell), "c");
+            let [found, expected] = [name, "tecplot_old.vtu"].map(|name| packed::grid(name, &request));
+            packed::same(&found, &expected, name);
+        }
+    }
+}
+
+#[test]
+fn mistakes_in_binary_files_say_what_and_where() {
+    let folder = tempfile::tempdir().unwrap();
+    let sound = std::fs::read(packed::path("tecplot_111.plt")).unwrap();
+    let word = |value: i32| value.to_le_bytes();
+    let message = |from: &[u8], to: &[u8]| {
+        let at = sound.windows(from.len()).position(|window| window == from).unwrap();
+        let bytes = [&sound[..at], to, &sound[at + from.len()..]].concat();
+        let path = file(&folder, "a.plt", &bytes);
+        read(&path, &request("s"), &NoProgress).map(|_| from.to_vec()).unwrap_err().to_string()
+    };
+    let five = [word(-1), word(5), word(0)].concat();
+    for (from, to, words) in [
+        (&b"TDV111"[..], &b"TDV102"[..], ["not read", "found 102", "107 to 112"]),
+        (&[1, 0, 0, 0, 0], &[9, 0, 0, 0, 0], ["byte order", "9, 0, 0, 0", "a.plt"]),
+        (&five, &[word(-1), word(8), word(0)].concat(), ["zones of this type", "found 8", "byte "]),
+        (&five, &[word(-1), word(5), word(1)].concat(), ["side by side", "one run", "byte "]),
+        (&357_f32.to_le_bytes(), &358_f32.to_le_bytes(), ["not known", "358", "byte "]),
+        (
+            &[word(16), word(2)].concat(),
+            &[word(1 << 30), word(2)].concat(),
+            ["does not fit", "1073741824", "a.plt"],
+        ),
+        (
+            &[word(2), word(1), word(2)].concat(),
+            &[word(2), word(6), word(2)].concat(),
+            ["this type", "found 6", "byte"],
+        ),
+        (
+            &[word(14), word(15)].concat(),
+            &[word(14), word(16)].concat(),
+            ["names a point", "found 16", "below 16"],
+        ),
+    ] {
+        let found = message(from, to);
+        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+    }
+    let solution = [b"#!TDV111".to_vec(), word(1).to_vec(), word(2).to_vec(), vec![0; 40]].concat();
+    let found = read(&file(&folder, "b.plt", &solution), &request("s"), &NoProgress).unwrap_err().to_string();
+    assert!(found.contains("no coordinates") && found.contains("SOLUTION"), "{found}");
+}
+
+#[test]
+fn passive_variables_of_text_have_no_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    for list in ["PASSIVEVARLIST=([4])", "PASSIVEVARLIST=(4)"] {
+        let text = format!(
+            "variables = x, y, z, s, t\nzone t=one n=4, e=1, f=feblock, et=tetrahedron {list}\n\
+             0 1 0 0\n0 0 1 0\n0 0 0 1\n1 2 3 4\n1 2 3 4\n"
+        );
+        let path = file(&folder, "a.dat", text.as_bytes());
+        assert_eq!(**grid(&path, &request("t")).scalar.as_ref().unwrap(), [1.0, 2.0, 3.0, 4.0]);
+        let found = read(&path, &request("s"), &NoProgress).unwrap_err().to_string();
+        assert!(found.contains("no array 's'"), "{found}");
+    }
+}
+
+#[test]
+fn subzone_files_and_meshes_of_mfem_are_refused_with_a_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text, words) in [
+        ("a.szplt", "#!SZPLT 105BF $Revision:", ["subzone file of Tecplot", "Write Data", "a .plt file"]),
+        (
+            "a.mesh",
+            "MFEM mesh v1.0\n\ndimension\n3\n",
+            ["mesh of MFEM", "ParaViewDataCollection", "a .vtu file"],
+        ),
+    ] {
+        let found =
+            read(&file(&folder, name, text.as_bytes()), &request("s"), &NoProgress).unwrap_err().to_string();
         assert!(words.iter().all(|word| found.contains(word)), "{found}");
     }
 }

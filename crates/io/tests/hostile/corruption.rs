@@ -219,11 +219,28 @@ fn damaged_cases_of_openfoam_are_errors_or_other_grids() {
 }
 
 #[test]
+fn damaged_patches_and_collated_files_of_openfoam_are_errors_or_other_grids() {
+    for name in ["bytes", "text"] {
+        let mesh = ["boundary", "faces", "owner", "points", "neighbour"];
+        let mesh = mesh.map(|name| format!("constant/polyMesh/{name}"));
+        let files: Vec<&str> = mesh.iter().map(String::as_str).chain(["10/C"]).collect();
+        corrupt_case(&format!("openfoam/{name}"), "", "C:0", &files, case_count().max(200));
+    }
+    for form in ["ascii", "binary"] {
+        let mesh = ["points", "faces", "owner", "neighbour", "cellZones", "boundary"];
+        let mesh = mesh.map(|name| format!("processors2/constant/polyMesh/{name}"));
+        let files: Vec<&str> = mesh.iter().map(String::as_str).chain(["processors2/10/T"]).collect();
+        corrupt_case(&format!("openfoam/collated_{form}"), "", "T", &files, case_count().max(200));
+    }
+}
+
+#[test]
 fn damaged_cgns_files_are_errors_or_other_grids() {
     for name in ["cells", "mixed_old", "polyhedra", "polyhedra_old", "zones"] {
         let name = format!("cgns_{name}.cgns");
         corrupt(&name, "s", &packed(&name), case_count());
     }
+    corrupt("cgns_units.cgns", "Velocity:X", &packed("cgns_units.cgns"), case_count());
     corrupt("cgns_steps.cgns", "T", &packed("cgns_steps.cgns"), case_count());
 }
 
@@ -249,6 +266,9 @@ fn damaged_exodus_files_are_errors_or_other_grids() {
         for scalar in ["T", "disp:magnitude", "p"] {
             corrupt(name, scalar, &packed(name), case_count());
         }
+    }
+    for scalar in ["s", "c"] {
+        corrupt("exodus_faces.e", scalar, &packed("exodus_faces.e"), case_count());
     }
 }
 
@@ -282,8 +302,19 @@ fn damaged_meshes_of_text_are_errors_or_other_grids() {
     corrupt("a.ucd", "f", include_bytes!("../files/mesh.ucd"), case_count().max(200));
     corrupt("a.su2", "block", include_bytes!("../files/mesh.su2"), case_count().max(200));
     corrupt("a.bdf", "block", include_bytes!("../files/mesh.bdf"), case_count().max(200));
+    corrupt("b.bdf", "block", include_bytes!("../files/systems.bdf"), case_count().max(200));
     corrupt("a.inp", "block", include_bytes!("../files/mesh.inp"), case_count().max(200));
     corrupt("a.dat", "f", include_bytes!("../files/mesh.dat"), case_count().max(200));
+}
+
+#[test]
+fn damaged_binary_files_of_tecplot_are_errors_or_other_grids() {
+    for (name, scalar) in
+        [("double", "s"), ("double", "c"), ("single", "s"), ("steps", "c"), ("107", "c"), ("108", "s")]
+    {
+        let name = format!("tecplot_{name}.plt");
+        corrupt(&name, scalar, &packed(&name), case_count().max(200));
+    }
 }
 
 #[test]
@@ -292,6 +323,35 @@ fn damaged_cases_of_ensight_are_errors_or_other_grids() {
         ["parts.0.case", "parts.0.00000.geo", "parts.0.00000_n.f", "parts.0.00000_n.p", "parts.0.00000_c.g"];
     for scalar in ["f_n", "p_n:1", "g_c"] {
         corrupt_case("ensight", files[0], scalar, &files, case_count().max(200));
+    }
+}
+
+#[test]
+fn damaged_files_of_several_steps_of_ensight_are_errors_or_other_grids() {
+    let line = |text: &str| format!("{text:\0<80}").into_bytes();
+    let sample = |name: &str| {
+        std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/files/ensight").join(name)).unwrap()
+    };
+    let steps = |head: Vec<u8>, step: &[u8]| {
+        let step = [&line("BEGIN TIME STEP"), step, &line("END TIME STEP")].concat();
+        let (first, table) = (head.len() as u64, (head.len() + 2 * step.len()) as u64);
+        let places = [first.to_le_bytes(), (first + step.len() as u64).to_le_bytes()].concat();
+        let end =
+            [&2_u32.to_le_bytes()[..], &places, &[0; 4], &table.to_le_bytes(), &line("FILE_INDEX")].concat();
+        [&head, &step[..], &step, &end].concat()
+    };
+    let case = "FORMAT\ntype: ensight gold\nGEOMETRY\nmodel: 1 1 a.geo\nVARIABLE\nscalar per node: 1 1 f a.f\nTIME\n\
+        time set: 1\nnumber of steps: 2\ntime values: 0 1\nFILE\nfile set: 1\nnumber of steps: 2\n";
+    let folder = tempfile::tempdir().unwrap();
+    let files = [
+        ("a.case", case.as_bytes().to_vec()),
+        ("a.geo", steps(line("C Binary"), &sample("parts.0.00000.geo")[80..])),
+        ("a.f", steps(Vec::new(), &sample("parts.0.00000_n.f"))),
+    ];
+    files.iter().for_each(|(name, bytes)| drop(file(&folder, name, bytes)));
+    for (name, bytes) in &files {
+        corrupt_in(&folder, [name, "a.case"], "f", bytes, case_count().max(200));
+        file(&folder, name, bytes);
     }
 }
 

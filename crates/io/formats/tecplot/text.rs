@@ -1,19 +1,18 @@
-//! Tecplot data as text (.dat, .tec): zones of tetrahedra, bricks, or ordered points, with variables at nodes and at cells. Zones are
-//! blocks; zones of different solution times are steps.
+//! Tecplot data as text (.dat, .tec).
 //!
-//! Source: Tecplot 360 data format guide, "ASCII data". Variables named x, y and z, or else the first three, are the coordinates.
+//! Source: Tecplot 360 data format guide, "ASCII data".
 
-use super::blocks::selected;
-use super::contents::{CellBlocks, Compute, Dataset, Encoding, Piece, PieceArray, Stored};
-use super::cursor::{Cursor, Place};
-use super::lazy::{GatheredCells, geometry};
-use super::numbers::{self, NumberType};
-use super::request::{Format, Request};
-use super::source::{Source, printable};
+use super::zones::{ZoneHead, ZoneKind, arrays, axes, check_axes, dataset};
+use crate::formats::contents::{CellBlocks, Compute, Dataset, Encoding, Piece, Stored};
+use crate::formats::cursor::{Cursor, Place};
+use crate::formats::lazy::{GatheredCells, geometry};
+use crate::formats::numbers::{self, NumberType};
+use crate::formats::request::{Format, Request};
+use crate::formats::source::{Source, printable};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
-use voltet_core::grid::{Association, Cells, code};
+use voltet_core::grid::{Cells, code};
 use voltet_core::{Error, Result};
 
 /// The declaration.
@@ -29,35 +28,14 @@ fn matches(head: &[u8], _: &Path, _: &Request) -> bool {
     text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#')).is_some_and(is_first)
 }
 
-/// Cells of a zone.
-#[derive(Clone, Copy, PartialEq)]
-enum ZoneKind {
-    Tetrahedra,
-    Bricks,
-    /// Numbers of points along three axes.
-    Ordered([u64; 3]),
-    /// Lines and surfaces.
-    Flat(u64),
-}
-
 /// Rows of a table that are in memory at a time.
 const BATCH: u64 = 1 << 18;
 
 /// One zone, whose numbers are not yet read.
-struct TecplotZone {
-    name: String,
-    kind: ZoneKind,
-    node_count: u64,
-    cell_count: u64,
+struct TextZone {
+    head: ZoneHead,
     /// True if each variable is a run of numbers; else each node has all variables side by side.
     is_block: bool,
-    /// For each variable: true if its values are at cells.
-    at_cells: Vec<bool>,
-    /// For each variable the zone that holds its numbers, if it is another.
-    shared: Vec<Option<usize>>,
-    /// The zone that holds the connectivity, if it is another.
-    shared_cells: Option<usize>,
-    time: Option<f64>,
     data: Place,
     /// True if some number of the data stands for several.
     has_repeats: bool,
@@ -69,7 +47,7 @@ struct TecplotFile {
     source: Arc<Source>,
     variables: Vec<String>,
     axes: [usize; 3],
-    zones: Vec<TecplotZone>,
+    zones: Vec<TextZone>,
 }
 
 /// Keys of a head with their values.
@@ -77,57 +55,26 @@ type Entries = Vec<(String, Vec<String>)>;
 
 fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     let file = Arc::new(TecplotFile::read(&source)?);
-    let is_volume = |zone: &TecplotZone| !matches!(zone.kind, ZoneKind::Flat(_)) && zone.cell_count > 0;
-    let volumes: Vec<usize> = (0..file.zones.len()).filter(|&zone| is_volume(&file.zones[zone])).collect();
-    let mut times: Vec<f64> = volumes.iter().filter_map(|&zone| file.zones[zone].time).collect();
-    times.sort_by(f64::total_cmp);
-    times.dedup();
-    let times = if times.len() > 1 { times } else { Vec::new() };
-    let time = if times.is_empty() { None } else { Some(times[request.step_index(&times)?]) };
-    let is_of_time = |zone: &TecplotZone| time.is_none() || zone.time.is_none() || zone.time == time;
-    let volumes: Vec<usize> = volumes.into_iter().filter(|&zone| is_of_time(&file.zones[zone])).collect();
-    let name = |&zone: &usize| {
-        let own = &file.zones[zone].name;
-        let is_unique = volumes.iter().filter(|&&other| file.zones[other].name == *own).count() == 1;
-        if is_unique && !own.is_empty() { own.clone() } else { format!("{own} ({})", zone + 1) }
-    };
-    let blocks: Vec<String> = if volumes.len() > 1 { volumes.iter().map(name).collect() } else { Vec::new() };
-    let mut is_selected = selected(&blocks, request)?;
-    is_selected.resize(volumes.len(), true);
-    let mut dataset = Dataset {
-        format: "Tecplot, ASCII".to_owned(),
-        has_blocks: volumes.len() > 1,
-        blocks,
-        time_steps: times,
-        file_bytes: source.len(),
-        ..Dataset::default()
-    };
-    for (block, &zone) in volumes.iter().enumerate().filter(|(block, _)| is_selected[*block]) {
-        dataset.pieces.push(piece(&file, zone, block));
-    }
-    Ok(dataset)
+    let heads: Vec<&ZoneHead> = file.zones.iter().map(|zone| &zone.head).collect();
+    check_axes(&heads, file.axes)?;
+    dataset(&source, "Tecplot, ASCII".to_owned(), &heads, request, |zone, block| piece(&file, zone, block))
 }
 
 fn piece(file: &Arc<TecplotFile>, zone: usize, block: usize) -> Piece {
-    let own = &file.zones[zone];
+    let own = &file.zones[zone].head;
     let (point_count, cell_count) = (own.node_count, own.cell_count);
-    let mut arrays = Vec::new();
-    for (variable, name) in file.variables.iter().enumerate().filter(|own| !file.axes.contains(&own.0)) {
+    let stored = |variable: usize| {
         let of = file.clone();
         let compute: Compute = Arc::new(move |_| of.values(zone, variable));
-        let (association, tuple_count) = match own.at_cells[variable] {
-            true => (Association::Cell, cell_count),
-            false => (Association::Point, point_count),
-        };
-        let stored = Stored::of_f64(&file.source, name, 1, tuple_count, Encoding::Computed(compute));
-        arrays.push(PieceArray::new(association, stored));
-    }
+        let (name, encoding) = (&file.variables[variable], Encoding::Computed(compute));
+        Stored::of_f64(&file.source, name, 1, own.len(variable), encoding)
+    };
     let of = file.clone();
-    let corner_count = cell_count.saturating_mul(if own.kind == ZoneKind::Tetrahedra { 4 } else { 8 });
+    let corner_count = cell_count.saturating_mul(own.kind.corners().max(4));
     Piece {
         point_count,
         cell_count,
-        arrays,
+        arrays: arrays(own, file.variables.len(), file.axes, stored),
         geometry: geometry([point_count, cell_count, corner_count], move |_| of.read_zone(zone)),
         blocks: CellBlocks::One(block),
         is_old_order: false,
@@ -171,26 +118,12 @@ impl TecplotFile {
             let zone = file.zone(&entries, &mut cursor)?;
             file.zones.push(zone);
         }
-        let place = |axis: &str| {
-            let is_axis = |name: &String| {
-                let stem = name.split([' ', '[', '(']).next().unwrap_or_default();
-                stem.eq_ignore_ascii_case(axis) || stem.eq_ignore_ascii_case(&format!("coordinate{axis}"))
-            };
-            file.variables.iter().position(is_axis)
-        };
-        if let (Some(x), Some(y), Some(z)) = (place("x"), place("y"), place("z")) {
-            file.axes = [x, y, z];
-        }
-        if let Some(zone) = file.zones.iter().find(|zone| file.axes.iter().any(|&axis| zone.at_cells[axis])) {
-            let error =
-                Error::run("coordinates cannot be at cells").got(format_args!("zone '{}'", zone.name));
-            return Err(error.expected("coordinates at nodes"));
-        }
+        file.axes = axes(&file.variables);
         Ok(file)
     }
 
     /// A zone by its head; moves behind its numbers.
-    fn zone(&self, entries: &Entries, cursor: &mut Cursor) -> Result<TecplotZone> {
+    fn zone(&self, entries: &Entries, cursor: &mut Cursor) -> Result<TextZone> {
         let value = |keys: &[&str]| {
             let found = entries.iter().rev().find(|entry| keys.contains(&entry.0.as_str()));
             found.and_then(|entry| entry.1.first()).map_or("", String::as_str)
@@ -208,10 +141,9 @@ impl TecplotFile {
         let shape = format!("{}{}", value(&["ZONETYPE"]), value(&["ET"])).to_ascii_uppercase();
         let is_ordered = shape.is_empty() && !form.starts_with("FE") || shape == "ORDERED";
         let points = [count(&["I"], 1)?, count(&["J"], 1)?, count(&["K"], 1)?];
-        let product = |n: [u64; 3]| n.iter().fold(1_u64, |product, &n| product.saturating_mul(n));
+        let ordered = ZoneKind::ordered(points);
         let kind = match shape.trim_start_matches("FE") {
-            _ if is_ordered && points.contains(&1) => ZoneKind::Flat(0),
-            _ if is_ordered => ZoneKind::Ordered(points),
+            _ if is_ordered => ordered.0,
             "TETRAHEDRON" => ZoneKind::Tetrahedra,
             "BRICK" => ZoneKind::Bricks,
             "TRIANGLE" => ZoneKind::Flat(3),
@@ -225,7 +157,7 @@ impl TecplotFile {
             }
         };
         let (node_count, cell_count) = if is_ordered {
-            (product(points), product(points.map(|n| n.saturating_sub(1).max(1))))
+            (ordered.1, ordered.2)
         } else {
             (count(&["NODES", "N"], 0)?, count(&["ELEMENTS", "E"], 0)?)
         };
@@ -234,15 +166,15 @@ impl TecplotFile {
             let error = cursor.error("the zone does not fit the file").got(node_count.max(cell_count));
             return Err(error.expected("numbers of nodes and cells that the file holds"));
         }
-        let mut zone = TecplotZone {
+        let none = vec![false; self.variables.len()];
+        let mut zone = ZoneHead {
             name: value(&["T"]).to_owned(),
             kind,
             node_count,
             cell_count,
-            // Of a zone that says neither, VTK and VisIt take each node's variables to stand side by side.
-            is_block: value(&["DATAPACKING"]).eq_ignore_ascii_case("BLOCK") || form.ends_with("BLOCK"),
-            at_cells: vec![false; self.variables.len()],
+            at_cells: none.clone(),
             shared: vec![None; self.variables.len()],
+            passive: none,
             shared_cells: None,
             time: match value(&["SOLUTIONTIME"]) {
                 "" => None,
@@ -251,10 +183,9 @@ impl TecplotFile {
                     error.got(format_args!("'{word}'")).expected("a number")
                 })?),
             },
-            data: Place::default(),
-            has_repeats: false,
-            connectivity: Place::default(),
         };
+        // Of a zone that says neither, VTK and VisIt take each node's variables to stand side by side.
+        let is_block = value(&["DATAPACKING"]).eq_ignore_ascii_case("BLOCK") || form.ends_with("BLOCK");
         let lists = |key: &str| {
             lists(value(&[key]), self.variables.len()).map_err(|found| {
                 let error = cursor.error(format!("{key} of a zone is damaged"));
@@ -286,57 +217,63 @@ impl TecplotFile {
         }
         for (variables, word) in lists("VARSHARELIST")? {
             let other = if word.is_empty() { self.zones.len().wrapping_sub(1) } else { earlier(&word)? };
-            let same = self
-                .zones
-                .get(other)
-                .filter(|own| own.node_count == node_count && own.cell_count == cell_count);
-            if same.is_none() {
-                return Err(cursor.error("a zone shares variables with one of another size"));
+            let Some(other_zone) = self.zones.get(other) else {
+                return Err(cursor.error("the first zone shares variables with none before it"));
+            };
+            for variable in variables {
+                zone.share(variable, other, &other_zone.head)
+                    .map_err(|error| error.at_line(cursor.last_line()))?;
             }
-            variables.into_iter().for_each(|variable| zone.shared[variable] = Some(other));
+        }
+        for (variables, word) in lists("PASSIVEVARLIST")? {
+            // Without brackets the words themselves are numbers of variables.
+            let word: Option<usize> =
+                word.parse().ok().filter(|number| (1..=zone.passive.len()).contains(number));
+            let variables = word.map_or(variables, |number| vec![number - 1]);
+            variables.into_iter().for_each(|variable| zone.passive[variable] = true);
         }
         match value(&["CONNECTIVITYSHAREZONE"]) {
             "" => {}
             word => zone.shared_cells = Some(earlier(word)?),
         }
-        if !zone.is_block && zone.at_cells.contains(&true) {
+        if !is_block && zone.at_cells.contains(&true) {
             let error = cursor.error("variables at cells stand side by side with those at nodes");
             return Err(error.expected("DATAPACKING=BLOCK"));
         }
-        zone.data = cursor.place();
-        let number_count = (0..self.variables.len()).filter(|&variable| zone.shared[variable].is_none());
+        let data = cursor.place();
+        let number_count = (0..self.variables.len()).filter(|&variable| zone.holds(variable));
         let number_count = number_count.fold(0_u64, |sum, variable| sum.saturating_add(zone.len(variable)));
-        zone.has_repeats = skip_numbers(cursor, number_count)?;
-        zone.connectivity = cursor.place();
+        let has_repeats = skip_numbers(cursor, number_count)?;
+        let connectivity = cursor.place();
         if zone.shared_cells.is_none() {
-            cursor.skip_numbers(zone.cell_count.saturating_mul(zone.corners()), 0)?;
+            cursor.skip_numbers(zone.cell_count.saturating_mul(zone.kind.corners()), 0)?;
         }
-        Ok(zone)
+        Ok(TextZone { head: zone, is_block, data, has_repeats, connectivity })
     }
 
     /// Values of a variable in a zone.
     fn values(&self, zone: usize, variable: usize) -> Result<Vec<f64>> {
         let mut own = &self.zones[zone];
-        while let Some(other) = own.shared[variable] {
+        while let Some(other) = own.head.shared[variable] {
             own = &self.zones[other];
         }
-        let stored: Vec<usize> =
-            (0..self.variables.len()).filter(|&other| own.shared[other].is_none()).collect();
+        let stored: Vec<usize> = (0..self.variables.len()).filter(|&other| own.head.holds(other)).collect();
         let mut cursor = Cursor::at(&self.source, own.data);
         if !own.has_repeats {
             return plain_values(&mut cursor, own, &stored, variable);
         }
         let mut values = Vec::new();
         if own.is_block {
-            let before = stored.iter().filter(|&&other| other < variable).map(|&other| own.len(other)).sum();
+            let before =
+                stored.iter().filter(|&&other| other < variable).map(|&other| own.head.len(other)).sum();
             let mut run = Run::new(&mut cursor);
             run.skip(before)?;
-            for _ in 0..own.len(variable) {
+            for _ in 0..own.head.len(variable) {
                 values.push(run.next()?);
             }
         } else {
             let mut run = Run::new(&mut cursor);
-            for _ in 0..own.node_count {
+            for _ in 0..own.head.node_count {
                 for &other in &stored {
                     let value = run.next()?;
                     if other == variable {
@@ -352,46 +289,31 @@ impl TecplotFile {
     fn read_zone(&self, zone: usize) -> Result<(Vec<DVec3>, Cells)> {
         let [x, y, z] = self.axes.map(|axis| self.values(zone, axis));
         let points = x?.into_iter().zip(y?).zip(z?).map(|((x, y), z)| DVec3::new(x, y, z)).collect();
-        let own = &self.zones[zone];
+        let own = &self.zones[zone].head;
         if let ZoneKind::Ordered(points_along) = own.kind {
             return Ok((points, Cells::Structured(points_along.map(|n| n as usize))));
         }
-        let mut holder = own;
-        while let Some(other) = holder.shared_cells {
+        let mut holder = &self.zones[zone];
+        while let Some(other) = holder.head.shared_cells {
             holder = &self.zones[other];
         }
-        if (holder.cell_count, holder.corners()) != (own.cell_count, own.corners()) {
+        let size = |head: &ZoneHead| (head.cell_count, head.kind.corners());
+        if size(&holder.head) != size(own) {
             return Err(Error::run("a zone shares the cells of one with others").at_item(&own.name));
         }
         let code = if own.kind == ZoneKind::Tetrahedra { code::TETRA } else { code::HEXAHEDRON };
         let (mut cursor, mut cells) =
             (Cursor::at(&self.source, holder.connectivity), GatheredCells::default());
         let mut left = own.cell_count;
+        let corner_count = own.kind.corners();
         while left > 0 {
             let count = left.min(BATCH);
             let corners =
-                cursor.node_numbers(count.saturating_mul(own.corners()), own.node_count, "a cell")?;
-            cells.add_all(code, own.corners() as usize, &corners);
+                cursor.node_numbers(count.saturating_mul(corner_count), own.node_count, "a cell")?;
+            cells.add_all(code, corner_count as usize, &corners);
             left -= count;
         }
         Ok((points, cells.into_cells()))
-    }
-}
-
-impl TecplotZone {
-    /// Number of values of a variable.
-    fn len(&self, variable: usize) -> u64 {
-        if self.at_cells[variable] { self.cell_count } else { self.node_count }
-    }
-
-    /// Nodes of a cell that the file lists.
-    fn corners(&self) -> u64 {
-        match self.kind {
-            ZoneKind::Tetrahedra => 4,
-            ZoneKind::Bricks => 8,
-            ZoneKind::Ordered(_) => 0,
-            ZoneKind::Flat(count) => count,
-        }
     }
 }
 
@@ -465,19 +387,15 @@ fn skip_numbers(cursor: &mut Cursor, count: u64) -> Result<bool> {
 }
 
 /// Values of a variable in a zone whose numbers stand for one each; `stored`: the variables that it holds.
-fn plain_values(
-    cursor: &mut Cursor,
-    zone: &TecplotZone,
-    stored: &[usize],
-    variable: usize,
-) -> Result<Vec<f64>> {
+fn plain_values(cursor: &mut Cursor, zone: &TextZone, stored: &[usize], variable: usize) -> Result<Vec<f64>> {
     if zone.is_block {
-        let before = stored.iter().filter(|&&other| other < variable).map(|&other| zone.len(other)).sum();
+        let before =
+            stored.iter().filter(|&&other| other < variable).map(|&other| zone.head.len(other)).sum();
         cursor.skip_numbers(before, 0)?;
-        return cursor.numbers(NumberType::F64, zone.len(variable), "a number");
+        return cursor.numbers(NumberType::F64, zone.head.len(variable), "a number");
     }
     let place = stored.iter().position(|&other| other == variable);
-    let (mut values, mut left) = (Vec::new(), zone.node_count);
+    let (mut values, mut left) = (Vec::new(), zone.head.node_count);
     while let Some(place) = place.filter(|_| left > 0) {
         let count = left.min(BATCH);
         let rows: Vec<f64> =

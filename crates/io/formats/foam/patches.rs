@@ -1,0 +1,101 @@
+//! Values of fields on the patches of a mesh, where the files state them: means of cell values at the points there are the means of
+//! these, as readers of VTK and OpenFOAM's own interpolation to points have it.
+//!
+//! A patch has the entry of its name, of a group that it is in, or of the last pattern that fits its name. Patches where parts of the
+//! mesh meet (of processors, cyclic ones) and those of flat cases (empty, wedge) are no boundary.
+
+use super::cells::{FaceCells, MeshPaths};
+use super::entries::PatchValues;
+use super::file::{FoamFile, misfit};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use voltet_core::Result;
+use voltet_core::grid::BoundaryValues;
+
+/// Kinds of patches that are no boundary, by the beginning of their names.
+const INNER: [&str; 5] = ["processor", "cyclic", "nonConformal", "empty", "wedge"];
+
+/// Faces at the boundary.
+struct BoundaryFaces {
+    /// Number of the first in the mesh.
+    first: usize,
+    points: Vec<u32>,
+    ends: Vec<u32>,
+    owners: Vec<u32>,
+}
+
+/// The boundary of a mesh, whose faces are kept once the cells were read.
+pub(super) struct MeshBoundary {
+    path: PathBuf,
+    faces: Mutex<Option<Arc<BoundaryFaces>>>,
+}
+
+impl MeshBoundary {
+    /// The boundary of a mesh; `None` where it has no file about patches.
+    pub fn of_mesh(mesh: &MeshPaths) -> Option<Arc<MeshBoundary>> {
+        let path = mesh.boundary.clone()?;
+        Some(Arc::new(MeshBoundary { path, faces: Mutex::default() }))
+    }
+
+    /// Keeps the faces at the boundary.
+    pub fn keep(&self, faces: &FaceCells) {
+        let (first, points, ends, owners) = faces.at_boundary();
+        let own = BoundaryFaces { first, points, ends, owners };
+        *self.faces.lock().unwrap_or_else(PoisonError::into_inner) = Some(Arc::new(own));
+    }
+
+    fn faces(&self, mesh: &MeshPaths) -> Result<Arc<BoundaryFaces>> {
+        let kept = || self.faces.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        if kept().is_none() {
+            self.keep(&FaceCells::read(mesh)?);
+        }
+        kept().ok_or_else(|| misfit("faces at the boundary", 0, "some", &mesh.faces))
+    }
+
+    /// Values of a field on the faces of selected cells, `component_count` numbers each.
+    pub fn values(
+        &self,
+        mesh: &MeshPaths,
+        field: &Path,
+        component_count: usize,
+        is_selected: impl Fn(usize) -> bool,
+    ) -> Result<BoundaryValues> {
+        let entries = FoamFile::open(field, mesh.part.as_ref(), false)?.patch_entries(component_count)?;
+        let mut all = BoundaryValues::default();
+        if entries.iter().all(|entry| entry.values.is_none()) {
+            return Ok(all);
+        }
+        let faces = self.faces(mesh)?;
+        for patch in FoamFile::open(&self.path, mesh.part.as_ref(), false)?.patches()? {
+            let is_inner = INNER.iter().any(|kind| patch.kind.starts_with(kind));
+            let Some(values) = patch.values(&entries).filter(|_| !is_inner) else { continue };
+            let begin = patch.first_face.checked_sub(faces.first);
+            let end = begin.and_then(|begin| begin.checked_add(patch.face_count));
+            let Some((begin, end)) = begin.zip(end).filter(|range| range.1 <= faces.ends.len()) else {
+                return Err(misfit(
+                    "faces of a patch",
+                    patch.face_count,
+                    "faces at the boundary",
+                    &self.path,
+                ));
+            };
+            if let PatchValues::List(list) = values
+                && list.len() != patch.face_count * component_count
+            {
+                let what = format!("values of the field on the patch '{}'", patch.name);
+                return Err(misfit(&what, list.len(), patch.face_count * component_count, field));
+            }
+            for face in (begin..end).filter(|&face| is_selected(faces.owners[face] as usize)) {
+                let first = if face == 0 { 0 } else { faces.ends[face - 1] as usize };
+                all.points.extend(&faces.points[first..faces.ends[face] as usize]);
+                all.ends.push(all.points.len() as u32);
+                let place = (face - begin) * component_count;
+                all.values.extend(match values {
+                    PatchValues::Uniform(tuple) => &tuple[..],
+                    PatchValues::List(list) => &list[place..place + component_count],
+                });
+            }
+        }
+        Ok(all)
+    }
+}
