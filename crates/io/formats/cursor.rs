@@ -241,6 +241,19 @@ impl Cursor {
         Ok(())
     }
 
+    /// Moves on to a place in the file; the lines up to it are counted.
+    pub fn go_to(&mut self, place: u64) -> Result<()> {
+        while self.position() < place {
+            if self.at == self.window.len() && !self.fill()? {
+                break;
+            }
+            let count = (place - self.position()).min((self.window.len() - self.at) as u64) as usize;
+            self.line += line_ends(&self.window[self.at..self.at + count]);
+            self.at += count;
+        }
+        Ok(())
+    }
+
     /// Passes over numbers, which are not parsed: words of text, or places of `size` bytes.
     pub fn skip_numbers(&mut self, count: u64, size: u64) -> Result<()> {
         if self.binary.is_some() {
@@ -300,19 +313,26 @@ impl Cursor {
     ) -> Result<Vec<T>> {
         let start = self.position();
         let Some(order) = self.binary else {
-            self.skip_words(count, is_between)?;
-            let mut numbers = Vec::with_capacity(count as usize);
+            let passed = self.skip_words(count, is_between);
+            let mut numbers = Vec::with_capacity(if passed.is_ok() { count as usize } else { 0 });
             let range = TextRange::new(&self.source, start..self.position());
+            // A damaged word comes before a table that is too short.
             let parsed = range.numbers(number_type, is_between, &mut numbers, |_| Ok(()));
-            return parsed.map(|()| numbers).map_err(|error| error.expected(what));
+            return parsed.map_err(|error| error.expected(what)).and(passed).map(|()| numbers);
         };
+        let first = self.clone();
         self.skip(number_type.byte_count(count).unwrap_or(u64::MAX))?;
         let stored = Stored {
             number_type,
             order,
             ..Stored::of_f64(&self.source, what, 1, count, Encoding::Bytes(start))
         };
-        stored.load(&Meter::new(&NoProgress, 1))
+        stored.load(&Meter::new(&NoProgress, 1)).or_else(|error| {
+            // One by one they tell the place of the wrong one.
+            *self = first;
+            (0..count).try_for_each(|_| self.number::<T>(number_type, what).map(|_| ()))?;
+            Err(error)
+        })
     }
 
     /// The next numbers of nodes of `what`, which are 1 to `node_count`, from 0.
@@ -428,6 +448,29 @@ mod tests {
         }
         assert!(words.word().unwrap().is_none() && lines.line().unwrap().is_none());
         assert_eq!((words.left(), lines.left()), (0, 0));
+    }
+
+    #[test]
+    fn damaged_numbers_are_named_in_tables() {
+        let folder = tempfile::tempdir().unwrap();
+        let text = "1 2 3 4\n".repeat(50) + "5 x 7\n";
+        let whole = cursor(&folder, text.as_bytes()).numbers::<u64>(NumberType::U64, 201, "a tag");
+        assert_eq!(whole.unwrap().len(), 201);
+        for count in [203, 300] {
+            let mut table = cursor(&folder, text.as_bytes());
+            let error = table.numbers::<u64>(NumberType::U64, count, "a tag").unwrap_err();
+            assert_eq!(error.location.line_column, Some((51, 1)), "{error}");
+            assert!(error.to_string().contains("'x'") && error.to_string().contains("a tag"), "{error}");
+        }
+        let mut short = cursor(&folder, &text.as_bytes()[..400]);
+        let error = short.numbers::<u64>(NumberType::U64, 300, "a tag").unwrap_err().to_string();
+        assert!(error.contains("ends early"), "{error}");
+        let mut bytes = vec![0; 800];
+        bytes[403] = 0xff;
+        let mut table = cursor(&folder, &bytes);
+        table.binary = Some(ByteOrder::Little);
+        let error = table.numbers::<u32>(NumberType::I32, 200, "a tag").unwrap_err();
+        assert!(error.to_string().contains("byte 404"), "{error}");
     }
 
     #[test]

@@ -141,15 +141,13 @@ impl Stored {
             parts.push((parts.len(), skipped, part));
             (rest, skipped) = (after, 0);
         }
-        let size = self.number_type.size().unwrap_or(1);
         parts.into_par_iter().try_for_each_init(ChunkBuffers::default, |buffers, (row, skipped, to)| {
-            let bytes = chunks.read(&self.source, row, buffers)?;
-            convert(self.number_type, self.order, &bytes[skipped * chunks.columns * size..], to).map_err(
-                |index| {
-                    let error = Error::run(format!("value {index} of a row of chunks is out of range"));
-                    error.expected(T::ACCEPTED)
-                },
-            )?;
+            let lines = skipped..skipped + to.len().div_ceil(chunks.columns);
+            let bytes = chunks.read(&self.source, row, lines, buffers)?;
+            convert(self.number_type, self.order, bytes, to).map_err(|index| {
+                let error = Error::run(format!("value {index} of a row of chunks is out of range"));
+                error.expected(T::ACCEPTED)
+            })?;
             meter.advance(chunks.file_bytes(row))
         })
     }

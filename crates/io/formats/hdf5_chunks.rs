@@ -5,10 +5,12 @@
 
 use super::codec::Codec;
 use super::source::Source;
-use hdf5_reader::btree_v1::{BTreeV1Key, collect_btree_v1_leaves_storage};
+use hdf5_reader::btree_v1::{BTreeV1Key, BTreeV1Node};
 use hdf5_reader::messages::filter_pipeline::{FILTER_DEFLATE, FILTER_SHUFFLE};
 use hdf5_reader::messages::{HdfMessage, layout::DataLayout};
 use hdf5_reader::{Dataset, Hdf5File};
+use std::collections::HashSet;
+use std::ops::Range;
 use voltet_core::Result;
 
 /// Part of an array along one axis: the first number, how many, and the distance between them.
@@ -40,6 +42,76 @@ pub(super) struct ChunkBuffers {
     chunk: Vec<u8>,
     block: Vec<u8>,
     zlib: Option<flate2::Decompress>,
+}
+
+/// Entry of the index about a chunk.
+struct ChunkKey {
+    chunk_size: u32,
+    filter_mask: u32,
+    offsets: Vec<u64>,
+}
+
+/// Index of an array's chunks, of which those between two are read.
+struct ChunkTree<'a> {
+    file: &'a Hdf5File,
+    dims: &'a [u32],
+    /// Numbers of chunks along each axis.
+    firsts: &'a [u64],
+    lasts: &'a [u64],
+    /// First axes by which branches are left out; of all but the last of them one number is chosen.
+    first_axes: usize,
+}
+
+impl ChunkTree<'_> {
+    /// Adds the chunks of a node below a level, and of its children; `None` where the index is damaged.
+    fn collect(
+        &self,
+        at: u64,
+        level: u8,
+        known: &mut HashSet<u64>,
+        found: &mut Vec<(ChunkKey, u64)>,
+    ) -> Option<()> {
+        let node = self.node(at).filter(|node| node.level < level && known.insert(at))?;
+        let is_between = |offsets: &[u64], axis: usize| {
+            let place = offsets[axis] / u64::from(self.dims[axis]);
+            (self.firsts[axis]..=self.lasts[axis]).contains(&place)
+        };
+        let axes = self.first_axes;
+        let places = |offsets: &[u64]| -> Vec<u64> {
+            offsets.iter().zip(self.dims).take(axes).map(|(&offset, &n)| offset / u64::from(n)).collect()
+        };
+        for (keys, &child) in node.keys.windows(2).zip(&node.children) {
+            let [
+                BTreeV1Key::RawData { chunk_size, filter_mask, offsets },
+                BTreeV1Key::RawData { offsets: next, .. },
+            ] = keys
+            else {
+                return None;
+            };
+            if node.level == 0 {
+                if (0..self.dims.len()).all(|axis| is_between(offsets, axis)) {
+                    let (chunk_size, filter_mask) = (*chunk_size, *filter_mask);
+                    found.push((ChunkKey { chunk_size, filter_mask, offsets: offsets.clone() }, child));
+                }
+            } else if places(offsets)[..] <= self.lasts[..axes] && places(next)[..] >= self.firsts[..axes] {
+                self.collect(child, node.level, known, found)?;
+            }
+        }
+        Some(())
+    }
+
+    fn node(&self, at: u64) -> Option<BTreeV1Node> {
+        let (storage, superblock) = (self.file.storage(), self.file.superblock());
+        let size = usize::from(superblock.offset_size);
+        let head_len = 8 + 2 * size;
+        let head = storage.read_range(at, head_len).ok()?;
+        let count = usize::from(u16::from_le_bytes([*head.get(6)?, *head.get(7)?]));
+        let key_len = 8 + 8 * (self.dims.len() + 1);
+        let bytes = storage.read_range(at, head_len + (count + 1) * key_len + count * size).ok()?;
+        let axes = Some(self.dims.len() as u32);
+        let mut cursor = hdf5_reader::io::Cursor::new(&bytes);
+        BTreeV1Node::parse(&mut cursor, superblock.offset_size, superblock.length_size, axes).ok()
+    }
 }
 
 impl ChunkRows {
@@ -86,30 +158,26 @@ impl ChunkRows {
         };
         let own = [chunk[first], chunk.get(first + 1).map_or(Some(1), |n| n.checked_mul(inner))?];
         let chunk_bytes = own[0].checked_mul(own[1])?.checked_mul(value_size)?;
+        // No block of rows is longer.
+        usize::try_from(count).ok()?.checked_mul(columns)?.checked_mul(value_size)?;
         let bounds = |axis: usize| {
             let (begin, count, _) = part[axis];
             (begin / chunk[axis] as u64, (begin + count - 1) / chunk[axis] as u64)
         };
         let (firsts, lasts): (Vec<u64>, Vec<u64>) = (0..shape.len()).map(bounds).unzip();
-        let superblock = file.superblock();
-        let leaves = collect_btree_v1_leaves_storage(
-            file.storage(),
-            *address,
-            superblock.offset_size,
-            superblock.length_size,
-            Some(shape.len() as u32),
-            dims,
-            Some((&firsts, &lasts)),
-        );
+        let tree = ChunkTree { file, dims, firsts: &firsts, lasts: &lasts, first_axes: first + 1 };
+        let mut leaves = Vec::new();
+        tree.collect(*address, u8::MAX, &mut HashSet::new(), &mut leaves)?;
         let width = columns.div_ceil(own[1]);
         let row_count = usize::try_from(lasts[first] - firsts[first]).ok()?.checked_add(1)?;
-        let leaves = leaves.ok()?;
         if Some(leaves.len()) != row_count.checked_mul(width) {
             return None;
         }
         let mut chunks = vec![None; leaves.len()];
-        for (key, address) in leaves {
-            let BTreeV1Key::RawData { chunk_size, filter_mask, offsets } = key else { return None };
+        for (ChunkKey { chunk_size, filter_mask, offsets }, address) in leaves {
+            if address.checked_add(chunk_size.into())? > file.storage().len() {
+                return None;
+            }
             let row = (offsets.get(first)? / chunk[first] as u64).checked_sub(firsts[first])?;
             let column = match chunk.get(first + 1) {
                 Some(&n) => offsets.get(first + 1)? / n as u64,
@@ -149,21 +217,27 @@ impl ChunkRows {
         &self.chunks[row * width..(row + 1) * width]
     }
 
-    /// Values of a row of chunks, the columns of each row of the array side by side.
-    pub fn read<'b>(&self, source: &Source, row: usize, buffers: &'b mut ChunkBuffers) -> Result<&'b [u8]> {
-        let [rows, columns] = self.chunk;
+    /// Values of some lines of a row of chunks, the columns of each row of the array side by side.
+    pub fn read<'b>(
+        &self,
+        source: &Source,
+        row: usize,
+        lines: Range<usize>,
+        buffers: &'b mut ChunkBuffers,
+    ) -> Result<&'b [u8]> {
+        let columns = self.chunk[1];
+        let (line, piece) = (self.columns * self.value_size, columns * self.value_size);
         if columns == self.columns {
             self.decode(source, self.row(row)[0], buffers)?;
-            return Ok(&buffers.chunk);
+            return Ok(&buffers.chunk[lines.start * line..lines.end * line]);
         }
-        let (line, piece) = (self.columns * self.value_size, columns * self.value_size);
         let mut block = std::mem::take(&mut buffers.block);
-        block.resize(rows * line, 0);
+        block.resize(lines.len() * line, 0);
         for (column, &place) in self.row(row).iter().enumerate() {
             self.decode(source, place, buffers)?;
             let begin = column * piece;
             let own = piece.min(line - begin);
-            let lines = block.chunks_exact_mut(line).zip(buffers.chunk.chunks_exact(piece));
+            let lines = block.chunks_exact_mut(line).zip(buffers.chunk.chunks_exact(piece).skip(lines.start));
             match own {
                 8 => lines.for_each(|(to, from)| to[begin..begin + 8].copy_from_slice(&from[..8])),
                 4 => lines.for_each(|(to, from)| to[begin..begin + 4].copy_from_slice(&from[..4])),
@@ -178,6 +252,7 @@ impl ChunkRows {
     fn decode(&self, source: &Source, place: ChunkPlace, buffers: &mut ChunkBuffers) -> Result<()> {
         let ChunkBuffers { read, inflated, chunk, zlib, .. } = buffers;
         let len = self.chunk[0] * self.chunk[1] * self.value_size;
+        source.check(place.0, place.1.into())?;
         let is_shuffled = self.filters.contains(&FILTER_SHUFFLE) && self.value_size > 1;
         let last = if is_shuffled { &mut *inflated } else { &mut *chunk };
         last.resize(len, 0);
@@ -222,8 +297,14 @@ mod tests {
         let (mut buffers, mut bytes) = (ChunkBuffers::default(), Vec::new());
         let line = chunks.columns * chunks.value_size;
         for row in 0..chunks.chunks.len() / chunks.columns.div_ceil(chunks.chunk[1]) {
-            let skipped = if row == 0 { chunks.skipped * line } else { 0 };
-            bytes.extend_from_slice(&chunks.read(source, row, &mut buffers).unwrap()[skipped..]);
+            let skipped = if row == 0 { chunks.skipped } else { 0 };
+            let lines = skipped..chunks.row_count();
+            let middle = lines.start + lines.len() / 2;
+            for own in [lines.start..middle, middle..lines.end] {
+                bytes.extend_from_slice(chunks.read(source, row, own.clone(), &mut buffers).unwrap());
+                // Of chunks side by side no more is put together.
+                assert!(buffers.block.is_empty() || buffers.block.len() == own.len() * line);
+            }
         }
         bytes.truncate(len);
         bytes
@@ -275,6 +356,16 @@ mod tests {
                 assert!(decoded(&chunks, &source, truth.len()) == truth, "{name} {part:?}");
             }
         }
+        // A chunk that would end behind the file.
+        let mut damaged = std::fs::read(&path).unwrap();
+        for at in 0..damaged.len() - 28 {
+            if damaged[at..].starts_with(b"TREE\x01\0") {
+                damaged[at + 24..at + 28].fill(0xff);
+            }
+        }
+        let damaged = Hdf5File::from_vec(damaged).unwrap();
+        let dataset = damaged.root_group().unwrap().dataset("rows").unwrap();
+        assert!(ChunkRows::find(&damaged, &dataset, &[(0, 301, 1), (0, 3, 1)], 8).is_none());
         // Every second row, and some columns of each row, are no run of values.
         let rows = root.dataset("rows").unwrap();
         for part in [[(0, 100, 2), (0, 3, 1)], [(0, 301, 1), (1, 2, 1)]] {

@@ -278,6 +278,7 @@ fn short_float(word: &[u8]) -> Option<f64> {
         None => 0,
         Some(b'e' | b'E') => {
             let own = match &digits[place + 1..] {
+                [b'+', b'-', ..] => return None,
                 [b'+', rest @ ..] | rest => short_integer(rest)?,
             };
             i32::try_from(own).ok().filter(|own| own.abs() < 1000)?
@@ -400,6 +401,7 @@ mod tests {
             "1.2.3",
             "1e",
             "1e+",
+            "1e+-5",
             "e5",
             "--1",
             "1e2e3",

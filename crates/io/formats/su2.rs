@@ -86,7 +86,13 @@ fn skip_rows(cursor: &mut Cursor, count: u64) -> Result<()> {
     {
         left -= u64::from(words(line).next().is_some());
     }
-    Ok(())
+    match left {
+        0 => Ok(()),
+        _ => {
+            let error = cursor.error("the file ends early").got(count - left);
+            Err(error.expected(format_args!("{count} rows of numbers")))
+        }
+    }
 }
 
 /// Words of a line before its comment.

@@ -104,6 +104,11 @@ impl TextRange {
         TextRange { end: self.end.min(end), ..self.clone() }
     }
 
+    /// An error with the line of the end.
+    pub fn locate_end(&self, error: Error) -> Error {
+        self.locate(error, self.end)
+    }
+
     /// An error with the line of a place in the file.
     pub fn locate(&self, error: Error, place: u64) -> Error {
         let (mut at, mut line, mut buffer) = (0, 1, Vec::new());
@@ -169,7 +174,14 @@ impl TextRange {
         let from = first - u64::from(index > 0);
         buffer.resize((self.end.min(last + AHEAD) - from) as usize, 0);
         self.source.read_at(from, buffer)?;
-        let begin = if index == 0 { 0 } else { self.cut(from, 0, is_end, buffer)? };
+        let begin = match index {
+            0 => 0,
+            // A piece without a cut belongs to the one before.
+            _ => match (0..(last - from) as usize).find(|&place| is_end(&buffer[place..])) {
+                Some(found) => found + 1,
+                None => return Ok((last, &[])),
+            },
+        };
         let end = match last == self.end {
             true => buffer.len(),
             false => self.cut(from, (last - from) as usize - 1, is_end, buffer)?,
@@ -185,18 +197,19 @@ impl TextRange {
         is_end: &impl Fn(&[u8]) -> bool,
         buffer: &mut Vec<u8>,
     ) -> Result<usize> {
-        let mut place = at;
+        let (mut place, mut line) = (at, at);
         loop {
             if let Some(found) = (place..buffer.len()).find(|&place| is_end(&buffer[place..])) {
                 return Ok(found + 1);
             }
+            line = buffer[place..].iter().rposition(|&byte| byte == b'\n').map_or(line, |end| place + end);
             place = buffer.len();
             let more = (self.end - from - place as u64).min(PIECE);
             if more == 0 {
                 return Ok(place);
             }
-            if place - at > LONGEST {
-                return Err(self.locate(Error::run("a word or line is too long"), from + at as u64));
+            if place - line > LONGEST {
+                return Err(self.locate(Error::run("a word or line is too long"), from + line as u64));
             }
             buffer.resize(place + more as usize, 0);
             self.source.read_at(from + place as u64, &mut buffer[place..])?;
@@ -266,8 +279,11 @@ impl TextRange {
             |rest| is_between(rest[0]),
             |piece| Ok(parsed_numbers(piece, number_type, is_between)),
             |(values, damage)| {
-                let shown = if left.is_empty() { values } else { [&left[..], &values].concat() };
-                let Some(count) = take(&shown).map_err(|(place, error)| {
+                match left.is_empty() {
+                    true => left = values,
+                    false => left.extend_from_slice(&values),
+                }
+                let Some(count) = take(&left).map_err(|(place, error)| {
                     self.locate(error, self.place_of_word(used + place as u64, is_between))
                 })?
                 else {
@@ -275,7 +291,7 @@ impl TextRange {
                     return Ok(false);
                 };
                 used += count as u64;
-                left = shown[count..].to_vec();
+                left.drain(..count);
                 damage.map_or(Ok(true), Err)
             },
         )?;
@@ -428,6 +444,23 @@ mod tests {
         let (_folder, range) = file_of(&vec![b'x'; LONGEST + 3 * PIECE as usize]);
         let long = range.each_piece(|rest| rest[0] == b'\n', |_| Ok(()), |()| Ok(true)).unwrap_err();
         assert!(long.to_string().contains("too long"), "{long}");
+    }
+
+    #[test]
+    fn many_lines_without_a_cut_stay_whole() {
+        let comments = "$ a comment\n".repeat(LONGEST / 12 + 4 * PIECE as usize / 12);
+        let (_folder, range) = file_of(format!("b\n{comments}a\n{comments}").as_bytes());
+        let mut lengths = Vec::new();
+        let read = range.each_piece(
+            |rest| rest[0] == b'\n' && rest.get(1).is_some_and(u8::is_ascii_alphabetic),
+            |piece| Ok(piece.bytes.len()),
+            |length| {
+                lengths.extend((length > 0).then_some(length));
+                Ok(true)
+            },
+        );
+        read.unwrap();
+        assert_eq!(lengths, [2 + comments.len(), 2 + comments.len()]);
     }
 
     #[test]

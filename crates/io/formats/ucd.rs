@@ -113,12 +113,20 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     Ok(dataset)
 }
 
+/// True for a line without words, which counts for nothing.
+fn is_blank(line: &[u8]) -> bool {
+    line.iter().all(|&byte| is_space(byte))
+}
+
+/// Passes over so many lines that have words.
 fn skip_lines(cursor: &mut Cursor, count: u64, what: &str) -> Result<TextRange> {
     let start = cursor.clone();
-    for _ in 0..count {
-        if cursor.line()?.is_none() {
+    let mut left = count;
+    while left > 0 {
+        let Some(line) = cursor.line()? else {
             return Err(cursor.error("the file ends early").expected(what));
-        }
+        };
+        left -= u64::from(!is_blank(line));
     }
     Ok(start.range_to(cursor))
 }
@@ -170,7 +178,10 @@ fn array_heads(
     association: Association,
     width: u64,
 ) -> Result<Vec<(FileArray, Option<String>)>> {
-    let line = cursor.text_line("numbers of components")?;
+    let mut line = cursor.text_line("numbers of components")?;
+    while line.is_empty() {
+        line = cursor.text_line("numbers of components")?;
+    }
     let words: Vec<u64> = line.split_ascii_whitespace().map_while(|word| word.parse().ok()).collect();
     let sizes = words.get(1..).unwrap_or(&[]);
     let sum = sizes.iter().fold(0_u64, |sum, &size| sum.saturating_add(size));
@@ -195,6 +206,9 @@ impl TaggedMesh for UcdMesh {
 
     fn each_node(&self, visit: VisitNode) -> Result<()> {
         let parse = |line: &[u8], nodes: &mut Vec<(u64, DVec3)>| {
+            if is_blank(line) {
+                return Ok(());
+            }
             let mut row = LineWords(line);
             let tag = row.number(NumberType::U64, "the number of a node")?;
             let mut position = DVec3::ZERO;
@@ -209,7 +223,9 @@ impl TaggedMesh for UcdMesh {
 
     fn each_element(&self, visit: VisitElement) -> Result<()> {
         let parse = |line: &[u8], cells: &mut Vec<UcdCell>| {
-            cells.push(LineWords(line).cell()?);
+            if !is_blank(line) {
+                cells.push(LineWords(line).cell()?);
+            }
             Ok(())
         };
         let (mut material, mut block) = (0, "0".to_owned());
@@ -234,6 +250,9 @@ impl TaggedMesh for UcdMesh {
         let n = array.component_count;
         let own = array.first..array.first + n;
         let parse = |line: &[u8], rows: &mut (Vec<u64>, Vec<f64>)| {
+            if is_blank(line) {
+                return Ok(());
+            }
             let mut row = LineWords(line);
             rows.0.push(row.number(NumberType::U64, "the number of a node or cell")?);
             for place in 0..array.width {

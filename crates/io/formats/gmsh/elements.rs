@@ -146,7 +146,7 @@ fn each_of_4(
 ) -> Result<()> {
     each_entity(cursor, groups, &mut |cursor, entity| {
         let &EntityElements { volume, group, count, node_count } = entity;
-        each_batch(count, |count| {
+        each_batch(count, 1 + node_count as u64, |count| {
             let numbers = count * (1 + node_count as u64);
             let rows: Vec<u64> = cursor.numbers(NumberType::U64, numbers, "the tag of an element or node")?;
             rows.chunks_exact(1 + node_count).try_for_each(|row| {
@@ -156,14 +156,14 @@ fn each_of_4(
     })
 }
 
-/// Rows of a table that are in memory at a time.
-const BATCH: u64 = 1 << 18;
+/// Numbers of a table that are in memory at a time.
+const BATCH: u64 = 1 << 21;
 
-/// Calls `read` with the number of rows of each part of a table of `count` rows.
-pub(super) fn each_batch(count: u64, mut read: impl FnMut(u64) -> Result<()>) -> Result<()> {
+/// Calls `read` with the number of rows of each part of a table of `count` rows of so many numbers.
+pub(super) fn each_batch(count: u64, width: u64, mut read: impl FnMut(u64) -> Result<()>) -> Result<()> {
     let mut left = count;
     while left > 0 {
-        let rows = left.min(BATCH);
+        let rows = left.min((BATCH / width.max(1)).max(1));
         read(rows)?;
         left -= rows;
     }
@@ -252,16 +252,18 @@ fn each_of_2(cursor: &mut Cursor, visit: &mut dyn FnMut(&MeshElement) -> Result<
                 .expected(format_args!("1 to {}", count - passed)));
         }
         let width = tag_count.saturating_add(1 + node_count as u64);
-        each_batch(group_count, |count| {
+        each_batch(group_count, width, |count| {
+            let start = cursor.position();
             let rows: Vec<i64> = cursor.numbers(
                 int,
                 count.saturating_mul(width),
                 "a number, a tag or a node of an element",
             )?;
-            rows.chunks_exact(width as usize).try_for_each(|row| {
+            rows.chunks_exact(width as usize).enumerate().try_for_each(|(place, row)| {
                 let (tags, own) = row[1..].split_at(tag_count as usize);
                 let tag = whole(row[0]).and_then(|tag| whole_nodes(own, &mut nodes).map(|()| tag));
-                let tag = tag.map_err(|error| cursor.error(error))?;
+                let byte = start + 4 * width * place as u64;
+                let tag = tag.map_err(|error| Error::run(error).at_item(format!("byte {byte}")))?;
                 visit(&MeshElement { volume, tag, group: group_of(tags), nodes: &nodes })
             })
         })?;
@@ -277,7 +279,10 @@ fn each_of_text_2(
     visit: &mut dyn FnMut(&MeshElement) -> Result<()>,
 ) -> Result<()> {
     let (mut passed, mut nodes) = (0, Vec::new());
-    let is_whole = cursor.rest().stream(NumberType::I64, is_space, |shown: &[i64]| {
+    let range = cursor.rest();
+    // A number takes a digit and a space.
+    let most = range.len() / 2;
+    let is_whole = range.stream(NumberType::I64, is_space, |shown: &[i64]| {
         let mut used = 0;
         while passed < count {
             let row = &shown[used..];
@@ -285,6 +290,10 @@ fn each_of_text_2(
             let at = |place: usize| move |error: String| (used + place, Error::run(error));
             let tag = whole(tag).map_err(at(0))?;
             let tag_count = whole(tag_count).map_err(at(2))?;
+            if tag_count > most {
+                let error = Error::run("the tags of an element do not fit the file").got(tag_count);
+                return Err((used + 2, error.expected(format_args!("at most {most}"))));
+            }
             let of_type = whole(number).map_err(at(1))?;
             let (volume, node_count) = element_type(of_type).map_err(|error| (used + 1, error))?;
             let Some((tags, rest)) =
@@ -304,7 +313,8 @@ fn each_of_text_2(
     match is_whole || passed == count {
         true => Ok(()),
         false => {
-            Err(cursor.error("the file ends early").got(passed).expected(format_args!("{count} elements")))
+            let error = Error::run("the file ends early").got(passed);
+            Err(range.locate_end(error.expected(format_args!("{count} elements"))))
         }
     }
 }

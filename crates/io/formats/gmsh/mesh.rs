@@ -244,7 +244,7 @@ impl Nodes {
             let count: u64 = cursor.number(size, "a number of nodes")?;
             self.tags.extend(cursor.numbers::<u64>(size, count, "the tag of a node")?);
             let width = 3 + if is_parametric { dimension.min(3) } else { 0 };
-            each_batch(count, |count| {
+            each_batch(count, width, |count| {
                 let rows: Vec<f64> = cursor.numbers(NumberType::F64, count * width, "a coordinate")?;
                 self.points.extend(rows.chunks_exact(width as usize).map(DVec3::from_slice));
                 Ok(())
@@ -290,7 +290,8 @@ pub(super) fn each_row(
         return Ok(());
     }
     let mut passed = 0;
-    let read = cursor.rest().stream(NumberType::F64, is_space, |shown: &[f64]| {
+    let range = cursor.rest();
+    let read = range.stream(NumberType::F64, is_space, |shown: &[f64]| {
         for (place, row) in shown.chunks_exact(1 + width).enumerate() {
             if passed == count {
                 return Ok(None);
@@ -313,10 +314,10 @@ pub(super) fn each_row(
     read.map_err(what)?;
     match passed == count {
         true => Ok(()),
-        false => Err(cursor
-            .error("the file ends early")
-            .got(passed)
-            .expected(format_args!("{count} rows of numbers"))),
+        false => {
+            let error = Error::run("the file ends early").got(passed);
+            Err(range.locate_end(error.expected(format_args!("{count} rows of numbers"))))
+        }
     }
 }
 

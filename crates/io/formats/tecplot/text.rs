@@ -396,8 +396,9 @@ fn plain_values(cursor: &mut Cursor, zone: &TextZone, stored: &[usize], variable
     }
     let place = stored.iter().position(|&other| other == variable);
     let (mut values, mut left) = (Vec::new(), zone.head.node_count);
+    let batch = (8 * BATCH / stored.len().max(1) as u64).max(1);
     while let Some(place) = place.filter(|_| left > 0) {
-        let count = left.min(BATCH);
+        let count = left.min(batch);
         let rows: Vec<f64> =
             cursor.numbers(NumberType::F64, count.saturating_mul(stored.len() as u64), "a number")?;
         values.extend(rows.iter().skip(place).step_by(stored.len()));

@@ -332,5 +332,9 @@ fn mistakes_say_what_and_where() {
     expect(message("90 10 ", "90 1o0 "), &["'1o0'", "a value", "a.msh:"]);
     expect(message("\n0\n1\n3\n1\n", "\n0\n1\n-3\n1\n"), &["head of a view", "[0, 1, -3, 1]"]);
     expect(message("$Nodes\n2 5 ", "$Nodes\n2 5000000000 "), &["do not fit the file"]);
+    let row = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n1 0 0 0\n$EndNodes\n$Elements\n1\n1 4 9000000 0\n$EndElements\n";
+    let found =
+        read(&file(&folder, "b.msh", row.as_bytes()), &request("T"), &NoProgress).unwrap_err().to_string();
+    assert!(["tags of an element", "9000000", "b.msh:10"].iter().all(|word| found.contains(word)), "{found}");
     expect(message("$Nodes", "$Noodles"), &["ends early", "$Noodles"]);
 }

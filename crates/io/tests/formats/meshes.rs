@@ -75,6 +75,11 @@ fn ucd_has_vectors_materials_and_gaps() {
     assert_eq!((blocks, summary.cell_count, summary.point_count), (vec!["4", "6"], 2, 5));
     let part = grid(&path, &Request { blocks: vec!["6".into()], ..scalar("load") });
     assert_eq!(**part.scalar.as_ref().unwrap(), [0.25; 4]);
+    let blank = ["9 1 1 1\n", "2 6 tet 20 5 7 9\n", "10 1 2 3 100\n"];
+    let blank =
+        blank.iter().fold(text.to_owned(), |text, row| text.replacen(row, &format!("{row} \n\r\n"), 1));
+    let gaps = grid(&file(&folder, "b.inp", blank.as_bytes()), &scalar("load"));
+    assert_eq!(gaps.scalar, grid(&path, &scalar("load")).scalar);
     let message = |from: &str, to: &str| {
         assert!(text.contains(from));
         let path = file(&folder, "a.inp", text.replacen(from, to, 1).as_bytes());
@@ -140,6 +145,10 @@ fn su2_has_zones_and_markers() {
         let found = read(&path, &mesh(), &NoProgress).unwrap_err().to_string();
         assert!(words.iter().all(|word| found.contains(word)), "{found}");
     }
+    let cut = &text[..text.rfind("6 0 0 1").unwrap()];
+    let found =
+        inspect(&file(&folder, "b.su2", cut.as_bytes()), &mesh(), &NoProgress).unwrap_err().to_string();
+    assert!(["ends early", "found 1;", "4 rows"].iter().all(|word| found.contains(word)), "{found}");
     let none = read(&sample("mesh.su2"), &Request::default(), &NoProgress).unwrap_err().to_string();
     assert!(none.contains("no quantity to draw") && none.contains("calculator"), "{none}");
 }

@@ -209,6 +209,26 @@ fn later_times_of_processors_are_read_with_a_warning() {
 }
 
 #[test]
+fn faces_may_have_comments_and_types() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("case");
+    copy(&sample("text"), &case);
+    let path = case.join("constant/polyMesh/faces");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let sound = grid(&sample("text"), &request("T"));
+    for (from, to) in [
+        ("4(3 12 13 4)", "4(3 12 13 4) // inlet (4)"),
+        ("4(3 12 13 4)", "/* 4(1 2 3 4) */ 4\n(\n3\n12 13 4 )"),
+        ("4(3 12 13 4)", "List<label> 4(3 12 13 4)"),
+    ] {
+        assert!(text.contains(from));
+        std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
+        let found = grid(&case, &request("T"));
+        assert!(found.points == sound.points && found.tetrahedra == sound.tetrahedra, "{to}");
+    }
+}
+
+#[test]
 fn mistakes_name_the_file_and_the_line() {
     let folder = tempfile::tempdir().unwrap();
     let message = |name: &str, from: &str, to: &str, scalar: &str| {
@@ -241,6 +261,13 @@ fn mistakes_name_the_file_and_the_line() {
         &["ends early", "polyMesh/points"],
     );
     expect(message("constant/polyMesh/owner", "\n64\n", "\n63\n", "T"), &["longer than its length", "owner"]);
+    for (from, to, parts) in [
+        ("4(1 4 13 10)", "4(1 4 13)", ["shorter than its length", "found 3", "faces:21"]),
+        ("4(1 4 13 10)", "4(1 4 13 10 9)", ["longer than its length", ")", "faces:21"]),
+        ("4(1 4 13 10)", "4(1 4 x 10)", ["damaged", "'x'", "faces:21"]),
+    ] {
+        expect(message("constant/polyMesh/faces", from, to, "T"), &parts);
+    }
     expect(
         message("constant/polyMesh/faces", "format      ascii", "format      asci", "T"),
         &["'asci'", "faces"],
