@@ -352,7 +352,8 @@ fn add_boundary(
     }
     let mut arrays = piece.arrays_of(Association::Cell).filter(|array| array.stored.name == choice.name);
     let Some(compute) = arrays.next().and_then(|array| array.boundary.as_ref()) else { return Ok(()) };
-    let mut own = compute(meter)?;
+    let (mut own, warnings) = compute(meter)?;
+    raw.origin.warnings.extend(warnings);
     own.values = component(&own.values, choice);
     raw.boundary_values.insert(name.to_owned(), own);
     Ok(())

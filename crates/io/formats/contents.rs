@@ -120,8 +120,8 @@ pub(super) struct PieceArray {
     pub boundary: Option<ComputeBoundary>,
 }
 
-/// Reads the values of an array on faces at the boundary.
-pub(super) type ComputeBoundary = Arc<dyn Fn(&Meter) -> Result<BoundaryValues> + Send + Sync>;
+/// Reads the values of an array on faces at the boundary, with warnings about those that are not read.
+pub(super) type ComputeBoundary = Arc<dyn Fn(&Meter) -> Result<(BoundaryValues, Vec<String>)> + Send + Sync>;
 
 /// Points and cells.
 pub(super) enum Geometry {

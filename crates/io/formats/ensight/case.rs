@@ -159,6 +159,12 @@ impl CaseFile {
             }
             ("model", _) => {
                 let (numbers, words) = numbers_first(value, 1);
+                if let Some(word) = words.get(1) {
+                    let error = Error::run("a model of which parts alone change is not read");
+                    return Err(error
+                        .got(format_args!("'{word}'"))
+                        .expected("a file for each step, with all of the geometry"));
+                }
                 self.geometry = FilePattern::new(&numbers, words.first().map_or("", String::as_str));
                 Ok(())
             }

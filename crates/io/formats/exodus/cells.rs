@@ -9,9 +9,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
 use voltet_core::grid::{CellSet, Cells, code};
-use voltet_core::progress::Progress;
+use voltet_core::progress::{Progress, refuse_beyond_memory};
 use voltet_core::reading::{GridHead, GridRead, OpenGrid};
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 
 /// A cell type: its code, and for each of its points the number of the element's node.
 #[derive(Debug, Clone, PartialEq)]
@@ -169,7 +169,14 @@ impl Mesh {
                     let known = faces.as_deref().unwrap_or_default();
                     let of_cell =
                         |own: Vec<u32>| own.into_iter().map(|face| known[face as usize].clone()).collect();
-                    for own in lists(counts, numbers, known.len(), meter)? {
+                    let of_cells = lists(counts, numbers, known.len(), meter)?;
+                    let lengths =
+                        of_cells.iter().flatten().map(|&face| known[face as usize].len() as u64 + 6);
+                    // Each face of a cell is a list of its own.
+                    let bytes = lengths.fold(0, u64::saturating_add).saturating_mul(size_of::<u32>() as u64);
+                    let what = || format!("the faces of {}", counted(of_cells.len(), "cell"));
+                    refuse_beyond_memory(meter.progress(), what, bytes)?;
+                    for own in of_cells {
                         cells.add_polyhedron(of_cell(own));
                     }
                 }

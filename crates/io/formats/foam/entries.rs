@@ -1,6 +1,7 @@
 //! Entries about patches: in the file about those of a mesh, and in fields.
 
 use super::file::{FieldValues, FoamFile};
+use super::patterns::Pattern;
 use voltet_core::Result;
 
 /// A patch of a mesh.
@@ -16,35 +17,18 @@ pub(super) struct MeshPatch {
 impl MeshPatch {
     /// Values that a field states there.
     pub fn values<'a>(&self, entries: &'a [PatchEntry]) -> Option<&'a PatchValues> {
-        let named = |name: &String| entries.iter().find(|entry| !entry.is_pattern && entry.name == *name);
-        let fits =
-            |entry: &&PatchEntry| entry.is_pattern && fits(entry.name.as_bytes(), self.name.as_bytes());
-        let entry = named(&self.name).or_else(|| self.groups.iter().find_map(named));
+        let fits = |entry: &&PatchEntry| entry.pattern.as_ref().is_some_and(|own| own.fits(&self.name));
+        let named = || entries.iter().filter(|entry| entry.pattern.is_none());
+        let own = named().find(|entry| entry.name == self.name);
+        let entry = own.or_else(|| named().rfind(|entry| self.groups.contains(&entry.name)));
         entry.or_else(|| entries.iter().rfind(fits))?.values.as_ref()
-    }
-}
-
-/// True if a text is one of a pattern's, in which `.*` stands for any letters and `(a|b)` for one of several patterns.
-fn fits(pattern: &[u8], text: &[u8]) -> bool {
-    if let Some(rest) = pattern.strip_prefix(b".*") {
-        return (0..=text.len()).any(|start| fits(rest, &text[start..]));
-    }
-    match (pattern.split_first(), text.split_first()) {
-        (None, None) => true,
-        (Some((b'(', rest)), _) => {
-            let Some(end) = rest.iter().position(|&byte| byte == b')') else { return false };
-            let mut parts = rest[..end].split(|&byte| byte == b'|');
-            parts.any(|part| fits(&[part, &rest[end + 1..]].concat(), text))
-        }
-        (Some((letter, rest)), Some((own, after))) => letter == own && fits(rest, after),
-        _ => false,
     }
 }
 
 /// The entry of a field about a patch, a group of patches, or those whose names fit a pattern.
 pub(super) struct PatchEntry {
     pub name: String,
-    pub is_pattern: bool,
+    pub pattern: Option<Pattern>,
     /// `None`: no values of its own.
     pub values: Option<PatchValues>,
 }
@@ -55,6 +39,8 @@ pub(super) enum PatchValues {
     Uniform(Vec<f64>),
     /// A tuple for each face.
     List(Vec<f64>),
+    /// A macro, code or a pattern that is not understood.
+    Unread(String),
 }
 
 /// Numbers of the types that lists have in binary files, and whether they are labels.
@@ -89,6 +75,11 @@ impl FoamFile {
                 loop {
                     match self.required("';'")? {
                         word if word == ";" => break,
+                        // A dictionary, which has no semicolon.
+                        word if word == "{" && key != "inGroups" => {
+                            self.skip_rest(1)?;
+                            break;
+                        }
                         word => words.push(word),
                     }
                 }
@@ -131,11 +122,35 @@ impl FoamFile {
                     self.cursor.line()?;
                     continue;
                 }
-                _ => self.expect("{")?,
+                _ => {}
             }
-            let values = self.values_of_patch(component_count)?;
             let name = key.trim_matches('"').to_owned();
-            entries.push(PatchEntry { is_pattern: name != key, name, values });
+            let pattern = Some(name.as_str()).filter(|name| *name != key);
+            let (pattern, is_known) = match pattern.map(Pattern::new) {
+                Some(None) => (Some(Pattern::any()), false),
+                pattern => (pattern.flatten(), true),
+            };
+            let word = self.required("{")?;
+            if key.starts_with('$') {
+                if word != ";" {
+                    self.skip_entry()?;
+                }
+                // Entries from elsewhere, of any patches that have no other.
+                let values = Some(PatchValues::Unread(key));
+                entries.insert(0, PatchEntry { name, pattern: Some(Pattern::any()), values });
+                continue;
+            }
+            let values = if word.starts_with('$') {
+                self.skip_entry()?;
+                Some(PatchValues::Unread(word))
+            } else if word == "{" {
+                self.values_of_patch(component_count)?
+            } else {
+                let error = self.cursor.error("an entry is damaged").got(format_args!("'{word}'"));
+                return Err(error.expected("{"));
+            };
+            let values = if is_known { values } else { Some(PatchValues::Unread(key)) };
+            entries.push(PatchEntry { name, pattern, values });
         }
     }
 
@@ -149,6 +164,10 @@ impl FoamFile {
                 ";" => {}
                 key if key.starts_with('#') => drop(self.cursor.line()?),
                 "value" => values = self.entry_of_patch(Some(component_count))?,
+                key if key.starts_with('$') => {
+                    self.skip_entry()?;
+                    values = values.or(Some(PatchValues::Unread(key.to_owned())));
+                }
                 _ => drop(self.entry_of_patch(None)?),
             }
         }
@@ -159,12 +178,10 @@ impl FoamFile {
         let word = self.required("the value of an entry")?;
         let values = match (word.as_str(), component_count) {
             (";", _) => return Ok(None),
-            ("uniform", Some(n)) => {
-                let binary = self.binary.take();
-                let values = self.numbers(self.scalar, n as u64);
-                self.binary = binary;
-                PatchValues::Uniform(values?)
-            }
+            ("uniform", Some(n)) => match self.uniform_tuple(n)? {
+                PatchValues::Unread(word) => return Ok(Some(PatchValues::Unread(word))),
+                values => values,
+            },
             ("nonuniform", None) if self.binary.is_none() => {
                 self.skip_entry()?;
                 return Ok(None);
@@ -177,6 +194,10 @@ impl FoamFile {
                 let count = if is_uniform { 1 } else { count };
                 let numbers = self.numbers(number_type, count.saturating_mul(n))?;
                 if is_uniform {
+                    // The last parenthesis of a tuple in text.
+                    if self.binary.is_none() && self.cursor.peek()? == Some(b')') {
+                        self.cursor.bytes(1)?;
+                    }
                     self.expect("}")?;
                     PatchValues::Uniform(numbers)
                 } else {
@@ -188,10 +209,11 @@ impl FoamFile {
                 self.skip_rest(1)?;
                 return Ok(None);
             }
-            // A word, a macro such as $internalField, or code.
-            _ => {
+            // A word, a macro or code; values of the cells are those that serve where none are stated.
+            (word, wanted) => {
                 self.skip_entry()?;
-                return Ok(None);
+                let is_unread = wanted.is_some() && word != "$internalField";
+                return Ok(is_unread.then(|| PatchValues::Unread(word.to_owned())));
             }
         };
         match self.token()?.as_deref() {
@@ -204,29 +226,22 @@ impl FoamFile {
             }
         }
     }
-}
 
-#[cfg(test)]
-mod tests {
-    use super::fits;
-
-    #[test]
-    fn patterns_name_patches() {
-        for (pattern, names) in [
-            (".*", "a wall1 "),
-            ("(wall|inlet).*", "wall1 inlet"),
-            ("wall(1|2)", "wall1 wall2"),
-            ("w.*l.*", "wall1 wl"),
-        ] {
-            assert!(
-                names.split_whitespace().all(|name| fits(pattern.as_bytes(), name.as_bytes())),
-                "{pattern}"
-            );
+    /// The numbers of a tuple in text; the entry is passed over where there are others than numbers.
+    fn uniform_tuple(&mut self, component_count: usize) -> Result<PatchValues> {
+        let (mut tuple, mut depth) = (Vec::new(), 0);
+        while tuple.len() < component_count {
+            let word = self.required("a number")?;
+            match (word.as_str(), word.parse()) {
+                ("(", _) => depth += 1,
+                (_, Ok(number)) => tuple.push(number),
+                (";", _) => return Ok(PatchValues::Unread(word)),
+                _ => {
+                    self.skip_rest(depth)?;
+                    return Ok(PatchValues::Unread(word));
+                }
+            }
         }
-        for (pattern, name) in
-            [("wall", "wall1"), ("(a|b)", "ab"), ("wall(1|2)", "wall"), ("(a", "a"), ("w.*2", "wall")]
-        {
-            assert!(!fits(pattern.as_bytes(), name.as_bytes()), "{pattern} {name}");
-        }
+        Ok(PatchValues::Uniform(tuple))
     }
 }

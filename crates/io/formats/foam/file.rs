@@ -53,7 +53,15 @@ pub(super) struct CollatedPart {
 }
 
 /// Places of all parts of the files that were looked at.
-pub(super) type KnownParts = Mutex<HashMap<PathBuf, Arc<Vec<Range<u64>>>>>;
+pub(super) type KnownParts = Mutex<HashMap<PathBuf, KnownFile>>;
+
+/// The parts of a file.
+#[derive(Clone)]
+pub(super) struct KnownFile {
+    pub parts: Arc<Vec<Range<u64>>>,
+    /// Contents of a packed file.
+    unpacked: Option<Arc<Source>>,
+}
 
 /// The file at a path, or the packed one beside it with the ending .gz; `None` where there is neither.
 pub(super) fn existing(path: &Path) -> Option<PathBuf> {
@@ -81,9 +89,13 @@ impl FoamFile {
     }
 
     fn of_path(path: &Path, part: Option<&CollatedPart>, head_only: bool) -> Result<FoamFile> {
-        let mut source = Source::open(path)?;
-        let is_packed = source.head(2)? == PACKED;
-        if is_packed {
+        let known = part.and_then(|part| {
+            part.known.lock().unwrap_or_else(PoisonError::into_inner).get(path).cloned()?.unpacked
+        });
+        let is_known = known.is_some();
+        let mut source = known.map_or_else(|| Source::open(path), Ok)?;
+        let is_packed = is_known || source.head(2)? == PACKED;
+        if is_packed && !is_known {
             source = source.unpacked((head_only && part.is_none()).then_some(HEAD_BYTES))?;
         }
         let mut file = FoamFile {
@@ -114,10 +126,11 @@ impl FoamFile {
         let lock = || part.known.lock().unwrap_or_else(PoisonError::into_inner);
         let known = lock().get(&self.path).cloned();
         let parts = match known {
-            Some(parts) => parts,
+            Some(known) => known.parts,
             None => {
                 let parts = Arc::new(self.parts()?);
-                lock().insert(self.path.clone(), parts.clone());
+                let unpacked = self.is_packed.then(|| self.source.clone());
+                lock().insert(self.path.clone(), KnownFile { parts: parts.clone(), unpacked });
                 parts
             }
         };

@@ -10,6 +10,7 @@ mod cells;
 mod entries;
 mod file;
 mod patches;
+mod patterns;
 
 use self::cells::{CellZones, FaceCells, MeshPaths};
 use self::file::{CollatedPart, FieldValues, FoamFile, existing, has_head, misfit};
@@ -24,8 +25,9 @@ use super::request::Request;
 use super::source::Source;
 use super::units;
 use glam::DVec3;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, PoisonError};
 use voltet_core::grid::{Association, Cells};
 use voltet_core::progress::refuse_beyond_memory;
 use voltet_core::{Error, Result, counted};
@@ -68,7 +70,7 @@ fn regions(folder: &Path) -> Vec<String> {
 struct CaseFolder {
     folder: PathBuf,
     /// Times in ascending order and the names of their folders.
-    times: Vec<(f64, String)>,
+    times: Arc<Vec<(f64, String)>>,
     /// The processor, where the folder is that of several.
     part: Option<CollatedPart>,
 }
@@ -81,7 +83,7 @@ impl CaseFolder {
             .filter_map(|name| Some((name.parse().ok().filter(|time: &f64| time.is_finite())?, name)))
             .collect();
         times.sort_by(|a, b| a.0.total_cmp(&b.0));
-        CaseFolder { folder, times, part: None }
+        CaseFolder { folder, times: Arc::new(times), part: None }
     }
 
     /// The file of a region's mesh that was written last until a time.
@@ -121,31 +123,69 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// The processors whose files a folder `processors4`, or `processors4_2-3` for some of them, holds; `None` for other names.
-fn collated(folder: &Path, name: &str) -> Option<Vec<CaseFolder>> {
-    let numbers = name.strip_prefix("processors")?;
-    let (count, range) =
-        numbers.split_once('_').map_or((numbers, None), |(count, range)| (count, Some(range)));
-    let count: usize = count.parse().ok()?;
-    let own_count = match range.and_then(|range| range.split_once('-')) {
-        None => count,
-        Some((first, last)) => {
-            last.parse::<usize>().ok()?.checked_sub(first.parse().ok()?)?.checked_add(1)?
-        }
-    };
-    if own_count > MAX_PROCESSORS {
-        return None;
-    }
-    let (whole, known) = (CaseFolder::of_folder(folder.join(name)), Arc::default());
-    let part = |place: usize| {
-        let part = Some(CollatedPart { place, known: Arc::clone(&known) });
-        CaseFolder { folder: whole.folder.clone(), times: whole.times.clone(), part }
-    };
-    Some((0..own_count).map(part).collect())
+/// A folder `processors4`, or `processors4_2-3` for some of them, whose files are of all these processors.
+struct CollatedFolder {
+    name: String,
+    /// Number of the case's processors.
+    count: usize,
+    own: Range<usize>,
 }
 
-/// More processors than any case has.
-const MAX_PROCESSORS: usize = 1 << 20;
+impl CollatedFolder {
+    /// `None` for other names.
+    fn of_name(name: String) -> Option<CollatedFolder> {
+        let number = |text: &str| {
+            let is_number = text.bytes().all(|byte| byte.is_ascii_digit());
+            text.parse::<usize>().ok().filter(|_| is_number)
+        };
+        let numbers = name.strip_prefix("processors")?;
+        let (count, own) = match numbers.split_once('_') {
+            None => (number(numbers)?, 0..number(numbers)?),
+            Some((count, range)) => {
+                let (first, last) = range.split_once('-')?;
+                (number(count)?, number(first)?..number(last)?.checked_add(1)?)
+            }
+        };
+        Some(CollatedFolder { name, count, own })
+    }
+}
+
+/// The processors of such folders. Errors: they are not each in one of them, or their files have others.
+fn collated(folder: &Path, folders: &[CollatedFolder]) -> Result<Vec<CaseFolder>> {
+    let ends = std::iter::once(0).chain(folders.iter().map(|own| own.own.end));
+    let count = folders.first().map_or(0, |first| first.count);
+    let follows = |(own, end): (&CollatedFolder, usize)| {
+        own.own.start == end && own.own.end > end && own.count == count
+    };
+    if !folders.iter().zip(ends).all(follows) || folders.last().is_none_or(|last| last.own.end != count) {
+        let names: Vec<&str> = folders.iter().map(|own| own.name.as_str()).collect();
+        return Err(Error::run("the folders of the processors do not hold each of them once")
+            .got(names.join(", "))
+            .expected("folders of one number of processors, each from 0 on in one of them")
+            .in_file(folder));
+    }
+    let mut parts = Vec::new();
+    for CollatedFolder { name, own, .. } in folders {
+        let (whole, known) = (CaseFolder::of_folder(folder.join(name)), Arc::default());
+        let own_count = own.len();
+        let part = |place: usize| {
+            let part = Some(CollatedPart { place, known: Arc::clone(&known) });
+            CaseFolder { folder: whole.folder.clone(), times: whole.times.clone(), part }
+        };
+        // The name alone does not say how many there are.
+        let region = regions(&whole.folder).into_iter().next().unwrap_or_default();
+        let points = part(own_count - 1).mesh(&region, f64::INFINITY)?;
+        FoamFile::open(&points.points, points.part.as_ref(), true)?;
+        let lock = known.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = lock.get(&points.points).map_or(1, |file| file.parts.len());
+        drop(lock);
+        if found != own_count {
+            return Err(misfit("parts", found, format!("{own_count}, as '{name}' says"), &points.points));
+        }
+        parts.extend((0..own_count).map(part));
+    }
+    Ok(parts)
+}
 
 /// The folders that are read: of the case, or those of its processors where it has no mesh or later times there.
 fn parts(folder: &Path) -> Result<(Vec<CaseFolder>, bool)> {
@@ -156,16 +196,19 @@ fn parts(folder: &Path) -> Result<(Vec<CaseFolder>, bool)> {
     processors.sort_by_key(number);
     let mut processors: Vec<CaseFolder> =
         processors.iter().map(|name| CaseFolder::of_folder(folder.join(name))).collect();
+    let mut of_several = Vec::new();
     if processors.is_empty() {
-        let folders = names(folder);
-        processors = folders.iter().filter_map(|name| collated(folder, name)).flatten().collect();
+        of_several = names(folder).into_iter().filter_map(CollatedFolder::of_name).collect();
+        of_several.sort_by_key(|own: &CollatedFolder| own.own.start);
+        processors = of_several.iter().map(|own| CaseFolder::of_folder(folder.join(&own.name))).collect();
     }
     let last = |part: &CaseFolder| part.times.last().map(|step| step.0);
     let has_later = processors.first().is_some_and(|first| last(first) > last(&whole));
     match (has_mesh(folder), processors.is_empty()) {
         (true, true) => Ok((vec![whole], false)),
         (true, false) if !has_later => Ok((vec![whole], false)),
-        (has_mesh, false) => Ok((processors, has_mesh)),
+        (has_mesh, false) if of_several.is_empty() => Ok((processors, has_mesh)),
+        (has_mesh, false) => Ok((collated(folder, &of_several)?, has_mesh)),
         (false, true) => Err(Error::run("the case of OpenFOAM has no mesh").in_file(folder).expected(
             "constant/polyMesh, constant/REGION/polyMesh, or processor0, … or processorsN with such",
         )),

@@ -9,8 +9,8 @@ use super::entries::PatchValues;
 use super::file::{FoamFile, misfit};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
-use voltet_core::Result;
 use voltet_core::grid::BoundaryValues;
+use voltet_core::{Error, Result};
 
 /// Kinds of patches that are no boundary, by the beginning of their names.
 const INNER: [&str; 5] = ["processor", "cyclic", "nonConformal", "empty", "wedge"];
@@ -52,33 +52,55 @@ impl MeshBoundary {
         kept().ok_or_else(|| misfit("faces at the boundary", 0, "some", &mesh.faces))
     }
 
-    /// Values of a field on the faces of selected cells, `component_count` numbers each.
+    /// Values of a field on the faces of selected cells, `component_count` numbers each, with warnings about those that are not read.
     pub fn values(
         &self,
         mesh: &MeshPaths,
         field: &Path,
         component_count: usize,
         is_selected: impl Fn(usize) -> bool,
-    ) -> Result<BoundaryValues> {
-        let entries = FoamFile::open(field, mesh.part.as_ref(), false)?.patch_entries(component_count)?;
-        let mut all = BoundaryValues::default();
+    ) -> Result<(BoundaryValues, Vec<String>)> {
+        let (mut all, mut warnings) = (BoundaryValues::default(), Vec::new());
+        let mut file = FoamFile::open(field, mesh.part.as_ref(), false)?;
+        let entries = match file.patch_entries(component_count) {
+            Ok(entries) => entries,
+            Err(error) => {
+                warnings
+                    .push(format!("Values on patches are not read, means of cells stand for them: {error}"));
+                return Ok((all, warnings));
+            }
+        };
         if entries.iter().all(|entry| entry.values.is_none()) {
-            return Ok(all);
+            return Ok((all, warnings));
         }
         let faces = self.faces(mesh)?;
+        let mut end_before = 0;
         for patch in FoamFile::open(&self.path, mesh.part.as_ref(), false)?.patches()? {
-            let is_inner = INNER.iter().any(|kind| patch.kind.starts_with(kind));
-            let Some(values) = patch.values(&entries).filter(|_| !is_inner) else { continue };
-            let begin = patch.first_face.checked_sub(faces.first);
+            if patch.face_count == 0 {
+                continue;
+            }
+            let begin = patch.first_face.checked_sub(faces.first).filter(|&begin| begin >= end_before);
             let end = begin.and_then(|begin| begin.checked_add(patch.face_count));
             let Some((begin, end)) = begin.zip(end).filter(|range| range.1 <= faces.ends.len()) else {
-                return Err(misfit(
-                    "faces of a patch",
-                    patch.face_count,
-                    "faces at the boundary",
-                    &self.path,
-                ));
+                let what = format!("faces of the patch '{}'", patch.name);
+                let found = format!("{} from face {} on", patch.face_count, patch.first_face);
+                let first = faces.first + end_before;
+                let last = faces.first + faces.ends.len();
+                return Err(Error::run(format!("the {what} are wrong"))
+                    .got(found)
+                    .expected(format!("patches that follow each other, of faces {first} to {last}"))
+                    .in_file(&self.path));
             };
+            end_before = end;
+            let is_inner = INNER.iter().any(|kind| patch.kind.starts_with(kind));
+            let Some(values) = patch.values(&entries).filter(|_| !is_inner) else { continue };
+            if let PatchValues::Unread(word) = values {
+                let (patch, file) = (&patch.name, field.display());
+                warnings.push(format!(
+                    "Values on the patch '{patch}' are not read, means of cells stand for them: {word} is not evaluated ({file})."
+                ));
+                continue;
+            }
             if let PatchValues::List(list) = values
                 && list.len() != patch.face_count * component_count
             {
@@ -88,14 +110,17 @@ impl MeshBoundary {
             for face in (begin..end).filter(|&face| is_selected(faces.owners[face] as usize)) {
                 let first = if face == 0 { 0 } else { faces.ends[face - 1] as usize };
                 all.points.extend(&faces.points[first..faces.ends[face] as usize]);
-                all.ends.push(all.points.len() as u32);
+                all.ends.push(u32::try_from(all.points.len()).map_err(|_| {
+                    misfit("points of faces on patches", all.points.len(), "32-bit numbers", &self.path)
+                })?);
                 let place = (face - begin) * component_count;
                 all.values.extend(match values {
                     PatchValues::Uniform(tuple) => &tuple[..],
                     PatchValues::List(list) => &list[place..place + component_count],
+                    PatchValues::Unread(_) => &[],
                 });
             }
         }
-        Ok(all)
+        Ok((all, warnings))
     }
 }

@@ -5,7 +5,7 @@
 //! guide describes the newest version; before 108 zones say less about neighbours of cells, before 111 a file does not say
 //! whether it holds a grid or a solution, and until 111 the variables of a node may stand side by side.
 
-use super::zones::{ZoneHead, ZoneKind, arrays, axes, check_axes, dataset};
+use super::zones::{ZoneHead, ZoneKind, arrays, axes, dataset};
 use crate::formats::contents::{
     CellBlocks, Dataset, Encoding, Gather, Geometry, Meter, Piece, Stored, StoredCells,
 };
@@ -17,7 +17,7 @@ use crate::formats::source::Source;
 use rayon::prelude::*;
 use std::sync::Arc;
 use voltet_core::grid::{CellSet, Cells, code};
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 
 /// The declaration.
 pub(super) const FORMAT: Format = Format {
@@ -77,10 +77,9 @@ struct BinaryFile {
 fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     let file = Arc::new(BinaryCursor::open(&source)?.read()?);
     let heads: Vec<&ZoneHead> = file.zones.iter().map(|zone| &zone.head).collect();
-    check_axes(&heads, file.axes)?;
     let order = if file.order == ByteOrder::Little { "little" } else { "big" };
     let format = format!("Tecplot, binary, {order}-endian");
-    dataset(&source, format, &heads, request, |zone, block| file.piece(zone, block))
+    dataset(&source, format, &heads, file.axes, request, |zone, block| file.piece(zone, block))
 }
 
 /// A position in the file.
@@ -174,7 +173,7 @@ impl BinaryCursor {
         loop {
             match self.mark()? {
                 END_OF_HEAD => break,
-                ZONE => zones.push(self.zone()?),
+                ZONE => zones.push(self.zone(zones.len())?),
                 DRAWING => self.skip_drawing()?,
                 TEXT => self.skip_text()?,
                 LABELS => {
@@ -238,8 +237,8 @@ impl BinaryCursor {
         Ok(())
     }
 
-    /// Head of a zone behind its mark.
-    fn zone(&mut self) -> Result<BinaryZone> {
+    /// Head of a zone behind its mark and those of `zone_count` others.
+    fn zone(&mut self, zone_count: usize) -> Result<BinaryZone> {
         let name = self.text()?;
         self.word("the zone above")?;
         let strand = self.word("a strand")?;
@@ -247,6 +246,12 @@ impl BinaryCursor {
         self.word("a colour")?;
         let zone_type = self.word("the type of a zone")?;
         let is_block = self.version >= 112 || !self.flag()?;
+        let least = (zone_count + 1).saturating_mul(self.variable_count).saturating_mul(4) as u64;
+        if least > self.source.len() {
+            let error =
+                self.cursor.error("the zones do not fit the file").got(counted(zone_count + 1, "zone"));
+            return Err(error.expected("four bytes or more in the file for each variable of each zone"));
+        }
         let mut at_cells = vec![false; self.variable_count];
         if self.flag()? {
             for is_at_cells in &mut at_cells {
@@ -560,12 +565,21 @@ impl BinaryFile {
     }
 }
 
+/// Bytes that are read at a time where values lie apart.
+const WINDOW: u64 = 4 << 20;
+
 /// Values of `size` bytes each, `distance` bytes from one to the next.
 fn scattered(source: Arc<Source>, place: u64, size: usize, distance: u64, count: u64) -> Gather {
     Arc::new(move || {
-        let bytes = source
-            .read(place, (count.saturating_sub(1)).saturating_mul(distance).saturating_add(size as u64))?;
-        Ok(bytes.chunks(distance as usize).flat_map(|tuple| &tuple[..size]).copied().collect())
+        let length = count.saturating_sub(1).saturating_mul(distance).saturating_add(size as u64);
+        source.check(place, length)?;
+        let mut values = Vec::with_capacity(count as usize * size);
+        let window = (WINDOW / distance).max(1) * distance;
+        for start in (0..length).step_by(window as usize) {
+            let bytes = source.read(place + start, window.min(length - start))?;
+            values.extend(bytes.chunks(distance as usize).flat_map(|tuple| &tuple[..size]));
+        }
+        Ok(values)
     })
 }
 

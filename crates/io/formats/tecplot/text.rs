@@ -2,7 +2,7 @@
 //!
 //! Source: Tecplot 360 data format guide, "ASCII data".
 
-use super::zones::{ZoneHead, ZoneKind, arrays, axes, check_axes, dataset};
+use super::zones::{ZoneHead, ZoneKind, arrays, axes, dataset};
 use crate::formats::contents::{CellBlocks, Compute, Dataset, Encoding, Piece, Stored};
 use crate::formats::cursor::{Cursor, Place};
 use crate::formats::lazy::{GatheredCells, geometry};
@@ -56,8 +56,9 @@ type Entries = Vec<(String, Vec<String>)>;
 fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     let file = Arc::new(TecplotFile::read(&source)?);
     let heads: Vec<&ZoneHead> = file.zones.iter().map(|zone| &zone.head).collect();
-    check_axes(&heads, file.axes)?;
-    dataset(&source, "Tecplot, ASCII".to_owned(), &heads, request, |zone, block| piece(&file, zone, block))
+    dataset(&source, "Tecplot, ASCII".to_owned(), &heads, file.axes, request, |zone, block| {
+        piece(&file, zone, block)
+    })
 }
 
 fn piece(file: &Arc<TecplotFile>, zone: usize, block: usize) -> Piece {

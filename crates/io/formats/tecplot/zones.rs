@@ -70,13 +70,17 @@ impl ZoneHead {
     /// Shares a variable with the zone `number`. Errors: it has others.
     pub fn share(&mut self, variable: usize, number: usize, zone: &ZoneHead) -> Result<()> {
         let size = |zone: &ZoneHead| format!("{} nodes and {} cells", zone.node_count, zone.cell_count);
-        if (zone.node_count, zone.cell_count) != (self.node_count, self.cell_count) {
-            let error = Error::run("a zone shares variables with one of another size");
-            return Err(error.got(size(zone)).expected(size(self)));
-        }
         if zone.at_cells[variable] != self.at_cells[variable] {
             let error = Error::run("a zone shares a variable with one that has it in another place");
             return Err(error.expected("both at nodes, or both at cells"));
+        }
+        // Values at cells of ordered points lie by the points along the axes.
+        let is_other_order = self.at_cells[variable]
+            && zone.kind != self.kind
+            && [zone.kind, self.kind].iter().any(|kind| matches!(kind, ZoneKind::Ordered(_)));
+        if zone.len(variable) != self.len(variable) || is_other_order {
+            let error = Error::run("a zone shares variables with one of another size");
+            return Err(error.got(size(zone)).expected(size(self)));
         }
         self.passive[variable] = zone.passive[variable];
         self.shared[variable] = Some(number);
@@ -100,11 +104,10 @@ pub(super) fn axes(variables: &[String]) -> [usize; 3] {
 }
 
 /// Errors: a zone has no coordinates at its nodes.
-pub(super) fn check_axes(zones: &[&ZoneHead], axes: [usize; 3]) -> Result<()> {
-    let lacks = |zone: &&&ZoneHead| axes.iter().any(|&axis| zone.at_cells[axis] || zone.passive[axis]);
-    match zones.iter().find(lacks) {
-        None => Ok(()),
-        Some(zone) => {
+fn check_axes(zone: &ZoneHead, axes: [usize; 3]) -> Result<()> {
+    match axes.iter().any(|&axis| zone.at_cells[axis] || zone.passive[axis]) {
+        false => Ok(()),
+        true => {
             let error = Error::run("a zone has no coordinates at its nodes");
             Err(error.got(format_args!("zone '{}'", zone.name)).expected("x, y and z at nodes"))
         }
@@ -133,6 +136,7 @@ pub(super) fn dataset(
     source: &Source,
     format: String,
     zones: &[&ZoneHead],
+    axes: [usize; 3],
     request: &Request,
     piece: impl Fn(usize, usize) -> Piece,
 ) -> Result<Dataset> {
@@ -164,6 +168,7 @@ pub(super) fn dataset(
         ..Dataset::default()
     };
     for (block, &zone) in volumes.iter().enumerate().filter(|(block, _)| is_selected[*block]) {
+        check_axes(zones[zone], axes)?;
         dataset.pieces.push(piece(zone, block));
     }
     Ok(dataset)

@@ -392,6 +392,12 @@ fn mistakes_say_what_and_where() {
     for (name, from, to, words) in [
         ("a.case", "ensight gold", "ensight", ["type", "'ensight'", "a.case:3"]),
         ("a.case", "model: 1 a.****.geo", "model: 1 1 a.geo", ["file set", "found 1", "section FILE"]),
+        (
+            "a.case",
+            "model: 1 a.****.geo",
+            "model: 1 a.****.geo change_coords_only",
+            ["parts alone change", "'change_coords_only'", "a.case:6"],
+        ),
         ("a.case", "model: 1 ", "model: 2 ", ["time set that does not exist", "a.****.geo", "a.case"]),
         ("a.case", "time values:", "time values file:", ["file of their own", "time values", "a.case:16"]),
         ("a.case", "a.****.geo", "a.*.*.geo", ["several places", "a.*.*.geo", "one place"]),

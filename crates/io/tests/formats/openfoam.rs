@@ -431,8 +431,9 @@ fn points_at_the_boundary_have_what_the_patches_state() {
     let damaged =
         format!("{}boundaryField {{ walls {{ {} }} }}", &text[..begin], list.replace("12\n(", "11\n("));
     std::fs::write(&path, damaged).unwrap();
-    let found = read(folder.path(), &means("T"), &NoProgress).unwrap_err().to_string();
-    assert!(found.contains("longer than its length") && found.contains("T:"), "{found}");
+    let warnings = grid(folder.path(), &means("T")).origin.warnings.clone();
+    let is_named = |own: &String| own.contains("longer than its length") && own.contains("T:");
+    assert!(warnings.iter().any(is_named), "{warnings:?}");
     let short = list.replace("12\n(", "11\n(").replacen("7\n", "", 1);
     std::fs::write(&path, format!("{}boundaryField {{ walls {{ {short} }} }}", &text[..begin])).unwrap();
     let found = read(folder.path(), &means("T"), &NoProgress).unwrap_err().to_string();
@@ -538,8 +539,103 @@ fn mistakes_in_collated_files_say_what_and_where() {
         let found = read(folder.path(), &request("T"), &NoProgress).unwrap_err().to_string();
         assert!(words.iter().all(|word| found.contains(word)), "{found}");
     }
-    // A folder for some of the processors.
+    // A folder with the range of its processors.
     std::fs::write(&own, sound).unwrap();
-    std::fs::rename(folder.path().join("processors2"), folder.path().join("processors4_2-3")).unwrap();
-    same(&grid(folder.path(), &request("T")), &grid(&sample("text"), &request("T")), 1e-13, "2-3");
+    std::fs::rename(folder.path().join("processors2"), folder.path().join("processors2_0-1")).unwrap();
+    same(&grid(folder.path(), &request("T")), &grid(&sample("text"), &request("T")), 1e-13, "0-1");
+}
+
+/// Warnings of a case with this boundary field of T, which is read with means of cells at points.
+fn read_with_patches(entries: &str, boundary: Option<(&str, &str)>) -> (Grid, Vec<String>) {
+    let folder = tempfile::tempdir().unwrap();
+    copy(&sample("text"), folder.path());
+    let path = folder.path().join("10/T");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let inner = text.split("boundaryField").next().unwrap();
+    std::fs::write(&path, format!("{inner}boundaryField\n{{\n{entries}\n}}\n")).unwrap();
+    if let Some((from, to)) = boundary {
+        let path = folder.path().join("constant/polyMesh/boundary");
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.contains(from), "{text}");
+        std::fs::write(path, text.replacen(from, to, 1)).unwrap();
+    }
+    let own = grid(folder.path(), &Request { options: Options::default(), ..request("T") });
+    let warnings = own.origin.warnings.clone();
+    (own, warnings)
+}
+
+#[test]
+fn values_on_patches_that_are_not_read_are_a_warning() {
+    let means = read_with_patches("", None).0.scalar;
+    for (entry, word) in [
+        ("\".*\" { type fixedValue; value uniform $Tin; }", "$Tin"),
+        ("\".*\" { type fixedValue; value #calc \"1 + 2\"; }", "#calc"),
+        ("\".*\" { type fixedValue; value $other; }", "$other"),
+        ("\".*\" { $fixed; }", "$fixed"),
+        ("$walls;", "$walls"),
+        ("\".*\" { value uniform 5; } \"a{2}\" { value uniform 6; }", "a{2}"),
+        ("\".*\" { value nonuniform $list; }", "$list"),
+    ] {
+        let (own, warnings) = read_with_patches(entry, None);
+        assert!(own.scalar == means, "{entry}");
+        assert!(warnings.iter().any(|own| own.contains(word) && own.contains("not read")), "{warnings:?}");
+    }
+    let uniform = read_with_patches("\".*\" { value uniform 5; }", None);
+    assert!(uniform.0.scalar != means && uniform.1.is_empty(), "{:?}", uniform.1);
+    for entry in [
+        "\".*\" { value nonuniform List<scalar> 4{(5)}; }",
+        "$walls; \"[a-z]+.*\" { value uniform 5; }",
+        "\".*\" { value uniform 4; } \"([a-z]|[0-9]|_)+\" { type a; value uniform 5; }",
+    ] {
+        let (own, warnings) = read_with_patches(entry, None);
+        assert!(own.scalar == uniform.0.scalar && warnings.is_empty(), "{entry}: {warnings:?}");
+    }
+    let dictionary = ("walls\n    {\n", "walls\n    {\n surface { type triSurfaceMesh; name x; }\n");
+    let own = read_with_patches("\".*\" { value uniform 5; }", Some(dictionary));
+    assert!(own.0.scalar == uniform.0.scalar, "{:?}", own.1);
+}
+
+#[test]
+fn patches_follow_each_other() {
+    let folder = tempfile::tempdir().unwrap();
+    copy(&sample("text"), folder.path());
+    let path = folder.path().join("constant/polyMesh/boundary");
+    let text = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, text.replacen("startFace       40", "startFace       30", 1)).unwrap();
+    let field = folder.path().join("10/T");
+    let text = std::fs::read_to_string(&field).unwrap();
+    let inner = text.split("boundaryField").next().unwrap();
+    std::fs::write(&field, format!("{inner}boundaryField {{ walls {{ value uniform 5; }} }}")).unwrap();
+    let means = Request { options: Options::default(), ..request("T") };
+    let found = read(folder.path(), &means, &NoProgress).unwrap_err().to_string();
+    assert!(
+        ["'defaultFaces'", "face 30", "faces 40 to 64"].iter().all(|word| found.contains(word)),
+        "{found}"
+    );
+}
+
+#[test]
+fn folders_of_processors_hold_each_once() {
+    let message = |name: &str, other: Option<&str>| {
+        let folder = tempfile::tempdir().unwrap();
+        copy(&sample("collated_ascii"), folder.path());
+        let own = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path());
+        let own: PathBuf =
+            own.into_iter().find(|path| path.to_string_lossy().contains("processors")).unwrap();
+        std::fs::rename(own, folder.path().join(name)).unwrap();
+        if let Some(other) = other {
+            copy(&folder.path().join(name), &folder.path().join(other));
+        }
+        read(folder.path(), &request("T"), &NoProgress).map(|_| ()).map_err(|error| error.to_string())
+    };
+    assert_eq!(message("processors2", Some("processors2_old")), Ok(()));
+    for (name, other, words) in [
+        ("processors2", Some("processors2_0-1"), ["each of them once", "processors2, processors2_0-1"]),
+        ("processors4_0-1", None, ["each of them once", "processors4_0-1"]),
+        ("processors1048576", None, ["too few parts", "found 2"]),
+        ("processors1", None, ["number of parts", "found 2"]),
+    ] {
+        let found = message(name, other).unwrap_err();
+        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+    }
 }

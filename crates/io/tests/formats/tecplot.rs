@@ -253,3 +253,32 @@ fn subzone_files_and_meshes_of_mfem_are_refused_with_a_remedy() {
         assert!(words.iter().all(|word| found.contains(word)), "{found}");
     }
 }
+
+#[test]
+fn nodes_are_shared_by_zones_of_other_cells_and_tables_need_no_points() {
+    let folder = tempfile::tempdir().unwrap();
+    let head = "variables = x, y, z, s\nzone t=one n=5, e=2, f=feblock, et=tetrahedron\n\
+        0 1 0 0 1\n0 0 1 0 1\n0 0 0 1 1\n1 2 3 4 5\n1 2 3 4\n2 3 4 5\n";
+    let text = format!(
+        "{head}zone t=two n=5, e=1, f=feblock, et=tetrahedron varsharelist=([1-3]=1)\n6 7 8 9 10\n2 3 4 5\n\
+         zone t=history i=2 f=block passivevarlist=([1-3])\n1 2\n"
+    );
+    let path = file(&folder, "a.dat", text.as_bytes());
+    let two = grid(&path, &Request { blocks: vec!["two".to_owned()], ..request("s") });
+    assert_eq!(**two.scalar.as_ref().unwrap(), [7.0, 8.0, 9.0, 10.0]);
+    let passive = text.replace("varsharelist=([1-3]=1)", "varsharelist=([1-2]=1) passivevarlist=([3])");
+    let found = read(&file(&folder, "a.dat", passive.as_bytes()), &request("s"), &NoProgress)
+        .unwrap_err()
+        .to_string();
+    assert!(found.contains("no coordinates") && found.contains("'two'"), "{found}");
+    let cells = text
+        .replace("e=2,", "e=2, varlocation=([4]=cellcentered)")
+        .replace("1 2 3 4 5\n1 2 3 4", "1 2\n1 2 3 4");
+    let cells = cells.replace(
+        "varsharelist=([1-3]=1)\n6 7 8 9 10\n",
+        "varlocation=([4]=cellcentered) varsharelist=([1-4]=1)\n",
+    );
+    let found =
+        read(&file(&folder, "a.dat", cells.as_bytes()), &request("s"), &NoProgress).unwrap_err().to_string();
+    assert!(found.contains("another size") && found.contains("1 cells"), "{found}");
+}
