@@ -209,6 +209,13 @@ impl Document {
         self.entries(false).into_iter().map(|entry| entry.file.path)
     }
 
+    /// The files that nodes name to be read.
+    #[cfg(feature = "cli")]
+    pub(crate) fn named_inputs(&self) -> Vec<PathBuf> {
+        let named = self.graph.nodes.iter().flat_map(|node| node.parameters.paths());
+        named.filter(|named| !named.written).map(|named| named.from(&self.graph.folder)).collect()
+    }
+
     /// Data files that nodes name, and the files of all steps beside them.
     #[cfg(feature = "cli")]
     pub(crate) fn data_files(&self) -> impl Iterator<Item = PathBuf> {

@@ -1,6 +1,7 @@
 //! Names of files with `*` for any letters and `?` for one, in any part of a path.
 
 use std::cmp::Ordering;
+use std::ffi::OsStr;
 use std::path::{Component, Path, PathBuf};
 
 /// The files that a pattern names, in the order of the numbers in their names; the path itself where it has no `*` and no `?`.
@@ -14,9 +15,49 @@ pub fn files_named(pattern: &str) -> Vec<PathBuf> {
             true => found.iter().flat_map(|folder| named_in(folder, &text)).collect(),
         };
     }
-    found.retain(|path| path.is_file() || !pattern.contains(['*', '?']));
+    found.retain(|path| path.exists() || !pattern.contains(['*', '?']));
     found.sort_by(|a, b| by_numbers(&a.to_string_lossy(), &b.to_string_lossy()));
     found
+}
+
+/// Short names of files, each its own: without the ending, else with it, else with as many of its folders as tell it from the others.
+pub(super) fn stems(paths: &[PathBuf]) -> Vec<String> {
+    let names: Vec<Vec<String>> = paths.iter().map(|path| names(path)).collect();
+    let level = |names: &[String], level: usize| names[level.min(names.len() - 1)].clone();
+    let count = names.iter().map(Vec::len).max().unwrap_or(0);
+    let own = |(place, own): (usize, &Vec<String>)| {
+        let alike = names.iter().enumerate().filter(|(other, names)| *other != place && names[0] == own[0]);
+        let alike: Vec<&Vec<String>> = alike.map(|(_, names)| names).collect();
+        // Those alike are told apart at one level, so that their names have one form.
+        let differ = |at: &usize| {
+            let mut all: Vec<String> = alike.iter().chain([&own]).map(|names| level(names, *at)).collect();
+            all.sort();
+            all.windows(2).all(|pair| pair[0] != pair[1])
+        };
+        level(own, (0..count).find(differ).unwrap_or(count))
+    };
+    names.iter().enumerate().map(own).collect()
+}
+
+/// Names of a file, from the shortest to the longest.
+fn names(path: &Path) -> Vec<String> {
+    let text = |name: Option<&OsStr>| name.unwrap_or_default().to_string_lossy().into_owned();
+    let (stem, whole) = (text(path.file_stem()), text(path.file_name()).replace('.', "_"));
+    let folders: Vec<String> = path
+        .parent()
+        .into_iter()
+        .flat_map(Path::components)
+        .filter(|part| matches!(part, Component::Normal(_)))
+        .map(|part| part.as_os_str().to_string_lossy().into_owned())
+        .collect();
+    let within = |count: usize, name: &str| {
+        let inner = &folders[folders.len() - count..];
+        [inner, &[name.to_string()]].concat().join("_")
+    };
+    let mut names = vec![stem.clone(), whole.clone()];
+    names.extend((1..=folders.len()).map(|count| within(count, &stem)));
+    names.push(within(folders.len(), &whole));
+    names
 }
 
 /// Entries of a folder whose names fit; hidden ones only where the pattern begins with a point.
@@ -91,6 +132,20 @@ mod tests {
         for (name, pattern) in [("run_10.vtu", "run_?.vtu"), ("a.vtk", "*.vtu"), ("ab", "a"), ("", "?")] {
             assert!(!fits(name, pattern), "{name} {pattern}");
         }
+    }
+
+    #[test]
+    fn files_of_one_name_are_told_apart_by_their_folders() {
+        let stems = |paths: &[&str]| stems(&paths.iter().map(PathBuf::from).collect::<Vec<_>>());
+        assert_eq!(stems(&["a/run_1.vtu", "a/run_2.vtu"]), ["run_1", "run_2"]);
+        assert_eq!(
+            stems(&["x/case_1/out.vtu", "./x/case_2/out.vtu", "b.vtu"]),
+            ["case_1_out", "case_2_out", "b"]
+        );
+        assert_eq!(stems(&["p/case/out.vtu", "q/case/out.vtu"]), ["p_case_out", "q_case_out"]);
+        assert_eq!(stems(&["out.vtu", "out.vtk"]), ["out_vtu", "out_vtk"]);
+        assert_eq!(stems(&["p/out.vtu", "p/out.vtk", "q/out.vtu"]), ["p_out_vtu", "p_out_vtk", "q_out_vtu"]);
+        assert_eq!(stems(&["case.1", "case.2"]), ["case_1", "case_2"]);
     }
 
     #[test]

@@ -161,7 +161,8 @@ impl Series {
 pub fn frames(document: &Document, selection: &FrameSelection, registry: &Registry) -> Result<Vec<Frame>> {
     let graph = &document.graph;
     let mut frames = Vec::new();
-    for file in data_files(graph, selection)? {
+    let stems = files::stems(&selection.data_files);
+    for (number, file) in data_files(graph, selection)?.into_iter().enumerate() {
         let own;
         let graph = match &file {
             Some(change) => {
@@ -172,9 +173,13 @@ pub fn frames(document: &Document, selection: &FrameSelection, registry: &Regist
         };
         for mut frame in step_frames(graph, selection)? {
             frame.changes.splice(..0, file.iter().cloned());
+            if let Some(stem) = stems.get(number) {
+                frame.marks.stem = Some(stem.clone());
+            }
             frames.push(frame);
         }
     }
+    refuse_sweeps(graph, &selection.sweeps)?;
     let mut frames = swept(frames, &selection.sweeps)?;
     turn(graph, &mut frames, selection.turn_count)?;
     let varying = varying(&frames);
@@ -270,6 +275,28 @@ fn has_relative_numbers(p: &Parameters) -> bool {
         p.iter().filter(|(parameter, ..)| matches!(parameter.parameter_type, ParameterType::Kinds(_)));
     let mut entries = kinds.flat_map(|(parameter, ..)| p.kinds(parameter.name).unwrap_or_default());
     !p.relative_numbers().is_empty() || entries.any(|(_, keys)| !keys.relative_numbers().is_empty())
+}
+
+/// Refuses sweeps of parameters that frames set by themselves.
+fn refuse_sweeps(graph: &Graph, sweeps: &[Sweep]) -> Result<()> {
+    for sweep in sweeps {
+        let (node, parameter) = (graph.nodes.iter().find(|node| node.name == sweep.node), &sweep.parameter);
+        let Some(node) = node else { continue };
+        let is_written =
+            node.parameters.paths().iter().any(|path| path.written && path.parameter == *parameter);
+        let is_reader = node.node.parameter(TIME_STEP).is_some();
+        let accepted = match parameter.as_str() {
+            _ if is_written => "{sweep} in the path, for the pictures of a sweep have names of their own",
+            "path" if is_reader => "--for FILES, which draws each of these files",
+            TIME_STEP if is_reader => "--steps STEPS, which draws each of these time steps",
+            TIME if is_reader => "--times TIMES, or --steps STEPS, which draw each of these time steps",
+            PHASE if moves(node) => "--frames COUNT, which moves the camera on its way",
+            _ => continue,
+        };
+        let error = Error::usage("this parameter is not swept, for each picture has a value of its own");
+        return Err(error.got(format!("--sweep {}.{parameter}", sweep.node)).expected(accepted));
+    }
+    Ok(())
 }
 
 /// Each frame with each combination of the values of parameters.

@@ -259,7 +259,7 @@ fn a_broken_picture_is_drawn_again() {
 
 /// A step may lack an array, as the first of a solver's often does; a mistake of the pipeline is said once.
 #[test]
-fn a_step_without_the_array_is_passed_over_and_a_mistake_of_all_ends_the_run() {
+fn a_step_without_the_array_is_passed_over_and_a_mistake_of_all_is_said_once() {
     let folder = series(4);
     folder.write("s0.vtu", cube_of(2, "other", |x| x));
     let ran = folder
@@ -268,7 +268,64 @@ fn a_step_without_the_array_is_passed_over_and_a_mistake_of_all_ends_the_run() {
     assert_eq!(pictures(&folder).len(), 3, "{}", ran.stderr);
     let mistake = "look.widgets.0.centre=[\"50 %\", 0.0]";
     let ran = folder.voltet(&["run", "p.toml", "--steps", "all", "--set", mistake, "-o", "n.exr"]);
-    ran.fails(2, &["no data are wired in", "the second frame fails as the first", "2 of 4 frames failed"]);
+    let ran =
+        ran.fails(1, &["no data are wired in", "step 1, time 0.1: fails as step 0", "4 of 4 frames failed"]);
+    assert_eq!(ran.stderr.matches("no data are wired in").count(), 1, "{}", ran.stderr);
+}
+
+/// The first steps may lack an array, and the last ones have it.
+#[test]
+fn good_steps_after_bad_ones_are_drawn_and_a_film_waits_for_all() {
+    let folder = series(4);
+    folder.write("s0.vtu", cube_of(2, "other", |x| x));
+    folder.write("s1.vtu", cube_of(2, "other", |x| x));
+    let arguments = ["run", "p.toml", "--steps", "all", "-o", "p.png", "--film", "a.gif", "--resume"];
+    folder.write("a.gif", "the former film");
+    let wanted = ["2 of 4 frames failed", "the film is not made", "--resume --film a.gif"];
+    folder.voltet(&arguments).fails(1, &wanted);
+    assert_eq!(pictures(&folder), ["p_0002.png", "p_0003.png"]);
+    assert_eq!(std::fs::read(folder.join("a.gif")).unwrap(), b"the former film");
+    folder.write("s0.vtu", cube_of(2, "T", |x| x));
+    folder.write("s1.vtu", cube_of(2, "T", |x| x));
+    let ran = folder.voltet(&arguments).ok();
+    assert!(ran.stdout.contains("a.gif: a film of 4 frames"), "{}", ran.stdout);
+}
+
+#[test]
+fn outputs_of_all_frames_and_pipelines_are_files_of_their_own() {
+    let folder = series(3);
+    folder.write("q.toml", std::fs::read_to_string(folder.join("p.toml")).unwrap());
+    let before = folder.names();
+    let refused = |arguments: &[&str], wanted: &[&str]| {
+        folder.voltet(&[&["run"], arguments].concat()).fails(2, wanted);
+        assert_eq!(folder.names(), before, "{arguments:?}");
+    };
+    let two = "two outputs of this call are one file";
+    refused(&["p.toml", "q.toml", "--steps", "1:2"], &["p_0001.exr"]);
+    refused(&["p.toml", "--steps", "all", "--report", "p_0002.exr"], &[two, "p_0002.exr", "--report"]);
+    let sweep = ["p.toml", "--sweep", "view.height=[2.0, 3.0]"];
+    refused(&[&sweep[..], &["--report", "p_sheet.png"]].concat(), &[two, "p_sheet.png"]);
+    refused(&[&sweep[..], &["--film", "p_sheet.png"]].concat(), &["p_sheet.png"]);
+    let read = "this output would overwrite what the call reads";
+    refused(&["p.toml", "--for", "s*.vtu", "--report", "s2.vtu"], &[read, "s2.vtu"]);
+}
+
+#[test]
+fn what_frames_set_by_themselves_is_not_swept() {
+    let folder = series(2);
+    let refused = |sweep: &str, wanted: &str| {
+        let turn = ["--set", "view.orbit=360.0"];
+        let ran = folder.voltet(&[&["run", "p.toml", "--sweep", sweep][..], &turn].concat());
+        ran.fails(2, &["is not swept", wanted]);
+    };
+    refused("grid.path=[\"s0.vtu\", \"s1.vtu\"]", "--for");
+    refused("grid.time_step=[0, 1]", "--steps");
+    refused("grid.time=[0.0, 0.1]", "--times");
+    refused("view.phase=[0.0, 0.5]", "--frames");
+    let writer = std::fs::read_to_string(folder.join("p.toml")).unwrap();
+    let writer = writer.split("[nodes.").find(|part| part.contains("\"image-writer\"")).unwrap();
+    let writer = writer.split(']').next().unwrap();
+    refused(&format!("{writer}.path=[\"a.exr\", \"b.exr\"]"), "{sweep}");
 }
 
 #[test]
@@ -282,9 +339,8 @@ fn parts_share_the_frames_and_leave_none_out() {
         drawn.extend(new);
     }
     assert_eq!(pictures(&folder).len(), 5);
-    folder
-        .voltet(&["run", "p.toml", "--steps", "0:1", "--part", "3/3"])
-        .fails(2, &["this part has no frame"]);
+    let ran = folder.voltet(&["run", "p.toml", "--steps", "0:1", "--part", "3/3"]).ok();
+    assert!(ran.stderr.contains("no frame in this part: p.toml"), "{}", ran.stderr);
     folder.voltet(&["run", "p.toml", "--steps", "all", "--part", "4/3"]).fails(2, &["NUMBER/COUNT"]);
 }
 
@@ -298,6 +354,13 @@ fn files_take_turns_in_the_reader_in_the_order_of_their_numbers() {
     assert_eq!(folder.floats("of_s0.exr"), folder.floats("of_s10.exr"));
     folder.voltet(&["run", "p.toml", "-q", "--for", "s0.vtu", "--for", "s2.vtu"]).ok();
     assert_eq!(folder.floats("p_s2.exr"), folder.floats("of_s2.exr"));
+    for (case, factor) in [("case_1", 1.0), ("case_2", 3.0)] {
+        std::fs::create_dir(folder.join(case)).unwrap();
+        folder.write(&format!("{case}/out.vtu"), cube_of(2, "T", |x| factor * x));
+    }
+    folder.voltet(&["run", "p.toml", "-q", "--for", "case_*/out.vtu"]).ok();
+    assert_eq!(folder.floats("p_case_1_out.exr"), folder.floats("of_s0.exr"));
+    assert_eq!(folder.floats("p_case_2_out.exr"), folder.floats("of_s2.exr"));
     folder
         .voltet(&["run", "p.toml", "--for", "none*.vtu"])
         .fails(2, &["no file has such a name", "none*.vtu"]);
@@ -335,6 +398,10 @@ fn values_are_swept_each_with_each_and_stand_on_a_sheet() {
     let found = (0..sheet.height() - 64)
         .any(|top| (0..64).all(|y| *sheet.get_pixel(sheet.width() / 2, top + y) == column[y as usize]));
     assert!(found, "the column of the picture is in the sheet");
+    let ran =
+        folder.voltet(&[&["run", "p.toml", "--part", "1/2"][..], &sweeps, &["-o", "r.png"]].concat()).ok();
+    assert!(ran.stderr.contains("no sheet is made of a part"), "{}", ran.stderr);
+    assert!(folder.join("r_0000.png").exists() && !folder.join("r_sheet.png").exists());
     folder.voltet(&["run", "p.toml", "--sweep", "look.widgets.0.none=[1]"]).fails(2, &["none"]);
     folder.voltet(&["run", "p.toml", "--sweep", "look.model=1"]).fails(2, &["node.param=[VALUE, VALUE, …]"]);
 }
@@ -359,13 +426,14 @@ fn films_are_made_of_the_pictures() {
         let own = image::open(folder.join(&format!("p_000{step}.png"))).unwrap().into_rgba8();
         assert_eq!(*frame.buffer(), own, "step {step}");
     }
+    run(&["--film", "b.gif", "--fps", "60"]).fails(2, &["GIF", "50"]);
     run(&["--film", "a.avi"]).fails(2, &["format of the film", ".mp4"]);
     run(&["--film", "p_0001.png"]).fails(2, &["the film is one of its pictures", "p_0001.png"]);
     let none = ("PATH", "/none");
     let arguments = ["run", "p.toml", "-q", "--steps", "all", "-o", "f.png", "--film", "a.mp4"];
     let ran = folder.voltet_where(none, &arguments).fails(
         1,
-        &["ffmpeg cannot be run", "-f rawvideo", "libx264", "apt install ffmpeg", "-i 'f_000*.png'"],
+        &["ffmpeg cannot be run", "-f rawvideo", "libx264", "-o f.png --film a.mp4 --resume` makes the film"],
     );
     assert!(folder.join("f_0003.png").exists() && !folder.join("a.mp4").exists(), "{}", ran.stderr);
 }
@@ -376,13 +444,13 @@ fn films_are_made_of_the_pictures() {
 fn frames_of_even_size_go_to_ffmpeg() {
     use std::os::unix::fs::PermissionsExt;
     let folder = series(3);
-    folder.write("ffmpeg", "#!/bin/sh\necho \"$@\" > said.txt\ncat > frames.raw\n");
+    folder.write("ffmpeg", "#!/bin/sh\necho \"$@\" > said.txt\nfor last; do :; done\ncat > \"$last\"\n");
     std::fs::set_permissions(folder.join("ffmpeg"), std::fs::Permissions::from_mode(0o755)).unwrap();
     let path = format!("{}:{}", folder.path().display(), std::env::var("PATH").unwrap());
     let arguments = ["run", "p.toml", "--steps", "all", "-o", "p.png", "--size", "15x10", "--film", "a.mp4"];
     let ran = folder.voltet_where(("PATH", &path), &arguments).ok();
     assert!(ran.stdout.contains("padded with the background from 15 × 10 to even 16 × 10"), "{}", ran.stdout);
-    assert_eq!(std::fs::read(folder.join("frames.raw")).unwrap().len(), 3 * 16 * 10 * 3);
+    assert_eq!(std::fs::read(folder.join("a.mp4")).unwrap().len(), 3 * 16 * 10 * 3);
     let said = std::fs::read_to_string(folder.join("said.txt")).unwrap();
     assert!(
         said.contains("-s 16x10 -r 25")
@@ -390,10 +458,20 @@ fn frames_of_even_size_go_to_ffmpeg() {
             && said.trim().ends_with("a.mp4"),
         "{said}"
     );
-    folder.write("ffmpeg", "#!/bin/sh\ncat > /dev/null\necho 'Unknown encoder' >&2\nexit 1\n");
+    // More words than a pipe holds, and a film that is not whole: the former one stays, and nothing lies beside it.
+    let names = folder.names();
+    let wordy = "#!/bin/sh\nfor last; do :; done\necho half > \"$last\"\nhead -c 300000 /dev/zero | tr '\\0' x >&2\ncat > /dev/null\n\
+                 echo 'Unknown encoder' >&2\nexit 1\n";
+    folder.write("ffmpeg", wordy);
     folder
         .voltet_where(("PATH", &path), &arguments)
         .fails(1, &["ffmpeg did not make the film", "Unknown encoder"]);
+    assert_eq!(folder.names(), names);
+    assert_eq!(std::fs::read(folder.join("a.mp4")).unwrap().len(), 3 * 16 * 10 * 3);
+    // One that closes its input early made no film either.
+    folder.write("ffmpeg", "#!/bin/sh\nexit 0\n");
+    folder.voltet_where(("PATH", &path), &arguments).fails(1, &["ffmpeg did not make the film"]);
+    assert_eq!(folder.names(), names);
 }
 
 #[test]

@@ -27,8 +27,15 @@ pub type Frames<'a> = &'a mut dyn Iterator<Item = Result<FilmFrame>>;
 pub fn gif(out: &mut dyn Write, frames: Frames, rate: f64) -> io::Result<()> {
     let mut encoder = GifEncoder::new_with_speed(out, GIF_SPEED);
     encoder.set_repeat(Repeat::Infinite).map_err(other)?;
-    let delay = Delay::from_numer_denom_ms(MILLISECONDS, (rate * MILLISECONDS as f64 / 1000.0) as u32);
-    for frame in frames {
+    if rate > MAX_GIF_RATE {
+        return Err(io::Error::other(format!("a GIF shows no more than {MAX_GIF_RATE} frames a second")));
+    }
+    let mut begin = 0;
+    for (frame, number) in frames.zip(1..) {
+        // Each frame ends at the hundredth next to its time, so that the film as a whole is as long as it should be.
+        let end = (100.0 * f64::from(number) / rate).round() as u32;
+        let delay = Delay::from_numer_denom_ms(10 * (end - begin), 1);
+        begin = end;
         let FilmFrame { size: [width, height], rgb } = frame.map_err(io::Error::other)?;
         let image =
             RgbImage::from_raw(width, height, rgb).ok_or_else(|| io::Error::other("the frame is cut off"))?;
@@ -38,8 +45,8 @@ pub fn gif(out: &mut dyn Write, frames: Frames, rate: f64) -> io::Result<()> {
     Ok(())
 }
 
-/// Numerator of the time of a frame, a thousand milliseconds in thousandths of a frame.
-const MILLISECONDS: u32 = 1_000_000;
+/// Largest number of frames a second of a GIF: viewers take hundredths below 2 for 10.
+pub const MAX_GIF_RATE: f64 = 50.0;
 
 /// Effort for the colours of a GIF, 1 to 30, less for greater numbers: 10 is what its authors call good.
 const GIF_SPEED: i32 = 10;
@@ -122,6 +129,19 @@ mod tests {
         apng(&mut file, &mut frames(levels).into_iter().map(Ok), 3, [3, 2], 25.0).unwrap();
         let decoder = PngDecoder::new(Cursor::new(&file)).unwrap();
         assert_eq!(decoded(decoder.apng().unwrap()), wanted);
+    }
+
+    #[test]
+    fn times_of_a_gif_add_up_to_those_of_the_rate() {
+        let many: Vec<FilmFrame> = (0..20).flat_map(|_| frames([0, 120, 255])).collect();
+        for rate in [30.0, 24.0, 50.0, 0.7] {
+            let mut file = Vec::new();
+            gif(&mut file, &mut many.clone().into_iter().map(Ok), rate).unwrap();
+            let times = decoded(GifDecoder::new(Cursor::new(&file)).unwrap());
+            let sum: u32 = times.iter().map(|(_, time)| time).sum();
+            assert_eq!(sum, 10 * (6000.0 / rate).round() as u32, "{rate} frames a second");
+        }
+        assert!(gif(&mut Vec::new(), &mut many.into_iter().map(Ok), 60.0).is_err());
     }
 
     #[test]

@@ -4,12 +4,15 @@ use crate::cli::arguments::Run;
 use crate::core::picture::Picture;
 use crate::core::{Error, Result, counted};
 use crate::document::{Document, LocatedError};
-use crate::io::encode::film::{FilmFrame, apng, gif, unequal_sizes};
+use crate::graph::Observer;
+use crate::io::encode::film::{FilmFrame, MAX_GIF_RATE, apng, gif, unequal_sizes};
 use crate::io::encode::{read_picture, srgb8};
 use crate::nodes::files::{self, FileIdentity};
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, ChildStderr, Command, ExitStatus, Stdio};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
 
 /// Type of the node that writes pictures.
 const WRITER: &str = "image-writer";
@@ -61,7 +64,11 @@ fn kind(path: &Path) -> Result<Kind> {
 pub(super) fn check(arguments: &Run, documents: &[Document]) -> std::result::Result<(), LocatedError> {
     let options = &arguments.frames;
     if let Some(path) = &options.film {
-        kind(path)?;
+        if kind(path)? == Kind::Gif && options.fps > MAX_GIF_RATE {
+            let error = Error::usage("a GIF film shows no more frames a second than 50")
+                .got(format!("--fps {}", options.fps));
+            return Err(error.expected("--fps of up to 50, or a film .png, .mp4 or .webm").into());
+        }
         files::refuse_unwritable(path)?;
         crate::document::refuse_conflicts(documents, true, &[("--film", path)])?;
         if documents.len() > 1 {
@@ -70,7 +77,7 @@ pub(super) fn check(arguments: &Run, documents: &[Document]) -> std::result::Res
             return Err(error.expected("one pipeline file").into());
         }
     }
-    if options.film.is_none() && options.sweep.is_empty() {
+    if options.film.is_none() && (options.sweep.is_empty() || options.part.is_some()) {
         return Ok(());
     }
     for document in documents {
@@ -127,26 +134,36 @@ pub(super) fn background(document: &Document) -> [f64; 3] {
 ///
 /// # Errors
 /// - pictures that cannot be read, or are of different sizes;
-/// - ffmpeg that is not there, or fails.
-pub(super) fn write(path: &Path, pictures: &[DrawnFrame], rate: f64, background: [f64; 3]) -> Result<String> {
+/// - ffmpeg that is not there, or fails;
+/// - the run was stopped: what was there under the name of the film stays.
+pub(super) fn write(
+    path: &Path,
+    pictures: &[DrawnFrame],
+    rate: f64,
+    background: [f64; 3],
+    observer: &dyn Observer,
+) -> Result<String> {
     let size = film_frame(&pictures[0].path, background)?.size;
     let frame = |drawn: &DrawnFrame| {
+        if observer.cancelled() {
+            return Err(Error::cancelled());
+        }
         let frame = film_frame(&drawn.path, background)?;
         match frame.size == size {
             true => Ok(frame),
             false => Err(unequal_sizes(size, frame.size, &drawn.path.display().to_string())),
         }
     };
-    let mut padding = String::new();
-    match kind(path)? {
+    let even = size.map(|side| side + side % 2);
+    let (mut padding, kind) = (String::new(), kind(path)?);
+    let written = match kind {
         Kind::Gif => {
-            files::write_whole_in_parts(path, &mut |out| gif(out, &mut pictures.iter().map(frame), rate))?
+            files::write_whole_in_parts(path, &mut |out| gif(out, &mut pictures.iter().map(frame), rate))
         }
         Kind::Apng => files::write_whole_in_parts(path, &mut |out| {
             apng(out, &mut pictures.iter().map(frame), pictures.len() as u32, size, rate)
-        })?,
-        Kind::Encoded(options) => {
-            let even = size.map(|side| side + side % 2);
+        }),
+        Kind::Encoded(codec) => {
             if even != size {
                 padding = format!(
                     ", padded with the background from {} × {} to even {} × {}",
@@ -154,9 +171,11 @@ pub(super) fn write(path: &Path, pictures: &[DrawnFrame], rate: f64, background:
                 );
             }
             let mut frames = pictures.iter().map(|drawn| Ok(padded(frame(drawn)?, even, background)));
-            encode(path, &mut frames, (even, rate, options), pictures)?;
+            encode(path, &mut frames, (even, rate, codec), observer)
         }
-    }
+    };
+    // Writers of films give the stop on as one of their own errors.
+    written.map_err(|error| if observer.cancelled() { Error::cancelled().in_file(path) } else { error })?;
     let seconds = pictures.len() as f64 / rate;
     let frames = counted(pictures.len(), "frame");
     Ok(format!("{}: a film of {frames}, {seconds:.2} s{padding}\n", path.display()))
@@ -198,34 +217,97 @@ fn options(path: &Path, [width, height]: [u32; 2], rate: f64, codec: &[&str]) ->
     words
 }
 
-/// Lets ffmpeg encode frames.
+/// Lets ffmpeg encode frames into a file beside the film, which takes the film's name when it is whole.
 fn encode(
     path: &Path,
     frames: &mut dyn Iterator<Item = Result<FilmFrame>>,
     (size, rate, codec): ([u32; 2], f64, &[&str]),
-    pictures: &[DrawnFrame],
+    observer: &dyn Observer,
 ) -> Result<()> {
-    let options = options(path, size, rate, codec);
-    let child = Command::new("ffmpeg").args(&options).stdin(Stdio::piped()).stderr(Stdio::piped()).spawn();
-    let mut child = child.map_err(|error| missing(path, &error, &options, pictures))?;
-    let mut sink = child.stdin.take();
-    let sent: Result<io::Result<()>> = (|| {
-        for frame in frames {
-            let Some(sink) = &mut sink else { break };
-            if let Err(error) = sink.write_all(&frame?.rgb) {
-                return Ok(Err(error));
-            }
-        }
-        Ok(Ok(()))
-    })();
-    drop(sink);
-    let output = child.wait_with_output().map_err(|error| failed(path, &error.to_string()))?;
-    let sent = sent?;
-    if !output.status.success() {
-        let said = String::from_utf8_lossy(&output.stderr);
-        return Err(failed(path, said.trim()));
+    let film = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let name = film.file_name().unwrap_or_default().to_string_lossy();
+    let part = film.with_file_name(format!(".{}.{name}", std::process::id()));
+    let made = send(&part, frames, options(&part, size, rate, codec), (path, observer))
+        .and_then(|()| std::fs::rename(&part, &film).map_err(|error| failed(path, &error.to_string())));
+    if made.is_err() {
+        // Where ffmpeg began no file there is none to remove.
+        let _ = std::fs::remove_file(&part);
     }
-    sent.map_err(|error| failed(path, &error.to_string()))
+    made
+}
+
+/// Lets ffmpeg write a file of frames. `film`: the name for errors.
+fn send(
+    part: &Path,
+    frames: &mut dyn Iterator<Item = Result<FilmFrame>>,
+    options: Vec<String>,
+    (film, observer): (&Path, &dyn Observer),
+) -> Result<()> {
+    let child = Command::new("ffmpeg").args(&options).stdin(Stdio::piped()).stderr(Stdio::piped()).spawn();
+    let mut child = child.map_err(|error| missing(film, &error, &options))?;
+    let said = child.stderr.take().map(last_words);
+    let sent = send_pixels(&mut child, frames);
+    let status = match &sent {
+        Ok(_) => ended(&mut child, observer),
+        Err(_) => Ok(None),
+    };
+    if !matches!(status, Ok(Some(_))) {
+        // It may have ended by itself meanwhile.
+        let _ = child.kill();
+        let _ = child.wait();
+    }
+    let sent = sent?;
+    let status = status.map_err(|error| failed(film, &error.to_string()))?.ok_or_else(Error::cancelled)?;
+    let said = said.and_then(|said| said.join().ok()).unwrap_or_default();
+    match (status.success(), sent) {
+        (true, Ok(())) if part.exists() => Ok(()),
+        (true, Ok(())) => Err(failed(film, "it ended without a file")),
+        (true, Err(error)) => Err(failed(film, &error.to_string())),
+        (false, _) if said.trim().is_empty() => Err(failed(film, &status.to_string())),
+        (false, _) => Err(failed(film, said.trim())),
+    }
+}
+
+/// Gives the pixels to ffmpeg and closes its input. Within: the error of a pipe that it closed.
+fn send_pixels(
+    child: &mut Child,
+    frames: &mut dyn Iterator<Item = Result<FilmFrame>>,
+) -> Result<io::Result<()>> {
+    let Some(mut sink) = child.stdin.take() else { return Ok(Ok(())) };
+    for frame in frames {
+        if let Err(error) = sink.write_all(&frame?.rgb) {
+            return Ok(Err(error));
+        }
+    }
+    Ok(Ok(()))
+}
+
+/// Waits for the end of ffmpeg; `None` if the run was stopped before.
+fn ended(child: &mut Child, observer: &dyn Observer) -> io::Result<Option<ExitStatus>> {
+    loop {
+        if let Some(status) = child.try_wait()? {
+            return Ok(Some(status));
+        }
+        if observer.cancelled() {
+            return Ok(None);
+        }
+        thread::sleep(Duration::from_millis(10));
+    }
+}
+
+/// Bytes of what ffmpeg says that are kept.
+const MAX_SAID: usize = 1024;
+
+/// Reads all that ffmpeg says, for it waits where nobody does; gives the end of it.
+fn last_words(mut stderr: ChildStderr) -> JoinHandle<String> {
+    thread::spawn(move || {
+        let (mut said, mut block) = (Vec::new(), [0; 4096]);
+        while let Ok(length @ 1..) = stderr.read(&mut block) {
+            said.extend_from_slice(&block[..length]);
+            said.drain(..said.len().saturating_sub(MAX_SAID));
+        }
+        String::from_utf8_lossy(&said).into_owned()
+    })
 }
 
 fn failed(path: &Path, why: &str) -> Error {
@@ -235,24 +317,23 @@ fn failed(path: &Path, why: &str) -> Error {
         .in_file(path)
 }
 
-/// The error where ffmpeg is not there, with the command that would be run, and one that makes the film of the pictures.
-fn missing(path: &Path, error: &io::Error, options: &[String], pictures: &[DrawnFrame]) -> Error {
-    let command: Vec<String> = options.iter().map(|word| quoted(word)).collect();
-    let codec = command.iter().skip_while(|word| *word != "-an").skip(1);
-    let mut codec: Vec<&str> = codec.map(String::as_str).collect();
-    if let Some(filter) = codec.iter_mut().find(|word| word.starts_with("scale=")) {
-        *filter = "'pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709'";
+/// The error where ffmpeg is not there, with the command that would be run, and the one that makes the film of the pictures.
+fn missing(path: &Path, error: &io::Error, options: &[String]) -> Error {
+    let line = |words: &mut dyn Iterator<Item = String>| {
+        words.map(|word| quoted(&word)).collect::<Vec<String>>().join(" ")
+    };
+    let given = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
+    let mut given: Vec<String> = given.collect();
+    if !given.iter().any(|word| word == "--resume") {
+        given.push("--resume".into());
     }
-    let rate = command.iter().skip_while(|word| *word != "-r").nth(1).map_or("25", String::as_str);
-    let files = quoted(&common_name(pictures));
     Error::run("the film is not made, for the program ffmpeg cannot be run; the pictures are there")
         .got(error)
         .expected(format!(
             "ffmpeg on the PATH (`apt install ffmpeg`, `brew install ffmpeg`, or https://ffmpeg.org); it would be given the pixels as \
-             `ffmpeg {}`. Where it is, `ffmpeg -framerate {rate} -pattern_type glob -i {files} {}` makes the film of the pictures. \
-             Films .gif and .png need no ffmpeg",
-            command.join(" "),
-            codec.join(" ")
+             `ffmpeg {}`. Where it is, `voltet {}` makes the film of the pictures. Films .gif and .png need no ffmpeg",
+            line(&mut options.iter().cloned()),
+            line(&mut given.into_iter())
         ))
         .in_file(path)
 }
@@ -261,20 +342,4 @@ fn missing(path: &Path, error: &io::Error, options: &[String], pictures: &[Drawn
 fn quoted(text: &str) -> String {
     let is_plain = |letter: char| letter.is_alphanumeric() || "-_./:=+".contains(letter);
     if text.chars().all(is_plain) { text.to_string() } else { format!("'{}'", text.replace('\'', "'\\''")) }
-}
-
-/// The beginning and the end that the names of all pictures have, with a star between them.
-fn common_name(pictures: &[DrawnFrame]) -> String {
-    let names: Vec<String> = pictures.iter().map(|drawn| drawn.path.to_string_lossy().into_owned()).collect();
-    let Some(first) = names.first() else { return String::new() };
-    let shared = |matches: &dyn Fn(&str, usize) -> bool| {
-        let ends = first.char_indices().map(|(at, _)| at).chain([first.len()]);
-        ends.filter(|&at| names.iter().all(|name| matches(name, at))).collect::<Vec<usize>>()
-    };
-    let begin = shared(&|name, at| name.starts_with(&first[..at])).into_iter().max().unwrap_or(0);
-    let end = shared(&|name, at| at >= begin && name.ends_with(&first[at..]))
-        .into_iter()
-        .min()
-        .unwrap_or(first.len());
-    format!("{}*{}", &first[..begin], &first[end..])
 }

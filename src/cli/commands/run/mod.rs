@@ -30,6 +30,7 @@ pub fn run(arguments: &Run, registry: &Registry) -> Outcome {
     let report = arguments.report.as_deref().map(|path| ("--report", path));
     let first = plans.iter().map(|plan| &plan.first);
     document::refuse_conflicts(first, true, report.as_slice())?;
+    plan::refuse_conflicts(&plans, arguments)?;
     arguments.report.as_deref().map_or(Ok(()), files::refuse_unwritable)?;
     let outputs = plans.iter().flat_map(|plan| &plan.outputs).chain(&arguments.report);
     let streams = outputs.into_iter().any(|path| files::is_standard_output(path));

@@ -4,7 +4,7 @@ use super::film::{self, DrawnFrame};
 use super::plan::{Frames, Plan};
 use super::{resume, sheet};
 use crate::cli::arguments::Run;
-use crate::cli::commands::shared::{DONE, FAILED, WRONG, show, tell, warn};
+use crate::cli::commands::shared::{DONE, FAILED, show, tell, warn};
 use crate::cli::present::{Bar, counted_figures, findings, name, say, summary, warnings};
 use crate::core::error::ErrorKind;
 use crate::core::{Error, Result, counted};
@@ -111,6 +111,30 @@ struct ShownMessages {
     warnings: Vec<String>,
 }
 
+/// The error of the last frame that failed, which is not shown in full again.
+#[derive(Default)]
+struct SaidErrors {
+    text: String,
+    label: String,
+}
+
+impl SaidErrors {
+    /// Shows the error of a frame; gives its exit code.
+    fn show(&mut self, document: &Document, label: String, error: Error, count: usize) -> u8 {
+        let text = error.to_string();
+        if text == self.text {
+            say(&format!("{label}: fails as {}\n", self.label));
+            return FAILED;
+        }
+        let what = match count {
+            1 => error.what.clone(),
+            _ => format!("{label}: {}", error.what),
+        };
+        (self.text, self.label) = (text, label);
+        show(&document.failure(Error { what, ..error }))
+    }
+}
+
 impl Runner<'_> {
     /// Draws the frames; false if it was stopped. A frame that fails is named at the end, and the others are drawn.
     pub fn run_frames(&mut self, plan: &Plan, frames: &Frames) -> std::result::Result<bool, LocatedError> {
@@ -120,7 +144,7 @@ impl Runner<'_> {
         let count = frames.frames.len();
         let (mut shown, mut failures, mut steps) = (ShownMessages::default(), Vec::new(), Vec::new());
         let mut pictures: Vec<DrawnFrame> = Vec::new();
-        let (mut goes_on, mut first_mistake) = (true, None);
+        let (mut goes_on, mut said) = (true, SaidErrors::default());
         for (number, frame) in frames.frames.iter().enumerate() {
             let changed = frames.document.changed(&frame.changes, self.registry);
             let changed = changed.map_err(|error| frames.document.failure(error))?;
@@ -148,18 +172,7 @@ impl Runner<'_> {
                         break;
                     }
                     failures.push(frame.label());
-                    // A mistake of the pipeline is one of every frame.
-                    if number == 1 && failures.len() == 2 && first_mistake.as_ref() == Some(&error.what) {
-                        say("the second frame fails as the first: the others are not drawn\n");
-                        self.worst = WRONG;
-                        break;
-                    }
-                    first_mistake = (error.kind == ErrorKind::Usage).then(|| error.what.clone());
-                    let what = match count {
-                        1 => error.what.clone(),
-                        _ => format!("{}: {}", frame.label(), error.what),
-                    };
-                    let code = show(&changed.failure(Error { what, ..error }));
+                    let code = said.show(&changed, frame.label(), error, count);
                     self.worst = self.worst.max(if count == 1 { code } else { FAILED });
                 }
             }
@@ -167,8 +180,13 @@ impl Runner<'_> {
         if !failures.is_empty() && count > 1 {
             say(&failed(&failures, count));
         }
-        if goes_on && !pictures.is_empty() {
-            self.join(frames, &pictures);
+        if goes_on {
+            self.join(frames, &pictures, failures.len());
+        }
+        if frames.is_part_of_sweep && !self.arguments.quiet {
+            say(
+                "no sheet is made of a part of the pictures; without --part, and with --resume, it is made of all\n",
+            );
         }
         let path = frames.document.path.display().to_string();
         let title = &frames.document.graph.stated.title;
@@ -176,17 +194,26 @@ impl Runner<'_> {
         Ok(goes_on)
     }
 
-    /// Makes the sheet and the film of the pictures.
-    fn join(&mut self, frames: &Frames, pictures: &[DrawnFrame]) {
+    /// Makes the sheet and the film of the pictures; no film where `failed` of the frames are missing.
+    fn join(&mut self, frames: &Frames, pictures: &[DrawnFrame], failed: usize) {
         let background = film::background(&frames.document);
         let mut made = Vec::new();
-        if frames.has_sheet && pictures.len() > 1 {
-            made.push(sheet::write(pictures, background));
+        if let (Some(path), 2..) = (&frames.sheet, pictures.len()) {
+            made.push(sheet::write(path, pictures, background));
         }
         let rate = self.arguments.frames.fps;
-        made.extend(
-            self.arguments.frames.film.as_deref().map(|path| film::write(path, pictures, rate, background)),
-        );
+        match self.arguments.frames.film.as_deref() {
+            Some(path) if failed == 0 && !pictures.is_empty() => {
+                made.push(film::write(path, pictures, rate, background, &self.bar));
+            }
+            Some(path) => say(&format!(
+                "the film is not made: {failed} of {} failed; when they can be drawn, the same command with --resume --film {} \
+                 draws those alone and makes it\n",
+                counted(frames.frames.len(), "frame"),
+                path.display()
+            )),
+            None => {}
+        }
         for outcome in made {
             match outcome.and_then(|text| self.tell(&text)) {
                 Ok(()) => {}

@@ -5,7 +5,7 @@ use crate::core::picture::Picture;
 use crate::core::{Result, counted};
 use crate::io::encode::{png, read_picture};
 use crate::nodes::files;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use voltet_figure::canvas::{Align, Canvas, Theme, lines};
 
 /// Largest width of a sheet, pixels: pictures are made smaller by a whole number.
@@ -14,12 +14,11 @@ const MAX_WIDTH: usize = 4096;
 /// Least height of letters, pixels.
 const MIN_FONT: f32 = 11.0;
 
-/// Writes the sheet beside the first picture; gives a line about it.
+/// Writes the sheet of pictures; gives a line about it.
 ///
 /// # Errors
 /// - pictures that cannot be read, or a file that cannot be written.
-pub(super) fn write(pictures: &[DrawnFrame], background: [f64; 3]) -> Result<String> {
-    let path = path(pictures);
+pub(super) fn write(path: &Path, pictures: &[DrawnFrame], background: [f64; 3]) -> Result<String> {
     let columns = (pictures.len() as f64).sqrt().ceil() as usize;
     let (first, _) = read_picture(&pictures[0].path)?;
     let scale = (columns * first.width).div_ceil(MAX_WIDTH).max(1);
@@ -51,14 +50,13 @@ pub(super) fn write(pictures: &[DrawnFrame], background: [f64; 3]) -> Result<Str
             canvas.text(text, [left + 0.5 * width as f32, y], Align::Middle);
         }
     }
-    files::write_whole(&path, &png(&sheet, background, None)?)?;
+    files::write_whole(path, &png(&sheet, background, None)?)?;
     let smaller = if scale > 1 { format!(", each {scale} times smaller") } else { String::new() };
     Ok(format!("{}: a sheet of {}{smaller}\n", path.display(), counted(pictures.len(), "picture")))
 }
 
 /// The name of the first picture without its number, and with `_sheet`.
-fn path(pictures: &[DrawnFrame]) -> PathBuf {
-    let first = &pictures[0].path;
+pub(super) fn path(first: &Path) -> PathBuf {
     let stem = first.file_stem().unwrap_or_default().to_string_lossy();
     let stem = stem.trim_end_matches(|letter: char| letter.is_ascii_digit()).trim_end_matches('_');
     let stem = if stem.is_empty() { "pictures" } else { stem };
