@@ -42,10 +42,15 @@ impl StepSelection {
             }
             numbers.extend((from..=to).step_by(*stride));
         }
-        let mut is_chosen = vec![false; count];
-        numbers.retain(|&step| !std::mem::replace(&mut is_chosen[step], true));
-        Ok(numbers)
+        Ok(each_once(numbers, count))
     }
+}
+
+/// The numbers, all below a count, without those that came before.
+fn each_once(mut numbers: Vec<usize>, count: usize) -> Vec<usize> {
+    let mut is_chosen = vec![false; count];
+    numbers.retain(|&step| !std::mem::replace(&mut is_chosen[step], true));
+    numbers
 }
 
 /// The number from the start, of one that may be counted from the end.
@@ -55,6 +60,7 @@ fn number(given: i64, count: usize) -> Result<usize> {
     found.ok_or_else(|| {
         let error = Error::usage("the series has no such time step").got(given);
         error.expected(match count {
+            0 => "data with time steps".into(),
             1 => "0: there is one step".into(),
             _ => format!("0 to {}, or -{count} to -1 from the end", count - 1),
         })
@@ -137,9 +143,7 @@ impl TimeSelection {
             }
             numbers.extend(own);
         }
-        let mut is_chosen = vec![false; times.len()];
-        numbers.retain(|&step| !std::mem::replace(&mut is_chosen[step], true));
-        Ok(numbers)
+        Ok(each_once(numbers, times.len()))
     }
 }
 
@@ -200,6 +204,8 @@ mod tests {
         assert!(error("0:11").contains("0 to 10"));
         assert!(error("-12").contains("found -12"));
         assert!(error("8:-5").contains("backwards"));
+        let of_none = "0".parse::<StepSelection>().unwrap().numbers(0).unwrap_err();
+        assert!(of_none.to_string().contains("data with time steps"));
     }
 
     #[test]

@@ -108,7 +108,7 @@ pub struct BoundaryValues {
     /// Points of all faces.
     pub points: Vec<u32>,
     /// The end of each face's points.
-    pub ends: Vec<u32>,
+    pub ends: Vec<usize>,
     /// A tuple for each face.
     pub values: Vec<f64>,
 }
@@ -122,7 +122,7 @@ impl BoundaryValues {
 
     /// Adds the faces of another piece.
     pub(super) fn append(&mut self, other: BoundaryValues) {
-        let first = self.points.len() as u32;
+        let first = self.points.len();
         self.points.extend(other.points);
         self.ends.extend(other.ends.iter().map(|end| first + end));
         self.values.extend(other.values);
@@ -143,7 +143,7 @@ impl BoundaryValues {
             if value.iter().any(|value| !value.is_finite()) {
                 continue;
             }
-            let points = self.points.get(begin as usize..end as usize).unwrap_or_default();
+            let points = self.points.get(begin..end).unwrap_or_default();
             for &point in points.iter().filter(|point| **point != UNUSED) {
                 let (count, sum) = sums.entry(point).or_insert_with(|| (0.0, vec![0.0; n]));
                 *count += 1.0;

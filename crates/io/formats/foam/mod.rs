@@ -8,6 +8,7 @@
 
 mod cells;
 mod entries;
+mod faces;
 mod file;
 mod patches;
 mod patterns;
