@@ -122,10 +122,10 @@ impl Editor {
         let Some((look, output)) = self.edited() else {
             return self.worker.forget_query(|output| &mut output.distribution);
         };
-        let (fields, of_series) = (transfer::fields_of(look), transfer::is_of_series(look));
+        let (fields, scope) = (transfer::fields_of(look), transfer::data_scope(look));
         let (source, axes) = (self.volume_source(output.clone()), self.panels.transfer.axes());
         let scales = transfer::scales(look, &axes);
-        let wanted = DistributionQuery { source, axes, scales, fields, of_series };
+        let wanted = DistributionQuery { source, axes, scales, fields, scope };
         self.worker.ask(|output| &mut output.distribution, wanted);
         if self.answers.probed.as_ref().is_some_and(|(source, _)| source.output != output) {
             self.answers.probed = None;

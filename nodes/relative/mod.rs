@@ -37,9 +37,10 @@ pub const RELATIVE_TO: Parameter = Parameter {
 const SAMPLE_COUNT: usize = 8;
 
 /// Data that relative numbers refer to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum DataScope {
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum DataScope {
     /// The volume at the input.
+    #[default]
     Step,
     /// Some steps of its time series.
     Sample,
@@ -49,12 +50,20 @@ pub(crate) enum DataScope {
 
 impl DataScope {
     /// The scope that the parameter [`RELATIVE_TO`] names.
+    ///
+    /// # Errors
+    /// - a node without the parameter.
     pub fn from_parameters(p: &Parameters) -> Result<DataScope> {
-        Ok(match p.text(RELATIVE_TO.name)? {
+        p.text(RELATIVE_TO.name).map(DataScope::from_word)
+    }
+
+    /// The scope by its name as a value of [`RELATIVE_TO`]; that of one step by any other word.
+    pub fn from_word(word: &str) -> DataScope {
+        match word {
             "sample" => DataScope::Sample,
             "series" => DataScope::Series,
             _ => DataScope::Step,
-        })
+        }
     }
 
     /// Numbers of the steps, of a series of so many; `None`: that of the input alone.

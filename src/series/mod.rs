@@ -24,13 +24,11 @@ use voltet_core::parameters::Parameters;
 use voltet_core::{Error, Result};
 use voltet_graph::{Graph, GraphNode, NamedPath, ParameterType, ParameterValue, Registry};
 use voltet_nodes::files::relative_to;
+use voltet_nodes::relative::RELATIVE_TO;
 
 /// Parameters of a reader that name its step.
 const TIME_STEP: &str = "time_step";
 const TIME: &str = "time";
-
-/// Parameter of nodes whose numbers may be relative to a series.
-const RELATIVE_TO: &str = "relative_to";
 
 /// Parameter of a camera that is its place on its way.
 const PHASE: &str = "phase";
@@ -258,14 +256,14 @@ fn range_changes(graph: &Graph, word: &str, all: bool) -> Vec<Change> {
         let is_view = ["view", "direction"].iter().any(|name| node.parameters.is_set(name));
         let port = |edge: &voltet_graph::Edge| node.node.all_inputs().nth(edge.port).map(|port| port.name);
         let is_wired = node.inputs.iter().any(|edge| port(edge) == Some("volume"));
-        node.node.parameter(RELATIVE_TO).is_some()
+        node.node.parameter(RELATIVE_TO.name).is_some()
             && is_wired
             && (is_view || has_relative_numbers(&node.parameters))
     };
     let nodes = graph.order.iter().map(|&place| &graph.nodes[place]).filter(depends_on_data);
     nodes
-        .filter(|node| all || !node.parameters.is_set(RELATIVE_TO))
-        .map(|node| Change::set(&node.name, RELATIVE_TO, ParameterValue::Text(word.into())))
+        .filter(|node| all || !node.parameters.is_set(RELATIVE_TO.name))
+        .map(|node| Change::set(&node.name, RELATIVE_TO.name, ParameterValue::Text(word.into())))
         .collect()
 }
 

@@ -15,6 +15,7 @@ use voltet_core::probing::{Histogram, ProbeResult, kernel};
 use voltet_core::transfer::AxisScale;
 use voltet_document::links::{self, upstream};
 use voltet_graph::{ArrayRef, Field, LocatedValue, NodeEntry, ParameterValue, PortType};
+use voltet_nodes::relative::{DataScope, RELATIVE_TO};
 
 /// The transfer function in the panel, with the data of its plane.
 pub(super) struct EditedFunction<'a> {
@@ -113,10 +114,11 @@ pub(crate) fn fields_of(look: &NodeEntry) -> Vec<String> {
     all.into_iter().collect()
 }
 
-/// True if a transfer function has numbers relative to all steps of a time series.
-pub(crate) fn is_of_series(look: &NodeEntry) -> bool {
-    let says_so = look.setting("relative_to").and_then(LocatedValue::text) == Some("series");
-    says_so && widgets_of(look).iter().filter_map(LocatedValue::table).any(relative::is_relative)
+/// Data that the relative numbers of a transfer function refer to; one step where it has none.
+pub(crate) fn data_scope(look: &NodeEntry) -> DataScope {
+    let stated = look.setting(RELATIVE_TO.name).and_then(LocatedValue::text);
+    let has_some = || widgets_of(look).iter().filter_map(LocatedValue::table).any(relative::is_relative);
+    stated.map(DataScope::from_word).filter(|_| has_some()).unwrap_or_default()
 }
 
 fn widgets_of(look: &NodeEntry) -> &[LocatedValue] {

@@ -16,7 +16,7 @@ use crate::scene::Scene;
 use crate::theme;
 use crate::worker::{short, short_by};
 use edited_function::{EditedFunction, axis_name, axis_title};
-pub(crate) use edited_function::{edited_node, fields_of, is_of_series, scales, volume_of};
+pub(crate) use edited_function::{data_scope, edited_node, fields_of, scales, volume_of};
 use eframe::egui::{self, Align2, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
 use images::Images;
 use plane::{Change, Counts, Handle, Plane, S_AND_G};

@@ -115,6 +115,11 @@ fn write_series(folder: &Path) {
 
 #[test]
 fn numbers_relative_to_a_series_are_drawn_and_stay_relative() {
+    // Of two steps a sample is all.
+    ["series", "sample"].into_iter().for_each(check_relative_numbers);
+}
+
+fn check_relative_numbers(scope: &str) {
     let text = TEXT
         .replace(
             "type = \"wavelet\"\nresolution = [12, 12, 12] # coarse",
@@ -122,7 +127,9 @@ fn numbers_relative_to_a_series_are_drawn_and_stay_relative() {
         )
         .replace(
             "type = \"transfer-function\"",
-            "type = \"transfer-function\"\nrelative_to = \"series\"\ninputs = { volume = \"gradient\" }",
+            &format!(
+                "type = \"transfer-function\"\nrelative_to = \"{scope}\"\ninputs = {{ volume = \"gradient\" }}"
+            ),
         )
         .replace("centre = [150.0, 20.0]", "centre = [\"50 %\", 0.5]")
         .replace("sigma = [60.0, 40.0]", "sigma = [\"10 %\", 0.2]");

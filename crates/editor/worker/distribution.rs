@@ -12,7 +12,7 @@ use voltet_core::transfer::{AxisScale, DECADES, DataStatistics};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_graph::{ArrayRef, Demand, RunContext};
-use voltet_nodes::relative;
+use voltet_nodes::relative::{self, DataScope};
 
 const BINS: usize = 256;
 
@@ -24,8 +24,8 @@ pub(crate) struct DistributionQuery {
     /// Scales of s and g.
     pub scales: [AxisScale; 2],
     pub fields: Vec<String>,
-    /// True if numbers are relative to all steps of a time series together.
-    pub of_series: bool,
+    /// Data that relative numbers refer to.
+    pub scope: DataScope,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -73,9 +73,13 @@ impl DistributionQuery {
         let histogram = histogram(grid, [&x, &y], axes, progress)?;
         let shown = [0, 1].map(|k| [axes[k].low, axes[k].high].map(|position| scales[k].value(position)));
         let (quantities, scales) = (self.quantities(), self.scales);
-        let known = match self.of_series {
-            true => series_scales(call, quantities, (shown, scales), volume.gradient_magnitude.is_some())?,
-            false => DataScales::find(&quantities, (shown, scales), progress, |look| look(&volume))?,
+        let steps = self.scope.steps(call.step_count("volume")?);
+        let known = match &steps {
+            Some(steps) => {
+                let has_gradient = volume.gradient_magnitude.is_some();
+                series_scales(call, (quantities, steps), (shown, scales), has_gradient)?
+            }
+            None => DataScales::find(&quantities, (shown, scales), progress, |look| look(&volume))?,
         };
         Ok(Distribution { histogram, known })
     }
@@ -260,14 +264,14 @@ fn values_of<'a>(volume: &'a Volume, quantity: &ArrayRef) -> Result<Cow<'a, [f64
     }
 }
 
-/// Statistics of the series, by the quantities and axes that they were computed for.
-type SeriesCache = Mutex<Vec<((Vec<ArrayRef>, [[u64; 2]; 2]), DataScales)>>;
+/// Statistics of steps of the series, by the quantities, the bits of the ends of the axes, and the steps that they are of.
+type SeriesCache = Mutex<Vec<((Vec<ArrayRef>, [[u64; 2]; 2], Vec<usize>), DataScales)>>;
 
-/// Scales of all steps of a series, one at a time, as the transfer function looks at them. `quantities`: those of the plane's axes
-/// first; `shown`: the values at the ends of these axes.
+/// Scales of steps of a series, one at a time, as the transfer function looks at them. `quantities`: those of the plane's axes first;
+/// `shown`: the values at the ends of these axes.
 fn series_scales(
     call: &RunContext,
-    quantities: Vec<ArrayRef>,
+    (quantities, steps): (Vec<ArrayRef>, &[usize]),
     (shown, axes): ([[f64; 2]; 2], [AxisScale; 2]),
     gradient_magnitude: bool,
 ) -> Result<DataScales> {
@@ -275,20 +279,17 @@ fn series_scales(
     demand.arrays.named.extend(arrays(&quantities));
     let kept: Arc<SeriesCache> = call.keep_over_steps("volume", &demand, || Ok(SeriesCache::default()))?;
     let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
-    let bits = shown.map(|ends| ends.map(f64::to_bits));
-    let is_found = |((of, at), known): &&((Vec<ArrayRef>, [[u64; 2]; 2]), DataScales)| {
-        (of, at, known.axes) == (&quantities, &bits, axes)
-    };
-    if let Some((_, known)) = kept.iter().find(is_found) {
+    let key = (quantities, shown.map(|ends| ends.map(f64::to_bits)), steps.to_vec());
+    if let Some((_, known)) = kept.iter().find(|(of, known)| *of == key && known.axes == axes) {
         return Ok(known.clone());
     }
-    let known = DataScales::find(&quantities, (shown, axes), call.progress(), |look| {
-        call.each_step("volume", &demand, None, &mut |_, value| match value.volume() {
+    let known = DataScales::find(&key.0, (shown, axes), call.progress(), |look| {
+        call.each_step("volume", &demand, Some(steps), &mut |_, value| match value.volume() {
             Some(volume) => look(&*volume?),
             None => Ok(()),
         })
     })?;
-    kept.push(((quantities, bits), known.clone()));
+    kept.push((key, known.clone()));
     Ok(known)
 }
 

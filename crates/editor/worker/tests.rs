@@ -249,7 +249,13 @@ fn the_distribution_comes_late_and_leaves_the_picture_as_it_is() {
     let source = VolumeSource { nodes, folder: PathBuf::new(), output: "gradient".into() };
     let axes = ["s", "g"].map(ArrayRef::Named);
     let scales = Default::default();
-    let query = DistributionQuery { of_series: false, source, axes, scales, fields: Vec::new() };
+    let query = DistributionQuery {
+        scope: voltet_nodes::relative::DataScope::Step,
+        source,
+        axes,
+        scales,
+        fields: Vec::new(),
+    };
     worker.ask(|output| &mut output.distribution, query);
     settle(&worker);
     let before = worker.shown(|shown| shown.pixels.clone().unwrap().picture);

@@ -4,6 +4,7 @@ use crate::document::Document;
 use crate::graph::{GraphNode, Session};
 use crate::io::encode::Source;
 use crate::io::provenance::Provenance;
+use crate::nodes::relative::{DataScope, RELATIVE_TO};
 use std::path::Path;
 use std::time::SystemTime;
 
@@ -36,9 +37,9 @@ fn is_written(document: &Document, place: usize, session: &Session) -> bool {
 fn is_newer_than_series(document: &Document, picture: &Path) -> bool {
     let of_series = |node: &GraphNode| {
         node.parameters
-            .optional("relative_to")
+            .optional(RELATIVE_TO.name)
             .and_then(|word| word.text())
-            .is_some_and(|word| word != "step")
+            .is_some_and(|word| DataScope::from_word(word) != DataScope::Step)
     };
     if !document.graph.nodes.iter().any(of_series) {
         return true;
