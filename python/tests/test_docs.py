@@ -59,6 +59,7 @@ def test_the_page_is_true(cube, tmp_path, monkeypatch):
     (tmp_path / "pipelines").mkdir()
     (tmp_path / "data").symlink_to(ROOT / "data")
     (tmp_path / "pipelines/quickstart.toml").write_text((ROOT / "pipelines/quickstart.toml").read_text())
+    write_series(tmp_path)
     monkeypatch.chdir(tmp_path)
     tetrahedra = cube["tetrahedra"]
     names = {
@@ -75,4 +76,45 @@ def test_the_page_is_true(cube, tmp_path, monkeypatch):
             names["grid"] = pv.ImageData(dimensions=(5, 5, 5)).cast_to_unstructured_grid()
             names["grid"]["T"] = np.linspace(0, 100, 125)
         exec(compile(block.replace('0, "T")', '0, "RTData")'), "docs/src/how-to/python.md", "exec"), names)
+    first, last = [(tmp_path / f"run_{step:04}.png").read_bytes() for step in (0, 5)]
+    assert first != last and not (tmp_path / "run_0001.png").exists()
     assert names["picture"].shape == (600, 800, 4) and (tmp_path / "T.toml").exists()
+
+
+def write_series(folder):
+    """A pipeline of a series of six steps: a = x, more of it in every step."""
+    steps = ""
+    for step in range(6):
+        values = " ".join(str(i % 3 * (step + 1)) for i in range(27))
+        (folder / f"step{step}.vti").write_text(
+            '<VTKFile type="ImageData" version="0.1"><ImageData WholeExtent="0 2 0 2 0 2" Origin="0 0 0" Spacing="1 1 1">'
+            f'<Piece Extent="0 2 0 2 0 2"><PointData><DataArray type="Float64" Name="a" format="ascii">{values}'
+            "</DataArray></PointData></Piece></ImageData></VTKFile>"
+        )
+        steps += f'<DataSet timestep="{step}" file="step{step}.vti"/>'
+    (folder / "all.pvd").write_text(f'<VTKFile type="Collection" version="0.1"><Collection>{steps}</Collection></VTKFile>')
+    (folder / "series.toml").write_text("""[pipeline]
+format = 1
+[nodes.grid]
+type = "reader"
+path = "all.pvd"
+[nodes.look]
+type = "transfer-function"
+unit_distance = 1.0
+[[nodes.look.widgets]]
+kind = "colormap"
+range = [0.0, 12.0]
+extinction = 1.0
+[nodes.view]
+type = "camera"
+view = "isometric"
+size = [32, 24]
+inputs = { volume = "grid" }
+[nodes.picture]
+type = "renderer"
+inputs = { volume = "grid", transfer_function = "look", camera = "view" }
+[nodes.file]
+type = "image-writer"
+path = "series.png"
+inputs = { image = "picture" }
+""")
