@@ -39,5 +39,7 @@ def test_a_volume_stands_in_the_render_view(tmp_path):
     if not os.environ.get("DISPLAY"):
         if not shutil.which("xvfb-run"):
             pytest.skip("there is no display, and no xvfb-run")
-        before = ["xvfb-run", "--auto-servernum"]
+        # Without -noreset the server starts again when its last client leaves, and refuses who comes just then:
+        # pvpython opens its display, closes it, and opens it again.
+        before = ["xvfb-run", "--auto-servernum", "--server-args=-screen 0 1280x1024x24 -noreset"]
     paraview("paraview_view.py", tmp_path, *before)
