@@ -10,8 +10,8 @@ use voltet_core::grid::{Array, CellValues, Grid, add_from_cells};
 use voltet_core::parameters::suggest;
 use voltet_core::{Error, Result, counted};
 use voltet_graph::{
-    DefaultValue, Demand, DemandContext, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType,
-    RunContext, SourceSpan, Value,
+    DefaultValue, Demand, DemandContext, Node, Outputs, Parameter, ParameterType, Parameters, PartWork, Port,
+    PortType, RunContext, SourceSpan, Value,
 };
 
 /// The declaration.
@@ -88,6 +88,7 @@ pub const NODE: Node = Node {
     example: include_str!("examples/calculator.toml"),
     check: &|parameters| Calculation::new(parameters).map(drop),
     demand: &demand,
+    part_work: PartWork::Each,
     run: &run,
     ..Node::BLANK
 };

@@ -11,8 +11,8 @@ use voltet_core::grid::extent::corners;
 use voltet_core::transfer::{resolved, with_placeholders};
 use voltet_core::{Error, Result};
 use voltet_graph::{
-    AxisRef, DefaultValue, Demand, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType,
-    Range, RelativeNumberType, RunContext, StatisticKind, Value,
+    AxisRef, DefaultValue, Demand, Node, Outputs, Parameter, ParameterType, Parameters, PartWork, Port,
+    PortType, Range, RelativeNumberType, RunContext, StatisticKind, Value,
 };
 
 /// Largest side of a picture, pixels: what the engine counts.
@@ -191,6 +191,7 @@ pub const NODE: Node = Node {
     check: &|parameters| camera(&with_placeholders(parameters)?, Some([DVec3::ZERO, DVec3::ONE])).map(drop),
     // Bounds need points alone.
     demand: &|asking| asking.ask("volume", &Demand::default()),
+    part_work: PartWork::All,
     run: &run,
     ..Node::BLANK
 };
@@ -217,8 +218,12 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
 }
 
 /// Bounds of the data at the input `volume`, or of all steps of their series that count.
-fn bounds(call: &RunContext) -> Result<Option<[DVec3; 2]>> {
+fn bounds(call: &mut RunContext) -> Result<Option<[DVec3; 2]>> {
     let scope = DataScope::from_parameters(call.parameters)?;
+    if call.is_in_parts() {
+        scope.refuse_series(call.parameters)?;
+        return bounds_of_parts(call);
+    }
     let Some(steps) = scope.steps(call.step_count("volume")?) else {
         return Ok(call.volume("volume")?.grid.bounds());
     };
@@ -238,6 +243,19 @@ fn bounds(call: &RunContext) -> Result<Option<[DVec3; 2]>> {
         Ok(())
     })?;
     kept.push(SeriesBounds(steps, bounds));
+    Ok(bounds)
+}
+
+/// Bounds of a grid in parts.
+fn bounds_of_parts(call: &mut RunContext) -> Result<Option<[DVec3; 2]>> {
+    let mut bounds: Option<[DVec3; 2]> = None;
+    call.each_part(&mut |call| {
+        if let Some([low, high]) = call.volume("volume")?.grid.bounds() {
+            let [a, b] = bounds.unwrap_or([low, high]);
+            bounds = Some([a.min(low), b.max(high)]);
+        }
+        Ok(())
+    })?;
     Ok(bounds)
 }
 

@@ -9,8 +9,8 @@ use voltet_core::grid::{Grid, extent};
 use voltet_core::volume::Volume;
 use voltet_cpu::NEGLIGIBLE_DEPTH;
 use voltet_graph::{
-    DefaultValue, Demand, DemandContext, Diagnostics, Node, Outputs, Parameter, ParameterType, Port,
-    PortType, RunContext, SavedWork, TransferFunctionSpec, Value,
+    DefaultValue, Demand, DemandContext, Diagnostics, Node, Outputs, Parameter, ParameterType, PartWork,
+    Port, PortType, RunContext, SavedWork, TransferFunctionSpec, Value,
 };
 
 /// The declaration.
@@ -28,6 +28,7 @@ pub const NODE: Node = Node {
     }],
     example: include_str!("examples/stages.toml"),
     demand: &demand,
+    part_work: PartWork::Each,
     run: &run,
     ..Node::BLANK
 };

@@ -6,8 +6,8 @@ use voltet_core::grid::{Array, Grid};
 use voltet_core::volume::Volume;
 use voltet_core::{Result, counted};
 use voltet_graph::{
-    DefaultValue, DemandContext, Diagnostics, Node, Outputs, Parameter, ParameterType, Parameters, Port,
-    PortType, Range, RunContext, SavedWork, Value,
+    DefaultValue, DemandContext, Diagnostics, Node, Outputs, Parameter, ParameterType, Parameters, PartWork,
+    Port, PortType, Range, RunContext, SavedWork, Value,
 };
 
 /// The declaration.
@@ -49,6 +49,7 @@ pub const NODE: Node = Node {
     example: include_str!("examples/multi_gradient.toml"),
     check: &|parameters| MultiGradientOptions::new(parameters).map(drop),
     demand: &demand,
+    part_work: PartWork::Each,
     run: &run,
     ..Node::BLANK
 };

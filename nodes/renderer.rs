@@ -2,7 +2,7 @@
 
 use crate::drawing;
 use voltet_core::Result;
-use voltet_graph::{Node, Outputs, Parameter, Port, PortType, RunContext};
+use voltet_graph::{Node, Outputs, Parameter, PartWork, Port, PortType, RunContext};
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -22,6 +22,7 @@ pub const NODE: Node = Node {
         let parameters = asking.parameters;
         drawing::ask_engine(asking, parameters.text("engine")?)
     },
+    part_work: PartWork::All,
     run: &run,
     ..Node::BLANK
 };
@@ -42,6 +43,9 @@ const PARAMETERS: [Parameter; 9] = {
 };
 
 fn run(call: &mut RunContext) -> Result<Outputs> {
+    if call.is_in_parts() {
+        return drawing::draw_parts(call);
+    }
     let scene = drawing::scene(call)?;
     let picture = drawing::draw(call, &scene, call.parameters.text("engine")?)?;
     let cells = |call: &RunContext| drawing::contributing_cells(call, &scene);

@@ -16,7 +16,7 @@ use voltet_core::volume::Volume;
 use voltet_core::{Error, Result, counted};
 use voltet_graph::{
     ArrayRef, AxisRef, DefaultValue, Demand, DemandContext, Node, Outputs, Parameter, ParameterType,
-    Parameters, Port, PortType, Range, RelativeNumberType, RunContext, StatisticKind, Value,
+    Parameters, PartWork, Port, PortType, Range, RelativeNumberType, RunContext, StatisticKind, Value,
 };
 use voltet_io::formats::{BLOCK, blocks_named};
 
@@ -100,6 +100,7 @@ pub const NODE: Node = Node {
     example: include_str!("examples/threshold.toml"),
     check: &|p| Condition::new(&with_placeholders(p)?).map(drop),
     demand: &demand,
+    part_work: PartWork::Each,
     run: &run,
     ..Node::BLANK
 };

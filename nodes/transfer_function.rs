@@ -9,8 +9,8 @@ use voltet_core::transfer::{
 };
 use voltet_core::{Error, Result};
 use voltet_graph::{
-    DefaultValue, NamedStub, Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, Range,
-    RunContext, TransferFunctionSpec, Value,
+    DefaultValue, NamedStub, Node, Outputs, Parameter, ParameterType, Parameters, PartWork, Port, PortType,
+    Range, RunContext, TransferFunctionSpec, Value,
 };
 
 /// The declaration.
@@ -89,6 +89,7 @@ pub const NODE: Node = Node {
         asking.ask("widgets", &asked)?;
         relative::ask(asking)
     },
+    part_work: PartWork::All,
     run: &run,
     ..Node::BLANK
 };

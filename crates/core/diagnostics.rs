@@ -112,6 +112,34 @@ impl Diagnostics {
         self.findings.push(DataFinding { node: String::new(), what: what.into(), figures });
     }
 
+    /// Adds the diagnostics of the same work on a part of the data: counts are added up, and each sentence stands once.
+    pub fn add_part(&mut self, part: Diagnostics) {
+        for (name, count) in part.counts {
+            *self.counts.entry(name).or_insert(0) += count;
+        }
+        for SkippedWork { what, why, saving, .. } in part.skipped {
+            self.record_skipped(what, why, saving);
+        }
+        for warning in part.warnings {
+            if !self.warnings.contains(&warning) {
+                self.warnings.push(warning);
+            }
+        }
+        for finding in part.findings {
+            if !self.findings.contains(&finding) {
+                self.findings.push(finding);
+            }
+        }
+        for (stage, seconds) in part.stages {
+            match self.stages.iter_mut().find(|(known, _)| *known == stage) {
+                Some((_, sum)) => *sum += seconds,
+                None => self.stages.push((stage, seconds)),
+            }
+        }
+        self.engine = self.engine.take().or(part.engine);
+        self.adapter = self.adapter.take().or(part.adapter);
+    }
+
     /// Adds the diagnostics of a part of the work, such as an engine's or those of planning. Stages and files are not taken over;
     /// an engine is, where none is recorded here.
     pub fn add(&mut self, part: Diagnostics) {

@@ -8,12 +8,13 @@ use crate::counts::Counts;
 use crate::projection::{Projection, SubpixelView};
 use crate::segment_cache::{CacheBudget, SegmentCache};
 use crate::shade::shader::Shader;
-use crate::tile::{TILE, TilePicture};
+use crate::tile::{TILE, TilePicture, TileRect};
 use rayon::prelude::*;
 use std::sync::atomic::AtomicUsize;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
+use voltet_optics::depth_image::{SampleStretches, VolumetricDepthImage};
 use voltet_optics::ray_events::{RayEvents, composite_behind};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::Ordering;
@@ -34,6 +35,16 @@ pub(crate) struct RayInputs<'a> {
     pub depth_limit: Option<&'a [f32]>,
     pub events: Option<&'a RayEvents>,
     pub cache: Option<&'a SegmentCache>,
+    /// True if the stretches of rays that the cells fill are recorded.
+    pub records_stretches: bool,
+}
+
+/// A frame that is drawn.
+pub(crate) struct DrawnFrame {
+    pub picture: Picture,
+    pub counts: Counts,
+    /// The stretches of rays that the cells fill, where they are recorded.
+    pub depth_image: Option<VolumetricDepthImage>,
 }
 
 /// Checks depth limits: one a pixel, each a number.
@@ -53,7 +64,7 @@ fn check_depth_limit(limits: &[f32], [width, height]: [usize; 2]) -> Result<()> 
 impl FrameRenderer<'_> {
     /// Integrates and composites every pixel's segments. Errors: a cancelled run, a segment that the integrator cannot integrate.
     pub fn composite(&self, progress: &dyn Progress) -> Result<(Picture, Counts)> {
-        self.draw(RayInputs::default(), None, progress)
+        self.picture(RayInputs::default(), None, progress)
     }
 
     /// Like [`FrameRenderer::composite`], with the surfaces and clips of a scene, for which the cells must be in the exact order, and with
@@ -66,7 +77,18 @@ impl FrameRenderer<'_> {
         depth_limit: Option<&[f32]>,
         progress: &dyn Progress,
     ) -> Result<(Picture, Counts)> {
-        self.draw(RayInputs { depth_limit, ..RayInputs::default() }, Some(scene), progress)
+        self.picture(RayInputs { depth_limit, ..RayInputs::default() }, Some(scene), progress)
+    }
+
+    /// Draws the picture alone.
+    fn picture(
+        &self,
+        inputs: RayInputs<'_>,
+        scene: Option<&Scene>,
+        progress: &dyn Progress,
+    ) -> Result<(Picture, Counts)> {
+        let drawn = self.draw(inputs, scene, progress)?;
+        Ok((drawn.picture, drawn.counts))
     }
 
     /// Records the segments in place of drawing them: of one sample a pixel. `None` where they take more than `limit` bytes, or a
@@ -92,7 +114,7 @@ impl FrameRenderer<'_> {
         sample: &'b SubpixelView,
         tiles: &'b [u32],
         attributes: &'b [Attribute<'b>],
-        RayInputs { depth_limit, events, cache }: RayInputs<'b>,
+        RayInputs { depth_limit, events, cache, records_stretches }: RayInputs<'b>,
     ) -> FrameContext<'b> {
         let cells = &self.projection.cells;
         let grid = &cells.volume.grid;
@@ -119,6 +141,7 @@ impl FrameRenderer<'_> {
             depth_limit,
             events,
             axes: self.axes.as_ref(),
+            records_stretches,
             buffers: &cells.buffers,
         }
     }
@@ -147,7 +170,7 @@ impl FrameRenderer<'_> {
         inputs: RayInputs<'_>,
         scene: Option<&Scene>,
         progress: &dyn Progress,
-    ) -> Result<(Picture, Counts)> {
+    ) -> Result<DrawnFrame> {
         let FrameRenderer { projection, attributes, table_bytes, .. } = self;
         let cells = &projection.cells;
         let [width, height] = projection.camera.size.map(|n| n as usize);
@@ -156,6 +179,11 @@ impl FrameRenderer<'_> {
         }
         let event_source = scene.map_or(Ok(None), Scene::ray_event_source)?;
         let mut picture = Picture::transparent(width, height);
+        let mut depth_image = inputs.records_stretches.then(|| VolumetricDepthImage {
+            size: [width, height],
+            resolution: 0.0,
+            samples: Vec::new(),
+        });
         let (cells_projected, table_bytes) = (projection.cells_projected().unwrap_or(0), *table_bytes);
         let mut counts = Counts { cells_projected, table_bytes, ..Counts::default() };
         let offsets = projection.camera.sample_offsets();
@@ -200,9 +228,29 @@ impl FrameRenderer<'_> {
                 }
             }
             add(&mut picture, &pictures, events.as_ref(), weight);
+            if let Some(image) = &mut depth_image {
+                put_sample(image, outputs)?;
+            }
         }
-        Ok((picture, counts))
+        Ok(DrawnFrame { picture, counts, depth_image })
     }
+}
+
+/// Adds the stretches of a sample of all pixels.
+fn put_sample(image: &mut VolumetricDepthImage, outputs: Vec<WorkerOutput>) -> Result<()> {
+    let [width, height] = image.size;
+    let mut pixels = vec![Vec::new(); width * height];
+    for (tile, stretches) in outputs.into_iter().flat_map(|output| output.stretches) {
+        image.resolution = image.resolution.max(stretches.resolution);
+        let rect = TileRect::new(tile as usize, image.size);
+        for (pixel, own) in stretches.pixels.into_iter().enumerate() {
+            if pixel % TILE < rect.size[0] && pixel / TILE < rect.size[1] {
+                pixels[(rect.top + pixel / TILE) * width + rect.left + pixel % TILE] = own;
+            }
+        }
+    }
+    image.samples.push(SampleStretches::new(&pixels)?);
+    Ok(())
 }
 
 impl SubpixelView {

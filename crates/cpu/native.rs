@@ -4,7 +4,7 @@ use crate::cells::Cells;
 use crate::counts::Counts;
 use crate::cull::VolumeCache;
 use crate::draw::{max_optical_depth, needs_gradient, prepare, prepare_in_order, project, sort};
-use crate::frame_renderer::RayInputs;
+use crate::frame_renderer::{DrawnFrame, RayInputs};
 use crate::projection::Projection;
 use crate::segment_cache::{Plan, SegmentCache};
 use crate::selection::CullSample;
@@ -30,6 +30,7 @@ pub const ENGINE: EngineInfo = EngineInfo {
     taken: Some("the CPU"),
     unavailable_reason: None,
     on_device: false,
+    draws_parts: true,
     compositing: &[],
     can_serve: |transfer_function, shading| integrators::can_serve(&shading.integrator, transfer_function),
     adapters: Vec::new,
@@ -112,6 +113,7 @@ impl PreparedVolume for NativeVolume {
             false => Some(VolumeCache::new(volume)?),
         };
         if manner.preview
+            && !manner.part
             && prepared.is_none()
             && other_volume.is_none()
             && let Some(segments) = self.cached_segments(scene, manner, &mut timer, progress)?
@@ -138,12 +140,14 @@ impl PreparedVolume for NativeVolume {
             &projection,
             transfer_function,
             shading,
-            manner.exhaustive || scene.has_events(),
+            // A part may have fewer colours than the whole grid.
+            manner.exhaustive || scene.has_events() || (manner.part && scene.needs_order()),
         )?;
         timer.end(Stage::SetUp);
-        let (picture, counts) = renderer.composite_scene(scene, None, progress)?;
+        let inputs = RayInputs { records_stretches: manner.part, ..RayInputs::default() };
+        let DrawnFrame { picture, counts, depth_image } = renderer.draw(inputs, Some(scene), progress)?;
         timer.end(Stage::Composite);
-        let mut drawn = RenderOutput::new(picture, timer.stages);
+        let mut drawn = RenderOutput { depth_image, ..RenderOutput::new(picture, timer.stages) };
         drawn.notes = Diagnostics::new(manner.exhaustive);
         cells.count(&mut drawn.counts);
         cells.note(&mut drawn.notes);
@@ -213,7 +217,7 @@ impl NativeVolume {
         let renderer = prepare(&projection, transfer_function, shading)?;
         timer.end(Stage::SetUp);
         let inputs = RayInputs { cache: Some(segments), ..RayInputs::default() };
-        let (picture, counts) = renderer.draw(inputs, None, progress)?;
+        let DrawnFrame { picture, counts, .. } = renderer.draw(inputs, None, progress)?;
         timer.end(Stage::Composite);
         let mut drawn = RenderOutput { is_preview: true, ..RenderOutput::new(picture, timer.stages) };
         let why = "the segments of this view were kept when its widgets changed";

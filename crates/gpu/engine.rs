@@ -24,6 +24,7 @@ pub const ENGINE: EngineInfo = EngineInfo {
     taken: Some("the GPU if a hardware adapter holds the scene"),
     unavailable_reason: None,
     on_device: true,
+    draws_parts: false,
     compositing: Compositor::ALL,
     can_serve,
     adapters: || Adapters::find().described(),

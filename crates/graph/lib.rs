@@ -26,8 +26,9 @@ pub use api::context::{
     DemandContext, NoObserver, NodeProgress, Observer, Outputs, PlanContext, Preparation, RunContext,
 };
 pub use api::demand::{Arrays, Demand};
-pub use api::node::{NamedStub, Node, PlanningStub, Steps, TimeSeries};
+pub use api::node::{NamedStub, Node, PartWork, PlanningStub, Steps, TimeSeries};
 pub use api::origins::{FileRead, FileStamp, Origins, ResolvedPipeline, Stamp, relative_path};
+pub use api::parts::GridPart;
 pub use api::value::{
     CellValues, Edge, Port, PortType, Revision, StagePayload, TransferFunctionSpec, Value, diagonal,
 };

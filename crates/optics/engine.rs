@@ -3,6 +3,7 @@
 //!
 //! The nodes that draw use engines through these types alone, from one list.
 
+use crate::depth_image::VolumetricDepthImage;
 use crate::scene::Scene;
 use crate::shading::{Ordering, Shading};
 use std::any::Any;
@@ -28,6 +29,8 @@ pub struct EngineInfo {
     /// True if it runs on a device, which `adapter` names: it may be missing, has limits of its own, and keeps from frame to
     /// frame what was set up on it. Other engines draw every scene and set up each frame anew ([`Stage::SetUp`]).
     pub on_device: bool,
+    /// True if it draws parts of a grid, each by itself ([`RenderOptions::part`]).
+    pub draws_parts: bool,
     /// The ways in which it composites; none where it has one only, of every order.
     pub compositing: &'static [Compositor],
     /// Refuses a scene that no device of it can draw, before data are read. Limits that depend on the data are checked when it is
@@ -64,6 +67,7 @@ impl EngineInfo {
             taken: Some(name),
             unavailable_reason: Some(why),
             on_device: true,
+            draws_parts: false,
             compositing: &[],
             can_serve: |_, _| Ok(()),
             adapters: Vec::new,
@@ -105,6 +109,9 @@ pub struct RenderOptions {
     /// True if other pictures of the same view follow at once, with other widgets: the engine may cache the view's segments, and the picture
     /// may differ by rounding, some 1e-5, from one that is drawn by itself ([`RenderOutput::is_preview`]).
     pub preview: bool,
+    /// True if the volume is a part of a grid, whose other parts are drawn by themselves: its volumetric depth image is recorded. For
+    /// engines that have [`EngineInfo::draws_parts`].
+    pub part: bool,
 }
 
 /// An engine that is open: what it runs on is there. `Any`: a crate that knows an engine's own type finds it again.
@@ -243,6 +250,8 @@ pub struct RenderOutput {
     pub is_preview: bool,
     /// Further diagnostics: counts of this engine alone, skipped work, warnings.
     pub notes: Diagnostics,
+    /// The volumetric depth image of a part ([`RenderOptions::part`]).
+    pub depth_image: Option<VolumetricDepthImage>,
 }
 
 impl RenderOutput {
@@ -254,6 +263,7 @@ impl RenderOutput {
             stages,
             is_preview: false,
             notes: Diagnostics::default(),
+            depth_image: None,
         }
     }
 }

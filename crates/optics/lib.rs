@@ -7,6 +7,7 @@ pub mod clip;
 mod compiled;
 pub mod compositing;
 pub mod curved_axes;
+pub mod depth_image;
 pub mod engine;
 pub mod integrators;
 pub mod kinds;

@@ -117,6 +117,7 @@ pub const ENGINE: EngineInfo = EngineInfo {
     taken: None,
     unavailable_reason: None,
     on_device: false,
+    draws_parts: false,
     compositing: &[],
     can_serve: |_, shading| match shading.integrator.name() == NAME {
         true => Ok(()),

@@ -3,10 +3,12 @@
 mod diagnostics;
 mod engines;
 mod layers;
+mod parts;
 mod scene;
 
 pub use diagnostics::warnings as picture_warnings;
 pub(crate) use diagnostics::{note, note_bands, note_unsorted, record_unsorted};
 pub use engines::*;
 pub(crate) use layers::{contributing_cells, image};
+pub(crate) use parts::draw_parts;
 pub use scene::*;

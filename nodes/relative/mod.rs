@@ -66,6 +66,19 @@ impl DataScope {
         }
     }
 
+    /// Refuses steps of a series, for a grid in parts.
+    ///
+    /// # Errors
+    /// - a scope of several steps.
+    pub fn refuse_series(self, p: &Parameters) -> Result<()> {
+        if self == DataScope::Step {
+            return Ok(());
+        }
+        let error = p.error(RELATIVE_TO.name, "steps of a series are looked at as whole grids");
+        let error = error.got("a grid in parts (--memory)");
+        Err(error.expected("relative_to = \"step\", numbers that are not relative, or a larger --memory"))
+    }
+
     /// Numbers of the steps, of a series of so many; `None`: that of the input alone.
     pub fn steps(self, count: usize) -> Option<Vec<usize>> {
         match self {
@@ -278,12 +291,16 @@ fn found_in(
         DataScope::Step => None,
         _ => scope.steps(call.step_count("volume")?),
     };
-    let new = if let Some(steps) = steps {
+    let new = if call.is_in_parts() {
+        scope.refuse_series(call.parameters)?;
+        measure_parts(call, &missing)?
+    } else if let Some(steps) = steps {
         let mut read = 0;
         let new = measure_series(call, &missing, (demand, &steps, view), &mut read)?;
         call.notes.counts.insert("steps_read", read);
         new
     } else {
+        refuse_part(call)?;
         let volume = call.volume("volume")?;
         call.stage("range", |progress| measure(&volume, &missing, progress))?
     };
@@ -292,6 +309,17 @@ fn found_in(
     let computed: usize = missing.percentiles.values().map(BTreeSet::len).sum();
     call.notes.counts.insert("percentiles_computed", computed as u64);
     Ok(known.clone())
+}
+
+/// Refuses numbers that a node would find from a part of a grid in place of the whole.
+fn refuse_part(call: &RunContext) -> Result<()> {
+    if call.part().is_none() {
+        return Ok(());
+    }
+    let error = Error::usage(
+        "the node runs for each part of a grid (--memory), and its numbers are relative to the whole",
+    );
+    Err(error.expected("numbers that are not relative, or a larger --memory"))
 }
 
 /// Statistics found in the data.
@@ -404,8 +432,10 @@ fn with_array_name(quantity: &ArrayRef, error: Error) -> Error {
 fn measure(volume: &Volume, wanted: &StatisticsRequest, progress: &dyn Progress) -> Result<FoundStatistics> {
     let mut found = FoundStatistics::default();
     for quantity in &wanted.ranges {
-        let range =
-            value_range(values(volume, quantity)?).map_err(|error| with_array_name(quantity, error))?;
+        // At points of ghosts alone the gradient is not that of the grid.
+        let values = values(volume, quantity)?;
+        let drawn = &values[..volume.grid.drawn_points().min(values.len())];
+        let range = value_range(drawn).map_err(|error| with_array_name(quantity, error))?;
         found.ranges.insert(quantity.clone(), range);
     }
     for (quantity, percents) in &wanted.percentiles {
@@ -421,6 +451,12 @@ fn measure(volume: &Volume, wanted: &StatisticsRequest, progress: &dyn Progress)
 /// Pieces that the interval of a percentile is cut into.
 const EDGES: usize = 4096;
 
+/// Rounds in which the percentiles of a series are narrowed down: to a 4,096th of what its steps differ by.
+const SERIES_ROUNDS: usize = 1;
+
+/// Rounds in which the percentiles of a grid in parts are narrowed down: to 6e-8 of what its parts differ by.
+const PART_ROUNDS: usize = 2;
+
 /// The volume below the edges of an interval, over all steps.
 struct Sums {
     /// From the least percentile of a step to the largest.
@@ -433,6 +469,21 @@ impl Sums {
     fn edge(&self, i: usize) -> f64 {
         let share = i as f64 / EDGES as f64;
         self.interval[0] * (1.0 - share) + self.interval[1] * share
+    }
+
+    /// Before any volume is looked at.
+    fn of(interval: [f64; 2]) -> Sums {
+        Sums { interval, below: vec![0.0; EDGES + 1], total: 0.0 }
+    }
+
+    /// The edges between which a percentile lies.
+    fn narrowed(&self, percent: f64) -> [f64; 2] {
+        let wanted = percent / 100.0 * self.total;
+        match self.below.partition_point(|&volume| volume < wanted) {
+            0 => [self.interval[0]; 2],
+            above if above > EDGES => [self.interval[1]; 2],
+            above => [self.edge(above - 1), self.edge(above)],
+        }
     }
 
     /// Value below which so many percent of the volume lie.
@@ -449,6 +500,9 @@ impl Sums {
     }
 }
 
+/// Work on one of several volumes.
+type OfVolume<'a> = dyn FnMut(&Volume, &dyn Progress) -> Result<()> + 'a;
+
 /// Statistics of steps of the series; `read` counts the steps that were read.
 fn measure_series(
     call: &RunContext,
@@ -456,24 +510,39 @@ fn measure_series(
     (demand, steps, view): (&Demand, &[usize], &VolumeView),
     read: &mut u64,
 ) -> Result<FoundStatistics> {
-    let mut found = FoundStatistics::default();
-    if wanted.is_empty() {
-        return Ok(found);
-    }
-    let mut each = |of_step: &mut dyn FnMut(&Volume) -> Result<()>| {
+    measure_several(wanted, SERIES_ROUNDS, &mut |of_step| {
         call.each_step("volume", demand, Some(steps), &mut |_, value: voltet_graph::Value| {
             *read += 1;
             let Some(volume) = value.volume().transpose()? else { return Ok(()) };
             match view(&volume)? {
-                Some(other) => of_step(&other),
-                None => of_step(&volume),
+                Some(other) => of_step(&other, call.progress()),
+                None => of_step(&volume, call.progress()),
             }
         })
-    };
+    })
+}
+
+/// Statistics of a grid in parts.
+fn measure_parts(call: &mut RunContext, wanted: &StatisticsRequest) -> Result<FoundStatistics> {
+    measure_several(wanted, PART_ROUNDS, &mut |of_part| {
+        call.each_part(&mut |call| of_part(&*call.volume("volume")?, call.progress()))
+    })
+}
+
+/// Statistics of several volumes together. `each` hands on all of them, again for each round in which percentiles are narrowed down.
+fn measure_several(
+    wanted: &StatisticsRequest,
+    rounds: usize,
+    each: &mut dyn FnMut(&mut OfVolume) -> Result<()>,
+) -> Result<FoundStatistics> {
+    let mut found = FoundStatistics::default();
+    if wanted.is_empty() {
+        return Ok(found);
+    }
     let mut intervals: BTreeMap<(ArrayRef, u64), [f64; 2]> = BTreeMap::new();
     let wider = |[low, high]: [f64; 2], [a, b]: [f64; 2]| [low.min(a), high.max(b)];
-    each(&mut |volume| {
-        let own = measure(volume, wanted, call.progress())?;
+    each(&mut |volume, progress| {
+        let own = measure(volume, wanted, progress)?;
         for (quantity, range) in own.ranges {
             let known = found.ranges.entry(quantity).or_insert(range);
             *known = wider(*known, range);
@@ -488,20 +557,25 @@ fn measure_series(
     for (key, interval) in intervals {
         let percent = f64::from_bits(key.1);
         if interval[0] == interval[1] || percent <= 0.0 || percent >= 100.0 {
-            // Of 0 % the least of all steps, of 100 % the largest.
+            // Of 0 % the least of all, of 100 % the largest.
             found.percentiles.insert(key, interval[usize::from(percent > 0.0)]);
         } else {
-            sums.insert(key, Sums { interval, below: vec![0.0; EDGES + 1], total: 0.0 });
+            sums.insert(key, Sums::of(interval));
         }
     }
-    if !sums.is_empty() {
-        each(&mut |volume| {
+    for _ in 0..if sums.is_empty() { 0 } else { rounds } {
+        for ((_, bits), own) in &mut sums {
+            if own.total > 0.0 {
+                *own = Sums::of(own.narrowed(f64::from_bits(*bits)));
+            }
+        }
+        each(&mut |volume, progress| {
             for quantity in wanted.percentiles.keys() {
                 let mut own = sums.iter_mut().filter(|((array, _), _)| array == quantity).peekable();
                 if own.peek().is_none() {
                     continue;
                 }
-                let volumes = volumes(volume, quantity, call.progress())?;
+                let volumes = volumes(volume, quantity, progress)?;
                 for (_, sums) in own {
                     let edges: Vec<f64> = (0..=EDGES).map(|i| sums.edge(i)).collect();
                     sums.below.iter_mut().zip(volumes.below_each(&edges)).for_each(|(sum, own)| *sum += own);

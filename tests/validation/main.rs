@@ -7,6 +7,7 @@
 mod drawing;
 mod golden;
 mod orders;
+mod parts;
 mod stiff;
 mod surfaces;
 mod vertex_sampled;

@@ -216,9 +216,7 @@ pub(crate) fn pixel_in_one_color(color: [f32; 3], sum: f32, opacities: bool) -> 
 impl Sink for UnboundedFragmentLists {
     fn take(&mut self, batch: &Batch, shaded: &ShadedBatch, count: usize) {
         for k in (0..count).filter(|&k| batch.length[k] > 0.0) {
-            let rgba = [shaded.rgba[0][k], shaded.rgba[1][k], shaded.rgba[2][k], shaded.rgba[3][k]];
-            let column = batch.pixel[k] as usize & (TILE - 1);
-            self.push(column, Fragment::new(batch.entry[k], batch.exit[k], rgba));
+            self.push(batch.pixel[k] as usize & (TILE - 1), Fragment::of(batch, shaded, k));
         }
     }
 }
@@ -237,6 +235,11 @@ pub(crate) struct Fragment {
 impl Fragment {
     pub fn new(entry: f32, exit: f32, rgba: [f32; 4]) -> Fragment {
         Fragment { rgba, entry, exit }
+    }
+
+    /// Segment `k` of a batch.
+    pub fn of(batch: &Batch, shaded: &ShadedBatch, k: usize) -> Fragment {
+        Fragment::new(batch.entry[k], batch.exit[k], shaded.rgba.each_ref().map(|column| column[k]))
     }
 
     /// True if this segment comes behind the other: [`is_behind`].
@@ -260,6 +263,11 @@ impl UnboundedFragmentLists {
 
     pub fn push(&mut self, column: usize, fragment: Fragment) {
         self.pixels[column].push(fragment);
+    }
+
+    /// The fragments of each pixel.
+    pub fn pixels(&self) -> &[Vec<Fragment>; TILE] {
+        &self.pixels
     }
 
     /// Composites the row; returns the pixels whose segments were not in order.

@@ -59,6 +59,8 @@ pub(crate) struct FrameContext<'a> {
     pub events: Option<&'a RayEvents>,
     /// Curved axes of s and g, on which segments are cut into straight pieces.
     pub axes: Option<&'a LaneAxes>,
+    /// True if the stretches of rays that the cells fill are recorded.
+    pub records_stretches: bool,
     pub buffers: &'a BufferPool,
 }
 
@@ -69,7 +71,10 @@ impl FrameContext<'_> {
 
     /// True if segments need their pixels, entries and exits.
     pub fn needs_depths(&self) -> bool {
-        self.depth_limit.is_some() || self.events.is_some() || self.shader.surface.is_some()
+        self.depth_limit.is_some()
+            || self.events.is_some()
+            || self.shader.surface.is_some()
+            || self.records_stretches
     }
 
     /// Projects a region's cells.

@@ -12,5 +12,6 @@ pub(crate) mod projected_cells;
 pub(crate) mod row_shader;
 pub(crate) mod segment_parts;
 mod straight_pieces;
+pub(crate) mod stretches;
 mod tile;
 pub(crate) mod worker;

@@ -9,6 +9,7 @@ use crate::composite::frame::FrameContext;
 use crate::composite::illumination::illuminate;
 use crate::composite::segment_parts::SegmentCutter;
 use crate::composite::straight_pieces::straighten;
+use crate::composite::stretches::StretchRecorder;
 use crate::counts::Counts;
 use crate::fragments::batch::{BATCH, Batch, DepthLimits, MAX_LANES, clip_to_depth};
 use crate::fragments::crossing::CellPacket;
@@ -65,6 +66,8 @@ pub(crate) struct RowShader {
     pub cutter: Option<Box<SegmentCutter>>,
     /// Segments with values along curved axes, while the batch has their pieces with positions.
     values: Option<Box<Batch>>,
+    /// Recorder of the stretches that the cells fill, where they are recorded.
+    pub recorder: Option<StretchRecorder>,
 }
 
 impl RowShader {
@@ -79,6 +82,7 @@ impl RowShader {
             cutter: (frame.events.is_some() || frame.axes.is_some())
                 .then(|| Box::new(SegmentCutter::new(frame))),
             values: frame.axes.map(|_| Box::new(Batch::new(frame.attribute_count(), frame.scalar_count))),
+            recorder: frame.records_stretches.then(StretchRecorder::new),
         }
     }
 
@@ -141,6 +145,9 @@ impl RowShader {
                 self.blend_slices(frame, row, count, cut, pixels);
             }
         }
+        if let Some(recorder) = &mut self.recorder {
+            cutter.hand_on(recorder);
+        }
         self.cutter = Some(cutter);
     }
 
@@ -167,7 +174,7 @@ impl RowShader {
             }
         };
         let is_deferred = deferred.holds(row);
-        if !frame.shader.pools() {
+        if !frame.shader.pools() || self.recorder.is_some() {
             finish(frame.shader, frame.lanes, batch, shaded);
         } else if is_deferred || shaded.left_over().iter().any(|which| !which.is_empty()) {
             if !is_deferred {
@@ -180,6 +187,9 @@ impl RowShader {
             return deferred_shading.take(frame, (row, batch), shaded, count, deferred);
         }
         self.light(frame, count);
+        if let Some(recorder) = &mut self.recorder {
+            recorder.take(&self.batch, &self.shaded, count, cut);
+        }
         self.put_colors(cut);
         pixels.take(frame.lanes, row, &self.batch, &self.shaded, count);
     }

@@ -5,9 +5,11 @@
 //! are one straight piece or two, of which the second ones become a slice of their own. The parts of the others are shaded in a batch
 //! of their own, and composited to one colour that takes the segment's place.
 
+use crate::composite::accumulators::Fragment;
 use crate::composite::frame::FrameContext;
 use crate::composite::illumination;
 use crate::composite::lane_axes::LaneAxes;
+use crate::composite::stretches::StretchRecorder;
 use crate::fragments::batch::{BATCH, Batch};
 use crate::shade::light::Rays;
 use crate::shade::shaded_batch::ShadedBatch;
@@ -35,6 +37,8 @@ pub(crate) struct SegmentCutter {
     colors: Vec<(usize, [f32; 4])>,
     /// Results of shading parts.
     pub shaded: ShadedBatch,
+    /// Parts that are drawn, each with its pixel, where stretches of rays are recorded.
+    recorded: Vec<(usize, Fragment)>,
 }
 
 /// Cursor of a pixel among its events.
@@ -199,6 +203,7 @@ impl SegmentCutter {
             layers: Vec::new(),
             colors: Vec::new(),
             shaded: ShadedBatch::new(),
+            recorded: Vec::new(),
         }
     }
 
@@ -289,13 +294,23 @@ impl SegmentCutter {
         self.pixels[pixel] = cursor;
     }
 
+    /// Hands on the parts that were drawn.
+    pub fn hand_on(&mut self, recorder: &mut StretchRecorder) {
+        self.recorded.drain(..).for_each(|(pixel, fragment)| recorder.push(pixel, fragment));
+    }
+
     /// Shades the parts, and composites the layers of each segment.
     fn shade(&mut self, frame: &FrameContext<'_>, rays: &Rays) {
-        let SegmentCutter { parts: batch, layers, colors, shaded, .. } = self;
+        let SegmentCutter { parts: batch, layers, colors, shaded, recorded, .. } = self;
         let count = std::mem::take(&mut self.count);
         let adds = frame.shader.one_color.is_some() && frame.shader.surface.is_none();
         if count > 0 {
             illumination::shade(frame, batch, count, rays, shaded);
+        }
+        if frame.records_stretches {
+            let drawn = (0..count).filter(|&k| batch.length[k] > 0.0);
+            recorded
+                .extend(drawn.map(|k| (batch.pixel[k] as usize % PIXELS, Fragment::of(batch, shaded, k))));
         }
         let mut next = 0..count;
         for CutFragment { slot, surface } in layers.drain(..) {

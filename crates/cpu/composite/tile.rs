@@ -9,6 +9,7 @@ use crate::composite::frame::FrameContext;
 use crate::composite::projected_cells::{fill_lists, walk};
 use crate::composite::row_shader::{ListedSlices, Scratch};
 use crate::composite::segment_parts::surfaces_of;
+use crate::composite::stretches::StretchRecorder;
 use crate::fragments::batch::Batch;
 use crate::project::tile_bins::TileBins;
 use crate::segment_cache::{CacheBudget, CachedTile, SegmentCache};
@@ -37,10 +38,16 @@ pub(crate) fn draw_projected(
         // Rows are independent: draw them one at a time with lists that grow.
         scratch.counts = before;
         scratch.counts.tiles_deep += 1;
+        scratch.row_shader.recorder.iter_mut().for_each(StretchRecorder::clear);
         let mut growing = UnboundedFragmentLists::default();
         for row in 0..rect.size[1] {
             growing.clear();
             walk(frame, bins, rect, row..row + 1, scratch, &mut growing);
+            if let Some(recorder) = &mut scratch.row_shader.recorder {
+                for (column, fragments) in growing.pixels().iter().enumerate() {
+                    fragments.iter().for_each(|own| recorder.push(row * TILE + column, *own));
+                }
+            }
             for column in 0..rect.size[0] {
                 for (depth, rgba) in surfaces_of(frame, [rect.left + column, rect.top + row]) {
                     growing.push(column, Fragment::new(depth, depth, rgba));

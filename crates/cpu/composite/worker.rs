@@ -4,12 +4,13 @@
 use crate::composite::fragment_lists::FragmentLists;
 use crate::composite::frame::{FrameContext, SegmentSource};
 use crate::composite::row_shader::{RowShader, Scratch};
+use crate::composite::stretches::{StretchRecorder, TileStretches};
 use crate::composite::tile::{draw_cached, draw_cast, draw_projected, record_tile};
 use crate::counts::Counts;
 use crate::project::regions::Region;
 use crate::project::tile_bins::TileBins;
 use crate::segment_cache::{CacheBudget, CachedTile};
-use crate::tile::{PIXELS, TilePicture};
+use crate::tile::{PIXELS, TilePicture, TileRect};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use voltet_core::Result;
 use voltet_core::progress::Progress;
@@ -23,9 +24,22 @@ pub(crate) struct WorkerOutput {
     pub tiles: Vec<(u32, Box<TilePicture>)>,
     /// Tiles whose segments were recorded.
     pub cached: Vec<(u32, CachedTile)>,
+    /// Stretches of each tile's rays, where they are recorded.
+    pub stretches: Vec<(u32, TileStretches)>,
     /// Tiles in which rays were mistracked: to be drawn from projected cells.
     pub mistracked: Vec<u32>,
     pub counts: Counts,
+}
+
+impl WorkerOutput {
+    /// Puts a tile that was drawn, with its stretches.
+    fn put(&mut self, frame: &FrameContext<'_>, tile: u32, picture: Box<TilePicture>, scratch: &mut Scratch) {
+        if let Some(recorder) = &mut scratch.row_shader.recorder {
+            let rect = TileRect::new(tile as usize, frame.view.size);
+            self.stretches.push((tile, recorder.finish(frame, rect, &picture)));
+        }
+        self.tiles.push((tile, picture));
+    }
 }
 
 /// Worker: takes tiles or regions until none is left.
@@ -67,8 +81,11 @@ impl Worker<'_> {
                 let WorkerState { scratch, output, .. } = &mut state;
                 let mut picture = Box::new([[0.0; 4]; PIXELS]);
                 match draw_cast(frame, caster, tile as usize, scratch, &mut picture) {
-                    true => output.tiles.push((tile, picture)),
-                    false => output.mistracked.push(tile),
+                    true => output.put(frame, tile, picture, scratch),
+                    false => {
+                        scratch.row_shader.recorder.iter_mut().for_each(StretchRecorder::clear);
+                        output.mistracked.push(tile);
+                    }
                 }
                 true
             }),
@@ -135,7 +152,7 @@ impl Worker<'_> {
         }
         let mut picture = Box::new([[0.0; 4]; PIXELS]);
         draw_projected(self.frame, bins, tile as usize, scratch, lists, &mut picture);
-        output.tiles.push((tile, picture));
+        output.put(self.frame, tile, picture, scratch);
         true
     }
 }

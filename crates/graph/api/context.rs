@@ -2,6 +2,7 @@
 
 use super::demand::Demand;
 use super::origins::{Origins, ResolvedPipeline};
+use super::parts::GridPart;
 use super::value::{CellValues, PortType, Revision, StagePayload, TransferFunctionSpec, Value, Wiring};
 use std::any::{Any, TypeId};
 use std::cell::Cell;
@@ -152,7 +153,19 @@ pub(crate) trait RunServices {
         value_type: TypeId,
         make: Make,
     ) -> Result<RetainedValue>;
+    /// The part of the grid that the node runs for.
+    fn part(&self) -> Option<&GridPart>;
+    /// The numbers of the parts, in the order in which they are best taken.
+    fn parts(&self) -> Vec<usize>;
+    /// Runs what feeds the node for a part, and hands the services and the values at its inputs to `of_part`. Nothing where the part
+    /// has no cells.
+    fn with_part(&self, part: usize, of_part: &mut OfPart) -> Result<()>;
+    /// See [`RunContext::keep_for_parts`].
+    fn keep_for_parts(&self, value_type: TypeId, make: Make) -> Result<RetainedValue>;
 }
+
+/// Work on a part, with its services and the values at the node's inputs.
+pub(crate) type OfPart<'a> = dyn FnMut(&dyn RunServices, Vec<(Value, Revision)>) -> Result<()> + 'a;
 
 /// Work that makes a value to be kept.
 pub(crate) type Make<'a> = Box<dyn FnOnce() -> Result<RetainedValue> + 'a>;
@@ -317,6 +330,66 @@ impl RunContext<'_> {
         typed(self.services.keep_over_steps(self.edge(port)?, demand, TypeId::of::<T>(), boxed(make))?)
     }
 
+    /// The part of a grid that the node runs for; `None` where it runs for the whole.
+    pub fn part(&self) -> Option<&GridPart> {
+        self.services.part()
+    }
+
+    /// True if an input is of a grid in parts: [`RunContext::each_part`] gives their values.
+    pub fn is_in_parts(&self) -> bool {
+        self.inputs.iter().any(|(value, _)| matches!(value, Value::InParts(_)))
+    }
+
+    /// Runs what feeds the node for each part of the grid, one after the other, and hands `of_part` the context with the values of the
+    /// part at its inputs. Counts and warnings of all parts are put together.
+    ///
+    /// # Errors
+    /// - those of the nodes and of `of_part`; no part has cells to draw.
+    pub fn each_part(&mut self, of_part: &mut dyn FnMut(&mut RunContext) -> Result<()>) -> Result<()> {
+        let order = self.services.parts();
+        let (mut notes, mut is_empty) = (Diagnostics::new(self.exhaustive()), true);
+        for (place, &part) in order.iter().enumerate() {
+            self.progress.check_cancelled()?;
+            self.progress
+                .report(&format!("part {} of {}", place + 1, order.len()), place as f64 / order.len() as f64);
+            self.services.with_part(part, &mut |services, inputs| {
+                is_empty = false;
+                let mut own = RunContext {
+                    parameters: self.parameters,
+                    demand: self.demand,
+                    notes: Diagnostics::new(self.exhaustive()),
+                    wiring: self.wiring,
+                    inputs,
+                    folder: self.folder,
+                    stated: self.stated,
+                    progress: NodeProgress { ..self.progress },
+                    services,
+                    reads_pipeline: Cell::new(false),
+                    allows_preview: false,
+                    is_preview: Cell::new(false),
+                };
+                of_part(&mut own)?;
+                notes.add_part(own.notes);
+                Ok(())
+            })?;
+        }
+        self.notes.add_part(notes);
+        if is_empty {
+            return Err(Error::run("there is nothing to draw")
+                .got("no piece with a three-dimensional cell")
+                .expected("at least one three-dimensional cell"));
+        }
+        Ok(())
+    }
+
+    /// A value that serves the node for all parts of a grid in this run.
+    pub fn keep_for_parts<T: Send + Sync + 'static>(
+        &self,
+        make: impl FnOnce() -> Result<T>,
+    ) -> Result<Arc<T>> {
+        typed(self.services.keep_for_parts(TypeId::of::<T>(), boxed(make))?)
+    }
+
     fn edge(&self, port: &str) -> Result<usize> {
         let mut edges = self.wiring.edges(port)?;
         match (edges.next(), edges.next()) {
@@ -413,7 +486,13 @@ impl RunContext<'_> {
     }
 
     fn value(&self, port: &str) -> Result<&Value> {
-        Ok(&self.input(port)?.0)
+        match &self.input(port)?.0 {
+            Value::InParts(_) => {
+                let what = "the node needs the whole grid at once, which is read in parts (--memory)";
+                Err(Error::usage(what).got(format!("its input '{port}'")).expected("a larger --memory"))
+            }
+            value => Ok(value),
+        }
     }
 
     /// The value at a port with its revision.

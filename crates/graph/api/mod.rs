@@ -4,4 +4,5 @@ pub(crate) mod context;
 pub(crate) mod demand;
 pub(crate) mod node;
 pub(crate) mod origins;
+pub(crate) mod parts;
 pub(crate) mod value;

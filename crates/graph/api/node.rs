@@ -24,6 +24,17 @@ pub enum Steps {
     All,
 }
 
+/// Work of a node where a grid does not fit into memory and is read part after part.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PartWork {
+    /// None: it works on whole grids.
+    None,
+    /// Runs once for each part ([`RunContext::part`]); what it gives for the cells of a part is what it gives for them in the whole grid.
+    Each,
+    /// Runs once, over all parts ([`RunContext::each_part`]).
+    All,
+}
+
 /// Time series that a node reads.
 #[derive(Debug, Clone)]
 pub struct TimeSeries {
@@ -86,6 +97,10 @@ pub struct Node {
     /// The files that it reads beside those that its parameters name, from headers alone: where one of them changes it runs again,
     /// and pictures say what they were. Of a series the files of the step that is read, or of all. What cannot be read names none.
     pub files_beside: &'static (dyn Fn(&Preparation, Steps) -> Vec<PathBuf> + Send + Sync),
+    /// Work of the node where its grid is read part after part.
+    pub part_work: PartWork,
+    /// Memory that each piece of the file that it reads takes when it is drawn, bytes, from headers alone; none where it reads no file in pieces.
+    pub piece_bytes: &'static (dyn Fn(&Preparation) -> Result<Vec<u64>> + Send + Sync),
     /// Finds out before any long work whether the run can succeed (files exist, folders can be written).
     pub prepare: &'static (dyn Fn(&Preparation) -> Result<()> + Send + Sync),
     /// Does the work: one value for each output, in their order.
@@ -114,6 +129,8 @@ impl Node {
         foresee: &|_| Ok(()),
         steps: &|preparation| Ok(TimeSeries::of_one(preparation.parameters)),
         files_beside: &|_, _| Vec::new(),
+        part_work: PartWork::None,
+        piece_bytes: &|_| Ok(Vec::new()),
         prepare: &|_| Ok(()),
         run: &|_| Ok(Vec::new()),
     };

@@ -37,6 +37,8 @@ pub enum Value {
     Report(Arc<str>),
     CellValues(Arc<CellValues>),
     Surface(Arc<Surface>),
+    /// A value of a type that there is for each part of a grid, and not for the whole.
+    InParts(PortType),
 }
 
 impl Value {
@@ -53,6 +55,7 @@ impl Value {
             Value::Report(_) => PortType::Report,
             Value::CellValues(_) => PortType::CellValues,
             Value::Surface(_) => PortType::Surface,
+            Value::InParts(port_type) => *port_type,
         }
     }
 

@@ -2,5 +2,6 @@
 
 mod cache;
 mod node_run;
+mod parts;
 pub(crate) mod plan;
 pub(crate) mod session;

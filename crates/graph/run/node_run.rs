@@ -1,13 +1,15 @@
 //! Services of a session to one running node: the origins of values, and the steps of the time series that feed it.
 
 use super::cache::{Key, Store, files_of, stamped};
+use super::parts::PartRuns;
 use super::plan::{Done, asks_of, inputs_of};
 use crate::api::context::{
-    Make, NodeProgress, Observer, Preparation, RetainedValue, RunContext, RunServices,
+    Make, NodeProgress, Observer, OfPart, Preparation, RetainedValue, RunContext, RunServices,
 };
 use crate::api::demand::Demand;
 use crate::api::node::Steps;
 use crate::api::origins::{FileRead, FileStamp, Origins};
+use crate::api::parts::GridPart;
 use crate::api::value::{PortType, Revision, Value, diagonal};
 use crate::build::graph::{Graph, GraphNode};
 use std::any::TypeId;
@@ -36,6 +38,10 @@ pub(super) struct NodeRun<'a> {
     pub store: &'a Store,
     pub file_stamp: FileStamp,
     pub observer: &'a dyn Observer,
+    /// Runs of the nodes that give parts of a grid, where one is read in parts.
+    pub part_runs: Option<&'a PartRuns<'a>>,
+    /// The part that the node runs for.
+    pub part: Option<&'a GridPart>,
 }
 
 impl<'a> NodeRun<'a> {
@@ -66,6 +72,11 @@ impl<'a> NodeRun<'a> {
             allows_preview,
             is_preview: Cell::new(false),
         }
+    }
+
+    /// Errors: the run is to stop.
+    pub fn check_cancelled(&self) -> Result<()> {
+        self.progress().check_cancelled()
     }
 
     fn progress(&self) -> NodeProgress<'a> {
@@ -205,6 +216,35 @@ impl RunServices for NodeRun<'_> {
     ) -> Result<RetainedValue> {
         let (feeding, _) = self.feeding(edge, demand)?;
         self.store.keep_over_steps(self.key(edge, feeding, value_type), make)
+    }
+
+    fn part(&self) -> Option<&GridPart> {
+        self.part
+    }
+
+    fn parts(&self) -> Vec<usize> {
+        self.part_runs.map(PartRuns::order).unwrap_or_default()
+    }
+
+    fn with_part(&self, part: usize, of_part: &mut OfPart) -> Result<()> {
+        let Some(runs) = self.part_runs else { return Ok(()) };
+        let outputs = runs.outputs(part, self)?;
+        let Some(of_parts) = outputs.as_ref() else { return Ok(()) };
+        let all: Vec<Option<Done>> = of_parts
+            .iter()
+            .zip(self.done)
+            .map(|(own, whole)| own.clone().or_else(|| whole.clone()))
+            .collect();
+        let store = self.store.for_one_step();
+        let run = NodeRun { done: &all, store: &store, part: Some(&runs.division.parts[part]), ..*self };
+        of_part(&run, inputs_of(self.node(), &all))
+    }
+
+    fn keep_for_parts(&self, value_type: TypeId, make: Make) -> Result<RetainedValue> {
+        match self.part_runs {
+            Some(runs) => runs.keep((self.place, value_type), make),
+            None => make(),
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::cache::{Cache, Entry, Store, files_of, stamped};
 use super::node_run::{NodeRun, origins, upstream};
+use super::parts::{Division, PartRuns, in_parts};
 use super::plan::{Done, Plan, RunReport, asks_of, everything_of, inputs_of};
 use crate::api::context::{NoObserver, Observer, Preparation, RunContext};
 use crate::api::demand::Demand;
@@ -26,6 +27,8 @@ pub struct Session {
     widgets_move: bool,
     /// True while outputs may be of a preview.
     allows_preview: bool,
+    /// Memory that a grid may take, bytes; `None`: grids are read whole.
+    memory: Option<u64>,
 }
 
 impl Session {
@@ -33,7 +36,23 @@ impl Session {
     pub fn new(file_stamp: FileStamp) -> Self {
         let (cache, store) = (Cache::default(), Store::default());
         let (exhaustive, widgets_move, allows_preview) = (false, false, false);
-        Session { cache, store, last_revision: 0, file_stamp, exhaustive, widgets_move, allows_preview }
+        let memory = None;
+        Session {
+            cache,
+            store,
+            last_revision: 0,
+            file_stamp,
+            exhaustive,
+            widgets_move,
+            allows_preview,
+            memory,
+        }
+    }
+
+    /// Lets a grid take so many bytes of memory: one that takes more, whose file is in pieces, is read and drawn part after part
+    /// ([`Session::run`]). The pictures are the same but for rounding.
+    pub fn with_memory(self, bytes: u64) -> Self {
+        Session { memory: Some(bytes), ..self }
     }
 
     /// Makes it the session of an editor, where a user will move the widgets: values that depend on data alone are computed at all points at once, so
@@ -89,7 +108,8 @@ impl Session {
             let node = &graph.nodes[i];
             if node.node.early && node.inputs.iter().all(|edge| plan.early[edge.node].is_some()) {
                 let inputs = inputs_of(node, &plan.early);
-                let done = self.execute(graph, i, inputs, &Demand::default(), &plan.early, &NoObserver)?;
+                let done =
+                    self.execute(graph, i, inputs, &Demand::default(), (&plan.early, None), &NoObserver)?;
                 plan.early[i] = Some(done);
             }
         }
@@ -138,7 +158,9 @@ impl Session {
             let preparation = Preparation { parameters: &node.parameters, folder: &graph.folder };
             (node.node.prepare)(&preparation).map_err(|error| node.locate(error))?;
         }
-        let (all_done, mut report) = self.work_through(graph, &plan, &graph.order, observer)?;
+        let division = self.memory.map(|memory| Division::new(graph, memory)).transpose()?.flatten();
+        let (all_done, mut report) =
+            self.work_through(graph, &plan, &graph.order, division.as_ref(), observer)?;
         report.origins = origins(graph, &graph.order, &all_done, self.file_stamp);
         report.seconds = start.elapsed().as_secs_f64();
         Ok(report)
@@ -170,10 +192,11 @@ impl Session {
     ) -> Result<(T, RunReport)> {
         let plan = self.plan_with(graph, of_volumes)?;
         let feeding: Vec<usize> = upstream(graph, place).into_iter().filter(|&i| i != place).collect();
-        let (all_done, report) = self.work_through(graph, &plan, &feeding, observer)?;
+        let (all_done, report) = self.work_through(graph, &plan, &feeding, None, observer)?;
         let (node, nothing) = (&graph.nodes[place], Demand::default());
         let (store, file_stamp) = (&self.store, self.file_stamp);
-        let run = NodeRun { graph, place, done: &all_done, store, file_stamp, observer };
+        let (part_runs, part) = (None, None);
+        let run = NodeRun { graph, place, done: &all_done, store, file_stamp, observer, part_runs, part };
         let call =
             run.context(&node.parameters, &nothing, inputs_of(node, &all_done), (self.exhaustive, false));
         Ok((work(&call)?, report))
@@ -185,8 +208,10 @@ impl Session {
         graph: &Graph,
         plan: &Plan,
         order: &[usize],
+        division: Option<&Division>,
         observer: &dyn Observer,
     ) -> Result<(Vec<Option<Done>>, RunReport)> {
+        let part_runs = division.map(|division| PartRuns::new(graph, &plan.demands, division));
         let warnings = graph.warnings.iter().map(Error::to_string).collect();
         let mut report = RunReport { warnings, ..RunReport::default() };
         let mut all_done: Vec<Option<Done>> = vec![None; graph.nodes.len()];
@@ -195,12 +220,18 @@ impl Session {
                 return Err(Error::cancelled());
             }
             let node = &graph.nodes[i];
+            if division.is_some_and(|division| division.is_mapped[i]) {
+                let outputs = node.node.outputs.iter().map(|port| port.port_type);
+                all_done[i] = Some(in_parts(outputs, || self.next_revision()));
+                continue;
+            }
             observer.started(&node.name, place, order.len());
             let mut done = match &plan.early[i] {
                 Some(done) => done.clone(),
                 None => {
                     let inputs = inputs_of(node, &all_done);
-                    self.execute(graph, i, inputs, &plan.demands[i], &all_done, observer)?
+                    let so_far = (all_done.as_slice(), part_runs.as_ref());
+                    self.execute(graph, i, inputs, &plan.demands[i], so_far, observer)?
                 }
             };
             done.notes.add(plan.notes[i].clone());
@@ -212,17 +243,21 @@ impl Session {
             observer.finished(&node.name, done.seconds);
             all_done[i] = Some(done);
         }
+        for (i, notes) in part_runs.map(PartRuns::notes).unwrap_or_default() {
+            let node = &graph.nodes[i];
+            report.add(&node.name, node.node.name, &Done { notes, ..Done::default() });
+        }
         Ok((all_done, report))
     }
 
-    /// Runs a node, or finds its former outputs. `done`: what ran so far.
+    /// Runs a node, or finds its former outputs. `done`: what ran so far, and the runs for parts of a grid.
     fn execute(
         &mut self,
         graph: &Graph,
         i: usize,
         inputs: Vec<(Value, Revision)>,
         demand: &Demand,
-        done: &[Option<Done>],
+        (done, part_runs): (&[Option<Done>], Option<&PartRuns>),
         observer: &dyn Observer,
     ) -> Result<Done> {
         let start = Instant::now();
@@ -239,7 +274,8 @@ impl Session {
         let moves = self.cache.find(node, &revisions, elsewhere, &files, &graph.stated).is_some();
         let demand = &if moves { demand.everywhere() } else { demand.clone() };
         let (store, file_stamp) = (&self.store, self.file_stamp);
-        let run = NodeRun { graph, place: i, done, store, file_stamp, observer };
+        let part = None;
+        let run = NodeRun { graph, place: i, done, store, file_stamp, observer, part_runs, part };
         let mut call = run.context(&node.parameters, demand, inputs, (self.exhaustive, self.allows_preview));
         let values = node.run(&mut call)?;
         let notes = std::mem::take(&mut call.notes);

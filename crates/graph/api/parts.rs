@@ -1,0 +1,10 @@
+//! Parts of a grid, which are read and drawn one after the other.
+
+/// Some pieces of the file of a grid, with what surrounds them.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct GridPart {
+    /// Numbers of the pieces in the file.
+    pub pieces: Vec<usize>,
+    /// Rings of cells of other pieces around them that nodes may look at.
+    pub layers: usize,
+}
