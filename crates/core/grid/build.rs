@@ -26,10 +26,20 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// counted in [`Grid::origin`]. Ghost cells serve means of cell values and, as [`Grid::ghosts`], gradients. Points that no tetrahedron uses are dropped, so the grid's point numbers are not
 /// the file's where there are such; their order is kept. Where [`Options::without_tetrahedra`] allows it, the grid is the file's
 /// cells alone.
-pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> Result<Grid> {
+pub fn build(parts: RawGrid, options: &Options, progress: &dyn Progress) -> Result<Grid> {
+    try_build(parts, options, progress)?
+}
+
+/// Builds the grid of a part of a file, as [`build`] that of all: `None` where it has nothing to draw.
+pub fn build_part(parts: RawGrid, options: &Options, progress: &dyn Progress) -> Result<Option<Grid>> {
+    try_build(parts, options, progress).map(Result::ok)
+}
+
+/// The grid; the error within: there is nothing to draw.
+fn try_build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> Result<Result<Grid>> {
     check(&parts, options)?;
     if options.without_tetrahedra && parts.scalar.is_none() && parts.cell_arrays.is_empty() {
-        return unsplit(parts);
+        return unsplit(parts).map(Ok);
     }
     progress.report("tetrahedra", 0.0);
     let point_not_finite = not_finite(&parts, Association::Point);
@@ -83,7 +93,7 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
     }
     origin.warnings.extend(source.polyhedra.warnings());
     if tally.drawn == 0 {
-        return Err(nothing_to_draw(&tally, &source.polyhedra));
+        return Ok(Err(nothing_to_draw(&tally, &source.polyhedra)));
     }
     number(tally.tetrahedra(), "the grid has too many tetrahedra", "")?;
     let split = if plain { None } else { Some(split_all(&source, &tally, progress)?) };
@@ -98,7 +108,7 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
         (Some((tetrahedra, source_cells)), _) => (tetrahedra.into(), Some(source_cells)),
         // Nothing is left out and nothing is split: the file's cells are the tetrahedra.
         (None, Cells::Tetrahedra(own)) => (own, None),
-        (None, _) => return Err(nothing_to_draw(&tally, &Polyhedra::default())),
+        (None, _) => return Ok(Err(nothing_to_draw(&tally, &Polyhedra::default()))),
     };
     // Tetrahedra that somebody lends are used in place where they can be.
     if !tetrahedra.par_iter().with_min_len(1 << 13).all(|t| t.is_sorted()) {
@@ -144,7 +154,7 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
         }
         CellValues::Constant => Some(cell_values),
     };
-    if tally.without_owner > 0 {
+    if tally.without_owner + tally.neighbours > 0 {
         let order = set_ghosts_apart(&mut grid, ghost.as_deref().unwrap_or_default());
         let hanging = grid.hanging.take();
         grid.hanging = hanging.map(|own| Arc::new(renumbered(Arc::unwrap_or_clone(own), Some(&order))));
@@ -169,7 +179,7 @@ pub fn build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
     }
     grid.origin = Arc::new(origin);
     progress.report("tetrahedra", 1.0);
-    Ok(grid)
+    Ok(Ok(grid))
 }
 
 /// Hanging points by the new numbers of points, without those that lie in cells left out.
@@ -322,6 +332,8 @@ struct CellCounts {
     pub ghost: u64,
     /// Ghosts that no piece draws.
     without_owner: u64,
+    /// Ghosts that another part of the grid draws.
+    neighbours: u64,
     /// Cells that are drawn.
     drawn: u64,
     not_volume: u64,
@@ -343,6 +355,7 @@ impl CellCounts {
         }
         self.ghost += other.ghost;
         self.without_owner += other.without_owner;
+        self.neighbours += other.neighbours;
         self.drawn += other.drawn;
         self.not_volume += other.not_volume;
         self.not_finite += other.not_finite;
@@ -369,8 +382,16 @@ fn tally(source: &Source, progress: &dyn Progress) -> Result<CellCounts> {
             let mut buffer = [0; 8];
             for number in range {
                 let cell = source.cell(number, &mut buffer)?;
+                let fate = source.fate(&cell)?;
+                if source.is_neighbour(number) {
+                    if fate == CellStatus::Drawn {
+                        tally.neighbours += 1;
+                        source.tetrahedra(&cell, &mut |_| tetrahedra += 1);
+                    }
+                    continue;
+                }
                 by_type[usize::from(cell.code)] += 1;
-                match source.fate(&cell)? {
+                match fate {
                     CellStatus::Drawn => {
                         let is_ghost = source.ghost.is_some_and(|flags| is_ghost(flags[number]));
                         *(if is_ghost { &mut tally.without_owner } else { &mut tally.drawn }) += 1;

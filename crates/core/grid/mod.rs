@@ -14,11 +14,13 @@ mod faces;
 mod feature_edges;
 pub mod generate;
 mod grid_surface;
+mod halo;
 mod overlap;
 mod parts;
 mod pieces;
 mod polygon;
 mod polyhedra;
+mod shared_points;
 mod source;
 mod split;
 mod subset;
@@ -27,19 +29,22 @@ mod unsplit;
 
 pub use adjacency::{Csr, Neighbours, cells_of_faces, cells_of_points, points_of_points, sum_over_cells};
 pub use boundary::boundary;
-pub use build::build;
+pub use build::{build, build_part};
 pub use cell_edges::{BoundaryEdges, boundary_edges};
 pub use cell_types::{CellType, code, describe_counts};
 pub use cell_values::add_from_cells;
 pub use contour::contour;
+pub use curved::is_curved;
 pub use feature_edges::{SharpTriangles, feature_edges, sharp_triangles};
 pub use grid_surface::{EdgePoint, GridSurface, point_normals};
+pub use halo::{Halo, join_part};
 pub use parts::{
     Array, Association, BoundaryValues, CellSet, CellValues, Cells, FileCells, HangingPoint, ImportStats,
     Options, Polyhedron, RawGrid, Scalar, is_drawn, structured_corners,
 };
 pub use pieces::{check_cells, into_set, join};
 pub use polygon::triangles_of_polygon;
+pub use shared_points::{PointKeys, SharedPoints, boxes_of_others};
 pub use subset::{Subset, cells_above, cells_by_points, whole_cells};
 pub use tetrahedra::{GhostCells, Grid, tetrahedron_volume};
 

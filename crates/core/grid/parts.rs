@@ -57,6 +57,18 @@ pub fn structured_corners([nx, ny, _]: [usize; 3], number: usize) -> [u32; 8] {
     })
 }
 
+/// The points of a cell; none of a structured grid's, which [`super::join`] has made a set.
+pub(super) fn corners(cells: &Cells, number: usize) -> &[u32] {
+    match cells {
+        Cells::Tetrahedra(tetrahedra) => &tetrahedra[number],
+        Cells::Mixed(set) => {
+            let range = set.offsets[number] as usize..set.offsets[number + 1] as usize;
+            set.connectivity.get(range).unwrap_or(&[])
+        }
+        Cells::Structured(_) => &[],
+    }
+}
+
 /// The scalar that is to be drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scalar {
@@ -126,6 +138,33 @@ impl BoundaryValues {
         self.points.extend(other.points);
         self.ends.extend(other.ends.iter().map(|end| first + end));
         self.values.extend(other.values);
+    }
+
+    /// Faces with finite values, by other numbers of their points; those without are left out.
+    pub(super) fn of_points(
+        &self,
+        component_count: usize,
+        number: impl Fn(u32) -> Option<u32>,
+    ) -> BoundaryValues {
+        let mut own = BoundaryValues::default();
+        let begins = std::iter::once(0).chain(self.ends.iter().copied());
+        for ((begin, &end), value) in begins.zip(&self.ends).zip(self.values.chunks(component_count.max(1))) {
+            let before = own.points.len();
+            if value.iter().all(|value| value.is_finite()) {
+                let points = self.points.get(begin..end).unwrap_or_default();
+                own.points.extend(points.iter().filter_map(|&point| number(point)));
+            }
+            if own.points.len() > before {
+                own.ends.push(own.points.len());
+                own.values.extend_from_slice(value);
+            }
+        }
+        own
+    }
+
+    /// Memory that they take.
+    pub(super) fn byte_count(&self) -> usize {
+        size_of_val(&self.points[..]) + size_of_val(&self.ends[..]) + size_of_val(&self.values[..])
     }
 
     /// Number of faces with a value that is not finite, `component_count` numbers a tuple.
@@ -293,6 +332,8 @@ pub(super) const DUPLICATE: u8 = 1;
 const HIDDEN: u8 = 8 | 32;
 /// A ghost cell whose original is there. VTK gives this bit no meaning.
 pub(super) const OWNED: u8 = 128;
+/// A cell of another part of the grid that serves this one as a ghost. VTK gives this bit no meaning.
+pub(super) const NEIGHBOUR: u8 = 64;
 
 /// True if a cell with this `vtkGhostType` is not drawn but serves gradients and means of cell values: no piece has its original.
 pub(super) fn is_ghost(flags: u8) -> bool {
@@ -311,7 +352,7 @@ pub fn is_drawn(flags: u8) -> bool {
 
 /// `vtkGhostType` as it was given.
 pub(super) fn as_given(flags: u8) -> u8 {
-    flags & !OWNED
+    flags & !(OWNED | NEIGHBOUR)
 }
 
 /// Refuses a count that leaves the 32 bits of point and cell numbers. `what` needs it or has it; `remedy`: another way, or nothing.

@@ -1,15 +1,15 @@
-//! Pieces of a grid put together as the grid that was cut: which points of different pieces are one point, how they are numbered,
-//! and which ghost cells are another piece's.
+//! Pieces of a grid put together as the grid that was cut, whole or in part: points of different pieces that are one are joined
+//! ([`super::shared_points`]), and ghost cells that are another piece's serve nothing.
 //!
 //! The rule: docs/src/explanation/optics.md, section 2.
 
 use super::parts::{
-    Array, Association, BoundaryValues, CellSet, Cells, DUPLICATE, HangingPoint, OWNED, RawGrid, Scalar,
-    is_drawn, is_ghost, number, structured_corners,
+    Array, Association, BoundaryValues, CellSet, Cells, DUPLICATE, HangingPoint, NEIGHBOUR, OWNED, RawGrid,
+    Scalar, corners, is_drawn, is_ghost, number, structured_corners,
 };
-use super::{CellType, code, extent};
+use super::shared_points::{PointHolder, PointNumbers, SharedPoints, shared_points};
+use super::{CellType, code};
 use crate::{Error, Result, SharedSlice, counted};
-use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -32,28 +32,59 @@ pub fn join(mut pieces: Vec<RawGrid>) -> Result<RawGrid> {
         let none = || Error::usage("there is nothing to join").expected("at least one piece of a grid");
         return pieces.pop().ok_or_else(none);
     }
-    let mut starts = vec![0];
     for (index, piece) in pieces.iter_mut().enumerate() {
-        piece
-            .check_lengths()
-            .and_then(|()| check_cells(piece))
-            .map_err(|error| error.at_item(format!("piece {index}")))?;
-        if let Cells::Structured(_) = piece.cells {
-            piece.cells = Cells::Mixed(into_set(take_cells(piece), code::VOXEL));
-        }
-        starts.push(starts[index] + piece.points.len());
+        prepare(piece, index)?;
     }
-    number(starts[pieces.len()], "the grid has too many points", "")?;
+    let shared = shared_points(&pieces);
+    let whole = |(piece, grid)| JoinedPiece { piece, grid, originals: None, is_halo: false };
+    join_pieces(pieces.into_iter().enumerate().map(whole).collect(), &shared)
+}
 
-    let columns: Vec<Vec<Column>> = pieces.iter().map(columns_of_points).collect();
-    let has_ids = pieces.iter().all(|piece| piece.global_ids.is_some());
-    let points = PiecePoints { pieces: &pieces, columns: &columns, starts: &starts, has_ids };
-    let same = points.same();
-    let numbers = points.numbers(&same);
-    let targets = points.targets(&same, &numbers);
-    drop(columns);
-    let count = numbers.par_iter().with_min_len(CHUNK).max().map_or(0, |&last| last as usize + 1);
+/// Checks a piece, and brings cells of a structured grid into a set.
+pub(super) fn prepare(piece: &mut RawGrid, index: usize) -> Result<()> {
+    let checked = piece.check_lengths().and_then(|()| check_cells(piece));
+    checked.map_err(|error| error.at_item(format!("piece {index}")))?;
+    if let Cells::Structured(_) = piece.cells {
+        piece.cells = Cells::Mixed(into_set(take_cells(piece), code::VOXEL));
+    }
+    Ok(())
+}
 
+/// A piece, whole or a part of it, on its way into a grid.
+pub(super) struct JoinedPiece {
+    /// Its number.
+    pub piece: usize,
+    pub grid: RawGrid,
+    /// Numbers of its points in the piece, ascending; `None`: all are there.
+    pub originals: Option<Vec<u32>>,
+    /// True if its cells are ghosts for those of others.
+    pub is_halo: bool,
+}
+
+/// Puts pieces together that were prepared, ascending by their numbers.
+pub(super) fn join_pieces(joined: Vec<JoinedPiece>, shared: &SharedPoints) -> Result<RawGrid> {
+    let mut starts = vec![0];
+    joined.iter().for_each(|own| starts.push(starts[starts.len() - 1] + own.grid.points.len()));
+    number(starts[joined.len()], "the grid has too many points", "")?;
+    let holder = |own| {
+        let JoinedPiece { piece, grid, originals, .. }: &JoinedPiece = own;
+        let (count, ids) = (grid.points.len(), grid.global_ids.as_deref().unwrap_or_default());
+        PointHolder { piece: *piece, count, originals: originals.as_deref(), ids }
+    };
+    let PointNumbers { numbers, targets, count } =
+        shared.numbers(&joined.iter().map(holder).collect::<Vec<_>>());
+    let mut points_joined = targets.len() - count;
+    if joined.iter().any(|own| own.is_halo) {
+        let mut is_there = vec![false; count];
+        let own = joined.iter().zip(&starts).filter(|own| !own.0.is_halo);
+        let own = own.flat_map(|(own, &start)| &numbers[start..][..own.grid.points.len()]);
+        points_joined =
+            own.filter(|&&number| std::mem::replace(&mut is_there[number as usize], true)).count();
+    }
+
+    let cell_counts: Vec<(usize, bool)> =
+        joined.iter().map(|own| (own.grid.cells.count(), own.is_halo)).collect();
+    let mut pieces: Vec<RawGrid> = joined.into_iter().map(|own| own.grid).collect();
     let mut ghost = of_all_cells(&pieces, |piece| piece.ghost.as_ref(), 0);
     let degrees = of_all_cells(&pieces, |piece| piece.degrees.as_ref(), [0; 3]);
     let hanging = join_hanging(&pieces, &starts, &numbers);
@@ -62,6 +93,13 @@ pub fn join(mut pieces: Vec<RawGrid>) -> Result<RawGrid> {
     if let Some(ghost) = &mut ghost {
         mark_spare_ghosts(&cells, ghost, count);
     }
+    if cell_counts.iter().any(|own| own.1) {
+        let mut ghost = ghost.get_or_insert_with(|| vec![0; cells.count()]).iter_mut();
+        for (count, is_halo) in cell_counts {
+            let set = if is_halo { DUPLICATE | NEIGHBOUR } else { 0 };
+            ghost.by_ref().take(count).for_each(|flags| *flags = *flags & !NEIGHBOUR | set);
+        }
+    }
     let positions = pieces.iter_mut().map(|piece| std::mem::take(&mut piece.points));
     let mut joined = RawGrid::new(scatter(positions, 1, &targets, count), cells);
     joined.origin.warnings =
@@ -69,240 +107,9 @@ pub fn join(mut pieces: Vec<RawGrid>) -> Result<RawGrid> {
     (joined.ghost, joined.degrees, joined.hanging) = (ghost, degrees, hanging);
     joined.boundary_values = boundary_values;
     join_arrays(&mut joined, pieces, &targets, count)?;
-    joined.origin.points_joined = (targets.len() - count) as u64;
+    joined.origin.points_joined = points_joined as u64;
     joined.joined_points = Some(numbers);
     Ok(joined)
-}
-
-/// Values of a point array and the components of a tuple.
-type Column<'a> = (&'a [f64], usize);
-
-fn columns_of_points(piece: &RawGrid) -> Vec<Column<'_>> {
-    let scalar = piece.scalar.iter().filter(|scalar| scalar.association == Association::Point);
-    let scalar = scalar.map(|scalar| (&scalar.values[..], 1));
-    scalar
-        .chain(piece.point_arrays.values().map(|array| (&array.values[..], array.component_count)))
-        .collect()
-}
-
-/// The points of all pieces, numbered one piece after the other.
-struct PiecePoints<'a> {
-    pieces: &'a [RawGrid],
-    /// The point arrays of each piece.
-    columns: &'a [Vec<Column<'a>>],
-    /// The first number of each piece, and the number of all points.
-    starts: &'a [usize],
-    /// True if every piece has global ids.
-    has_ids: bool,
-}
-
-impl PiecePoints<'_> {
-    /// The piece of a point, and its number there.
-    fn place(&self, point: u32) -> (usize, usize) {
-        let piece = self.starts.partition_point(|&start| start <= point as usize) - 1;
-        (piece, point as usize - self.starts[piece])
-    }
-
-    fn id(&self, piece: usize, point: usize) -> Option<i64> {
-        self.pieces[piece].global_ids.as_ref()?.get(point).copied()
-    }
-
-    /// For each point the first of those that are the same point.
-    fn same(&self) -> Vec<u32> {
-        let mut same: Vec<u32> = (0..self.starts[self.pieces.len()] as u32).collect();
-        let mut keyed = if self.has_ids { self.ids() } else { self.places_that_may_be_shared() };
-        keyed.par_sort_unstable();
-        let (mut left, mut firsts) = (Vec::new(), Vec::new());
-        for equal in keyed.chunk_by(|a, b| a.0 == b.0).filter(|equal| equal.len() > 1) {
-            left.clear();
-            left.extend(equal.iter().map(|&(_, piece, point)| (piece, point)));
-            // Keys may be equal by chance.
-            while let Some(&first) = left.first() {
-                firsts.clear();
-                let (mut of_piece, mut seen) = (u32::MAX, 0);
-                left.retain(|&(piece, point)| {
-                    if !self.is_same(first, (piece, point)) {
-                        return true;
-                    }
-                    (of_piece, seen) = if piece == of_piece { (piece, seen + 1) } else { (piece, 0) };
-                    // Points of one piece stay apart: its second is one with the second of another piece.
-                    match firsts.get(seen) {
-                        Some(&first) => same[point as usize] = first,
-                        None => firsts.push(point),
-                    }
-                    false
-                });
-            }
-        }
-        same
-    }
-
-    /// Keys of all points, of their blocks and global ids.
-    fn ids(&self) -> Vec<Keyed> {
-        let mut keyed = Vec::with_capacity(self.starts[self.pieces.len()]);
-        for (index, piece) in self.pieces.iter().enumerate() {
-            let ids = piece.global_ids.iter().flatten().zip(self.starts[index] as u32..);
-            let block = (piece.block as u64).rotate_right(16);
-            keyed.extend(ids.map(|(&id, point)| (block ^ id as u64, index as u32, point)));
-        }
-        keyed
-    }
-
-    /// Keys of positions and values, at the points of each piece that lie in the box of another.
-    fn places_that_may_be_shared(&self) -> Vec<Keyed> {
-        let boxes: Vec<Option<[DVec3; 2]>> =
-            self.pieces.iter().map(|piece| extent::bounds(&piece.points)).collect();
-        let meets = |[a, b]: [DVec3; 2], [c, d]: [DVec3; 2]| a.cmple(d).all() && c.cmple(b).all();
-        let all = boxes.iter().flatten().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], own| {
-            [low.min(own[0]), high.max(own[1])]
-        });
-        let mut of_blocks = BTreeMap::<usize, Vec<usize>>::new();
-        for (index, piece) in self.pieces.iter().enumerate() {
-            of_blocks.entry(piece.block).or_default().push(index);
-        }
-        let mut keyed = Vec::new();
-        for (index, piece) in self.pieces.iter().enumerate() {
-            let Some(own) = boxes[index] else { continue };
-            let others = of_blocks[&piece.block].iter().filter(|&&other| other != index);
-            let others: Vec<[DVec3; 2]> =
-                others.filter_map(|&other| boxes[other].filter(|&b| meets(own, b))).collect();
-            let key = |(point, &at): (usize, &DVec3)| {
-                let may_be_shared = others.iter().any(|&[low, high]| meets([at, at], [low, high]));
-                may_be_shared
-                    .then(|| (self.key(index, point, all), index as u32, (self.starts[index] + point) as u32))
-            };
-            keyed.par_extend(piece.points.par_iter().enumerate().with_min_len(CHUNK).filter_map(key));
-        }
-        keyed
-    }
-
-    /// A hash of the position and the values of a point, by which points without ids are found again. Its upper 24 bits are the
-    /// position on a lattice over the box of all points: sorted points are then near each other in memory, too.
-    fn key(&self, piece: usize, point: usize, [low, high]: [DVec3; 2]) -> u64 {
-        let at = self.pieces[piece].points[point];
-        let lattice = (at - low) / (high - low) * 255.0;
-        let lattice = lattice.to_array().into_iter().fold(0, |key, x| key << 8 | x as u64);
-        let mut key = at.to_array().map(bits).into_iter().fold(self.pieces[piece].block as u64, mixed);
-        for &(values, n) in &self.columns[piece] {
-            key = values[point * n..][..n].iter().fold(key, |key, &value| mixed(key, bits(value)));
-        }
-        lattice << 40 | key >> 24
-    }
-
-    fn is_same(&self, (p, a): (u32, u32), (q, b): (u32, u32)) -> bool {
-        let (p, q) = (p as usize, q as usize);
-        let (i, j) = (a as usize - self.starts[p], b as usize - self.starts[q]);
-        let (one, other) = (&self.pieces[p], &self.pieces[q]);
-        if one.block != other.block || self.has_ids {
-            return one.block == other.block && self.id(p, i) == self.id(q, j);
-        }
-        let equal = |(&x, &y): (&f64, &f64)| bits(x) == bits(y);
-        one.points[i].as_ref().iter().zip(other.points[j].as_ref()).all(equal)
-            && self.columns[p]
-                .iter()
-                .zip(&self.columns[q])
-                .all(|(&(these, n), &(those, _))| these[i * n..][..n].iter().zip(&those[j * n..]).all(equal))
-    }
-
-    /// The number of each point in the grid of all pieces. The order of the points of each piece is kept, so that each face is cut by
-    /// the same diagonal as in the grid that was cut into these pieces; where the pieces contradict each other, by ids if there
-    /// are any, else the order of the first of them.
-    fn numbers(&self, same: &[u32]) -> Vec<u32> {
-        let mut holders = vec![0_u32; same.len()];
-        same.iter().for_each(|&first| holders[first as usize] += 1);
-        let mut numbers = vec![u32::MAX; same.len()];
-        let mut next = 0..;
-        let mut cursors = self.starts[..self.pieces.len()].to_vec();
-        let mut going: Vec<usize> = (0..self.pieces.len()).rev().collect();
-        // Pieces that have come to a point which others have before them.
-        let mut waiting: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-        loop {
-            while let Some(piece) = going.pop() {
-                while cursors[piece] < self.starts[piece + 1] {
-                    let first = same[cursors[piece]];
-                    if numbers[first as usize] == u32::MAX {
-                        holders[first as usize] -= 1;
-                        if holders[first as usize] > 0 {
-                            waiting.entry(first).or_default().push(piece);
-                            break;
-                        }
-                        numbers[first as usize] = next.next().unwrap_or(u32::MAX);
-                        going.extend(waiting.remove(&first).unwrap_or_default());
-                    }
-                    cursors[piece] += 1;
-                }
-            }
-            let Some((first, pieces)) = waiting.pop_first() else { break };
-            if self.has_ids {
-                let mut firsts: Vec<u32> =
-                    (0..same.len() as u32).filter(|&p| same[p as usize] == p).collect();
-                let id = |&point: &u32| {
-                    let (piece, number) = self.place(point);
-                    (self.id(piece, number), point)
-                };
-                firsts.par_sort_by_cached_key(id);
-                firsts.into_iter().zip(0..).for_each(|(first, number)| numbers[first as usize] = number);
-                break;
-            }
-            numbers[first as usize] = next.next().unwrap_or(u32::MAX);
-            going.extend(pieces);
-        }
-        same.par_iter().with_min_len(CHUNK).map(|&first| numbers[first as usize]).collect()
-    }
-
-    /// Targets of the values of each point: its number, or nowhere (`u32::MAX`) where another point's stand for it. A point that a
-    /// piece has for its ghost cells alone may hold older values than its owner's.
-    fn targets(&self, same: &[u32], numbers: &[u32]) -> Vec<u32> {
-        let mut from: Vec<u32> = same.to_vec();
-        if self.pieces.iter().any(|piece| piece.ghost.is_some()) {
-            let mut owned = vec![false; same.len()];
-            for (piece, &start) in self.pieces.iter().zip(self.starts) {
-                let own =
-                    |cell: &usize| piece.ghost.as_ref().is_none_or(|ghost| ghost[*cell] & DUPLICATE == 0);
-                let cells = (0..piece.cells.count()).filter(own);
-                cells
-                    .flat_map(|cell| corners(&piece.cells, cell))
-                    .for_each(|&c| owned[start + c as usize] = true);
-            }
-            // `from` at the first of the same points is where their values come from.
-            for (point, &first) in same.iter().enumerate() {
-                if owned[point] && !owned[from[first as usize] as usize] {
-                    from[first as usize] = point as u32;
-                }
-            }
-        }
-        let is_source = |point: usize| from[same[point] as usize] == point as u32;
-        let target = |point| if is_source(point) { numbers[point] } else { u32::MAX };
-        (0..same.len()).into_par_iter().with_min_len(CHUNK).map(target).collect()
-    }
-}
-
-/// A key of a point, its piece, and its number among all.
-type Keyed = (u64, u32, u32);
-
-/// Bits of a number: −0 is 0, and all NaNs are one.
-fn bits(x: f64) -> u64 {
-    if x.is_nan() { u64::MAX } else { (x + 0.0).to_bits() }
-}
-
-/// A key made of another and further bits: the finaliser of Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators".
-fn mixed(key: u64, bits: u64) -> u64 {
-    let mut z = (key ^ bits).wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
-}
-
-/// The points of a cell; none of a structured grid's, which [`join`] has made a set.
-fn corners(cells: &Cells, number: usize) -> &[u32] {
-    match cells {
-        Cells::Tetrahedra(tetrahedra) => &tetrahedra[number],
-        Cells::Mixed(set) => {
-            let range = set.offsets[number] as usize..set.offsets[number + 1] as usize;
-            set.connectivity.get(range).unwrap_or(&[])
-        }
-        Cells::Structured(_) => &[],
-    }
 }
 
 /// Refuses cells of unknown types, and cells that name points beyond their piece, before the numbers become those of another piece's

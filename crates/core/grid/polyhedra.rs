@@ -148,6 +148,12 @@ impl Polyhedra {
         Ok(())
     }
 
+    /// Leaves cells that count elsewhere out of the warnings.
+    pub fn retain_left_out(&mut self, counts: impl Fn(u32) -> bool) {
+        self.left_out.values_mut().for_each(|cells| cells.retain(|&cell| counts(cell)));
+        self.left_out.retain(|_, cells| !cells.is_empty());
+    }
+
     /// True if this polyhedron cannot be split.
     pub fn is_left_out(&self, cell: usize) -> bool {
         let split = self.positions.get(&(cell as u32)).and_then(|&position| self.splits.get(position));

@@ -2,7 +2,7 @@
 
 use super::cell_types::{CellType, code};
 use super::curved::{Curved, is_curved};
-use super::parts::{Cell, Cells, Polyhedron, is_left_out, structured_corners};
+use super::parts::{Cell, Cells, NEIGHBOUR, Polyhedron, is_left_out, structured_corners};
 use super::polyhedra::{self, Added, Polyhedra};
 use super::split;
 use crate::{Error, Result};
@@ -140,6 +140,11 @@ impl Source<'_> {
         })
     }
 
+    /// True for a cell of another part of the grid, which counts there.
+    pub fn is_neighbour(&self, number: usize) -> bool {
+        self.ghost.is_some_and(|flags| flags[number] & NEIGHBOUR != 0)
+    }
+
     /// Key of a curved cell's subdivision.
     pub fn kind(&self, cell: &Cell) -> (u8, usize, Option<[u8; 3]>) {
         let degrees = if cell.code >= code::LAGRANGE_TETRAHEDRON { self.degrees } else { None };
@@ -184,6 +189,9 @@ impl Source<'_> {
             let drawn: Vec<bool> = set.polyhedra.par_iter().map(is_drawn).collect();
             let first_free = self.point_count + self.curved.origins.len();
             self.polyhedra.choose(set, points, &drawn, first_free)?;
+            if let Some(flags) = self.ghost {
+                self.polyhedra.retain_left_out(|cell| flags[cell as usize] & NEIGHBOUR == 0);
+            }
         }
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use super::contents::{
     BLOCK, CellBlocks, DEGREES, Dataset, ExternalFormat, GHOST_LEVELS, GHOST_TYPE, GLOBAL_IDS, Geometry,
-    Meter, Piece, grid_of, structured_counts,
+    Meter, NumberedPiece, Piece, grid_of, structured_counts,
 };
 use super::request::{ArraySelection, Component, Request};
 use super::{blocks, cells, hexahedra, request};
@@ -26,10 +26,9 @@ const HIDDEN_POINT: u64 = 2;
 /// Reads what is requested and builds the grid.
 pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Progress) -> Result<Grid> {
     let meter = Meter::new(progress, dataset.file_bytes);
-    let pieces: Vec<&Piece> =
-        dataset.pieces.iter().filter(|p| p.cell_count > 0 && p.point_count > 0).collect();
+    let pieces = pieces_with_cells(dataset);
     let external = fetch(dataset, &pieces, request, progress)?;
-    let cells: Vec<Cells> = of_each(pieces.clone(), |piece| cells::load(piece, &meter))?;
+    let cells: Vec<Cells> = of_each(pieces.clone(), |piece| cells::load(piece.1, &meter))?;
     let has_cells = cells.iter().any(|cells| cells.count() > 0);
     if !(request.options.without_tetrahedra && has_cells) {
         check_dimension(&cells)?;
@@ -46,44 +45,74 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
             sentences.extend(blocks::blocks_without_cells(dataset, &pieces, &cells));
             (pieces.into_iter().zip(cells).collect(), sentences)
         }
-        false => blocks::drawn_pieces(dataset, pieces.into_iter().zip(cells).collect(), &choices)?,
+        false => {
+            blocks::drawn_pieces(dataset, pieces.into_iter().zip(cells).collect(), has_volume, &choices)?
+        }
     };
-    let (pieces, cells): (Vec<&Piece>, Vec<Cells>) = kept.into_iter().unzip();
     let left = unread(dataset, &choices)?;
     // For comparison: what is not read otherwise is decoded and dropped.
     if request.every_array {
-        for array in pieces.iter().flat_map(|piece| &piece.arrays) {
+        for array in kept.iter().flat_map(|((_, piece), _)| &piece.arrays) {
             if left.arrays.contains(&array.stored.name) {
                 let values: Vec<f64> = array.stored.load(&meter)?;
                 drop(std::hint::black_box(values));
             }
         }
     }
-    refuse_beyond_memory(&pieces, &cells, choices.len(), is_unsplit, progress)?;
-    let ids = global_ids(dataset);
-    let fills = is_unsplit && dataset.has_blocks;
-    let wanted = PieceRequest { request, choices: &choices, ids, fills };
-    let loaded: Vec<RawGrid> =
-        of_each(pieces.into_iter().zip(cells).enumerate().collect(), |(index, (piece, cells))| {
-            Ok(RawGrid { block: group(dataset, piece, index), ..load(piece, cells, &wanted, &meter)? })
-        })?;
-    let mut parts = grid::join(loaded)?;
-    parts.origin.warnings.extend(dataset.warnings.iter().cloned());
+    let loaded = load_all(dataset, kept, request, &choices, &meter)?;
+    let mut parts = grid::join(loaded.into_iter().map(|piece| piece.1).collect())?;
+    describe(&mut parts, dataset, request, &choices)?;
     parts.origin.warnings.extend(sentences);
-    parts.origin.blocks.clone_from(&dataset.blocks);
     parts.origin.warnings.extend(external.iter().flat_map(|external| external.ready().warnings.clone()));
-    parts.origin.time = match dataset.time_steps.as_slice() {
-        [] => dataset.time,
-        times => Some(times[request.step_index(times)?]),
-    };
-    parts.origin.units = units(dataset, request, &choices);
-    parts.origin.arrays_decoded = choices.len() as u64;
     if request.every_array {
         parts.origin.arrays_decoded += left.arrays.len() as u64;
     } else {
         (parts.origin.arrays_unread, parts.origin.values_unread) = (left.arrays, left.value_count);
     }
     grid::build(parts, &Options { without_tetrahedra: is_unsplit, ..request.options }, progress)
+}
+
+/// The pieces that have cells and points.
+pub(super) fn pieces_with_cells(dataset: &Dataset) -> Vec<NumberedPiece<'_>> {
+    let pieces = dataset.pieces.iter().enumerate();
+    pieces.filter(|(_, piece)| piece.cell_count > 0 && piece.point_count > 0).collect()
+}
+
+/// Loads pieces whose cells are there already, side by side. Errors: that of the first piece that has one; memory ends before the grid
+/// that is made of them is there.
+pub(super) fn load_all(
+    dataset: &Dataset,
+    pieces: Vec<(NumberedPiece, Cells)>,
+    request: &Request,
+    choices: &[ArraySelection],
+    meter: &Meter,
+) -> Result<Vec<(usize, RawGrid)>> {
+    let is_unsplit = is_unsplit(request, choices);
+    refuse_beyond_memory(&pieces, choices.len(), is_unsplit, meter.progress())?;
+    let (ids, fills) = (global_ids(dataset), is_unsplit && dataset.has_blocks);
+    let wanted = PieceRequest { request, choices, ids, fills };
+    of_each(pieces, |((index, piece), cells)| {
+        let block = group(dataset, piece, index);
+        Ok((index, RawGrid { block, ..load(piece, cells, &wanted, meter)? }))
+    })
+}
+
+/// Adds to a grid what the table of contents says of all of the file.
+pub(super) fn describe(
+    parts: &mut RawGrid,
+    dataset: &Dataset,
+    request: &Request,
+    choices: &[ArraySelection],
+) -> Result<()> {
+    parts.origin.warnings.extend(dataset.warnings.iter().cloned());
+    parts.origin.blocks.clone_from(&dataset.blocks);
+    parts.origin.time = match dataset.time_steps.as_slice() {
+        [] => dataset.time,
+        times => Some(times[request.step_index(times)?]),
+    };
+    parts.origin.units = units(dataset, request, choices);
+    parts.origin.arrays_decoded = choices.len() as u64;
+    Ok(())
 }
 
 /// Units that the file states of the arrays that are read, by the names that these are read under.
@@ -103,25 +132,31 @@ fn units(dataset: &Dataset, request: &Request, choices: &[ArraySelection]) -> BT
 
 /// True if the file's cells are taken as they are, and no tetrahedra are made: none are asked for, and no value needs them, as means of
 /// cell values do.
-fn is_unsplit(request: &Request, choices: &[ArraySelection]) -> bool {
+pub(super) fn is_unsplit(request: &Request, choices: &[ArraySelection]) -> bool {
     let point_arrays = unique(&request.point_arrays).len();
     request.options.without_tetrahedra
         && request.without_scalar
         && choices[..point_arrays].iter().all(|choice| choice.association == Association::Point)
 }
 
+/// True if points get means of cell values.
+pub(super) fn is_averaged(request: &Request, choices: &[ArraySelection]) -> bool {
+    request.options.cell_values == CellValues::Average
+        && choices.iter().any(|choice| choice.association == Association::Cell)
+}
+
 /// Checks that memory holds the grids that are made by code, and reads the first with its arrays. Gives the files of all.
 ///
 /// Errors: memory ends before all are there.
-fn fetch<'a>(
+pub(super) fn fetch<'a>(
     dataset: &Dataset,
-    pieces: &[&'a Piece],
+    pieces: &[NumberedPiece<'a>],
     request: &Request,
     progress: &dyn Progress,
 ) -> Result<Vec<&'a ExternalFormat>> {
     let external: Vec<&ExternalFormat> = pieces
         .iter()
-        .filter_map(|piece| match &piece.geometry {
+        .filter_map(|(_, piece)| match &piece.geometry {
             Geometry::Added(external) => Some(&**external),
             _ => None,
         })
@@ -132,8 +167,9 @@ fn fetch<'a>(
     let choices = choices(dataset, request)?;
     let places = |own: &ExternalFormat| own.places(|name, association| is_read(&choices, name, association));
     let bytes = external.iter().map(|own| own.byte_count(true, &places(own))).fold(0, u64::saturating_add);
-    let cell_count = pieces.iter().map(|piece| piece.cell_count).fold(0, u64::saturating_add);
-    progress::refuse_beyond_memory(progress, || grid_of(point_count(pieces), cell_count), bytes)?;
+    let cell_count = pieces.iter().map(|piece| piece.1.cell_count).fold(0, u64::saturating_add);
+    let point_count = point_count(pieces.iter().map(|piece| piece.1));
+    progress::refuse_beyond_memory(progress, || grid_of(point_count, cell_count), bytes)?;
     // A reader from outside has one piece, and is called from here; pieces of others are read side by side as they are taken.
     if let Some(first) = external.first() {
         first.read(true, &places(first), progress)?;
@@ -142,7 +178,10 @@ fn fetch<'a>(
 }
 
 /// Work on pieces, side by side. Errors: that of the first piece that has one.
-fn of_each<P: Send, T: Send>(pieces: Vec<P>, work: impl Fn(P) -> Result<T> + Sync + Send) -> Result<Vec<T>> {
+pub(super) fn of_each<P: Send, T: Send>(
+    pieces: Vec<P>,
+    work: impl Fn(P) -> Result<T> + Sync + Send,
+) -> Result<Vec<T>> {
     pieces.into_par_iter().map(work).collect::<Vec<_>>().into_iter().collect()
 }
 
@@ -176,21 +215,21 @@ fn is_read(choices: &[ArraySelection], name: &str, association: Association) -> 
 }
 
 /// Points of pieces.
-fn point_count(pieces: &[&Piece]) -> u64 {
-    pieces.iter().map(|piece| piece.point_count).fold(0, u64::saturating_add)
+fn point_count<'a>(pieces: impl Iterator<Item = &'a Piece>) -> u64 {
+    pieces.map(|piece| piece.point_count).fold(0, u64::saturating_add)
 }
 
 /// An early error where the grid would not fit into memory. The cells of the file are there already.
 fn refuse_beyond_memory(
-    pieces: &[&Piece],
-    cells: &[Cells],
+    pieces: &[(NumberedPiece, Cells)],
     array_count: usize,
     is_unsplit: bool,
     progress: &dyn Progress,
 ) -> Result<()> {
-    let mut size = GridSize { points: point_count(pieces), ..GridSize::default() };
+    let points = point_count(pieces.iter().map(|((_, piece), _)| *piece));
+    let mut size = GridSize { points, ..GridSize::default() };
     if !is_unsplit {
-        cells.iter().for_each(|cells| size.add(cells));
+        pieces.iter().for_each(|(_, cells)| size.add(cells));
     }
     let further = (array_count as u64)
         .saturating_sub(1)
@@ -227,20 +266,29 @@ pub(super) fn choices(dataset: &Dataset, request: &Request) -> Result<Vec<ArrayS
 }
 
 /// Names in ascending order, each once.
-fn unique(names: &[String]) -> Vec<&String> {
+pub(super) fn unique(names: &[String]) -> Vec<&String> {
     names.iter().collect::<BTreeSet<_>>().into_iter().collect()
+}
+
+/// True if some cell is three-dimensional.
+pub(super) fn has_volume(cells: &Cells) -> bool {
+    let is_volume = |&code: &u8| CellType::from_code(code).is_none_or(|cell_type| cell_type.dimension == 3);
+    match cells {
+        Cells::Mixed(set) => set.types.iter().any(is_volume),
+        _ => cells.count() > 0,
+    }
 }
 
 /// An early error where no cell is three-dimensional, before anything else is read.
 fn check_dimension(cells: &[Cells]) -> Result<()> {
-    let is_volume = |&code: &u8| CellType::from_code(code).is_none_or(|cell_type| cell_type.dimension == 3);
+    if cells.iter().any(has_volume) {
+        return Ok(());
+    }
     let mut counts = BTreeMap::<u8, u64>::new();
     let mut flat = false;
     for cells in cells {
         match cells {
-            Cells::Mixed(set) if set.types.iter().any(is_volume) => return Ok(()),
             Cells::Mixed(set) => set.types.iter().for_each(|&code| *counts.entry(code).or_default() += 1),
-            _ if cells.count() > 0 => return Ok(()),
             // A structured grid with one point along an axis.
             _ => flat = true,
         }
@@ -263,9 +311,18 @@ pub struct SkippedArray {
 
 /// Arrays that the selection skips.
 pub(super) fn unread(dataset: &Dataset, choices: &[ArraySelection]) -> Result<SkippedArray> {
+    unread_of(dataset, dataset.pieces.iter(), choices)
+}
+
+/// Arrays of some pieces that the selection skips.
+pub(super) fn unread_of<'a>(
+    dataset: &Dataset,
+    pieces: impl Iterator<Item = &'a Piece>,
+    choices: &[ArraySelection],
+) -> Result<SkippedArray> {
     let (mut arrays, mut value_count) = (Vec::new(), 0u64);
     let ids = global_ids(dataset);
-    for array in dataset.pieces.iter().flat_map(|piece| &piece.arrays) {
+    for array in pieces.flat_map(|piece| &piece.arrays) {
         let name = &array.stored.name;
         let is_own = !dataset.blocks.is_empty() && name == BLOCK && array.association == Association::Cell;
         if !is_own && !is_read(choices, name, array.association) && ids != Some(name) {
@@ -302,10 +359,8 @@ pub(super) fn load(piece: &Piece, mut cells: Cells, wanted: &PieceRequest, meter
     let mut raw = RawGrid { ghost, degrees, global_ids, ..RawGrid::new(points, cells) };
     raw.origin.warnings.extend(warning);
     // Means of cell values alone look at hanging points.
-    let is_averaged = wanted.request.options.cell_values == CellValues::Average
-        && wanted.choices.iter().any(|choice| choice.association == Association::Cell);
     if let Geometry::Adaptive(lattice) = &piece.geometry
-        && is_averaged
+        && is_averaged(wanted.request, wanted.choices)
     {
         raw.hanging = Some(lattice.hanging());
     }

@@ -4,13 +4,15 @@
 //! A format gives the names of all blocks ([`Dataset::blocks`]) and for each piece the numbers of those that its cells are of
 //! ([`CellBlocks`]). It leaves out what [`selected`] says is not requested. Numbers are those of the file, whatever is selected.
 
-use super::contents::{BLOCK, CellBlocks, Compute, Dataset, Encoding, Piece, PieceArray, Stored};
+use super::contents::{
+    BLOCK, CellBlocks, Compute, Dataset, Encoding, NumberedPiece, Piece, PieceArray, Stored,
+};
 use super::numbers::NumberType;
 use super::request::{ArraySelection, Request, list};
 use super::source::Source;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use voltet_core::grid::{Association, CellType, Cells};
+use voltet_core::grid::{Association, Cells};
 use voltet_core::parameters::suggest;
 use voltet_core::progress::refuse_beyond_memory;
 use voltet_core::{Error, Result, agreeing, counted};
@@ -131,41 +133,37 @@ fn numbers_of(piece: &Piece, source: &Arc<Source>, compute: Compute) -> PieceArr
     PieceArray::new(Association::Cell, Stored { number_type: NumberType::U32, ..stored })
 }
 
-/// A piece with its cells.
-pub(super) type PieceCells<'a> = (&'a Piece, Cells);
-
-/// Leaves out the pieces of a data set of blocks that no picture of volumes can show: those whose cells have no volume, and those
-/// without one of the arrays. Gives sentences that name them.
+/// Leaves out the pieces of a data set of blocks that no picture of volumes can show: those whose cells, by which `has_volume` decides,
+/// have no volume, and those without one of the arrays. Gives sentences that name them.
 ///
 /// Errors: none is left.
-pub(super) fn drawn_pieces<'a>(
+pub(super) fn drawn_pieces<'a, T>(
     dataset: &Dataset,
-    pieces: Vec<PieceCells<'a>>,
+    pieces: Vec<(NumberedPiece<'a>, T)>,
+    has_volume: impl Fn(&T) -> bool,
     choices: &[ArraySelection],
-) -> Result<(Vec<PieceCells<'a>>, Vec<String>)> {
+) -> Result<(Vec<(NumberedPiece<'a>, T)>, Vec<String>)> {
     if !dataset.has_blocks {
         return Ok((pieces, blocks_without_values(dataset, choices, OMISSION)));
     }
-    let (volumes, flat): (Vec<PieceCells>, Vec<PieceCells>) =
-        pieces.into_iter().partition(|piece| has_volume(&piece.1));
+    let (volumes, flat): (Vec<_>, Vec<_>) = pieces.into_iter().partition(|piece| has_volume(&piece.1));
     let mut sentences = Vec::new();
     if !flat.is_empty() {
-        let names = list(flat.iter().map(|piece| name(dataset, piece.0)));
+        let names = list(flat.iter().map(|((_, piece), _)| name(dataset, piece)));
         sentences.push(format!("Blocks without cells of three dimensions are left out: {names}."));
     }
     let mut left = volumes;
     for choice in choices {
-        let (with, without): (Vec<PieceCells>, Vec<PieceCells>) =
-            left.into_iter().partition(|piece| piece.0.array(choice.association, &choice.name).is_some());
+        let has_array =
+            |((_, piece), _): &(NumberedPiece, T)| piece.array(choice.association, &choice.name).is_some();
+        let (with, without): (Vec<_>, Vec<_>) = left.into_iter().partition(has_array);
+        let without: Vec<&Piece> = without.into_iter().map(|((_, piece), _)| piece).collect();
         if with.is_empty() {
             return Err(no_block_has(dataset, choice, &without));
         }
         if !without.is_empty() {
-            sentences.push(lacking(
-                &choice.name,
-                without.iter().map(|piece| name(dataset, piece.0)),
-                OMISSION,
-            ));
+            let names = without.iter().map(|piece| name(dataset, piece));
+            sentences.push(lacking(&choice.name, names, OMISSION));
         }
         left = with;
     }
@@ -190,18 +188,13 @@ pub(super) fn blocks_to_fill(dataset: &Dataset, choices: &[ArraySelection]) -> V
     sentences
 }
 
-fn has_volume(cells: &Cells) -> bool {
-    match cells {
-        Cells::Mixed(set) => {
-            set.types.iter().any(|&code| CellType::from_code(code).is_none_or(|cell| cell.dimension == 3))
-        }
-        _ => cells.count() > 0,
-    }
-}
-
 /// A sentence about parts of a file that have no cells to be written: structured grids without thickness, and points alone.
-pub(super) fn blocks_without_cells(dataset: &Dataset, pieces: &[&Piece], cells: &[Cells]) -> Option<String> {
-    let flat = pieces.iter().zip(cells).filter(|(_, cells)| cells.count() == 0).map(|(piece, _)| *piece);
+pub(super) fn blocks_without_cells(
+    dataset: &Dataset,
+    pieces: &[NumberedPiece],
+    cells: &[Cells],
+) -> Option<String> {
+    let flat = pieces.iter().zip(cells).filter(|(_, cells)| cells.count() == 0).map(|(piece, _)| piece.1);
     let points = dataset.pieces.iter().filter(|piece| piece.cell_count == 0 && piece.point_count > 0);
     let parts: Vec<&Piece> = flat.chain(points).collect();
     let names: Vec<&str> =
@@ -261,12 +254,12 @@ fn blocks_without_values(
         .collect()
 }
 
-fn no_block_has(dataset: &Dataset, choice: &ArraySelection, blocks: &[PieceCells]) -> Error {
-    let names = blocks.iter().flat_map(|piece| piece.0.arrays_of(choice.association));
+fn no_block_has(dataset: &Dataset, choice: &ArraySelection, blocks: &[&Piece]) -> Error {
+    let names = blocks.iter().flat_map(|piece| piece.arrays_of(choice.association));
     let names: Vec<&str> =
         names.map(|array| array.stored.name.as_str()).filter(|name| *name != BLOCK).collect();
     let error = Error::run(format!("no block with a volume has the array '{}'", choice.name))
-        .got(format_args!("the blocks {}", list(blocks.iter().map(|piece| name(dataset, piece.0)))));
+        .got(format_args!("the blocks {}", list(blocks.iter().map(|piece| name(dataset, piece)))));
     if names.is_empty() { error } else { error.expected(format_args!("one of {}", list(names))) }
 }
 

@@ -28,6 +28,26 @@ pub(super) fn load(piece: &Piece, meter: &Meter) -> Result<Cells> {
     }
 }
 
+/// True if a piece may have cells of this kind; where types lie apart from the cells, nothing else is read.
+pub(super) fn has_types(piece: &Piece, is_of_kind: impl Fn(u8) -> bool, meter: &Meter) -> Result<bool> {
+    let types = match &piece.geometry {
+        Geometry::Unstructured { cells, .. } => match &**cells {
+            StoredCells::Offsets { types, .. } | StoredCells::Counted { types, .. } => types.load(meter)?,
+            StoredCells::Converted(_) => types_of(load(piece, meter)?),
+        },
+        Geometry::Added(_) | Geometry::Adaptive(_) => types_of(load(piece, meter)?),
+        _ => Vec::new(),
+    };
+    Ok(types.into_iter().any(is_of_kind))
+}
+
+fn types_of(cells: Cells) -> Vec<u8> {
+    match cells {
+        Cells::Mixed(set) => set.types,
+        _ => Vec::new(),
+    }
+}
+
 fn all_tetrahedra(types: &[u8]) -> bool {
     !types.is_empty() && types.par_chunks(1 << 16).all(|part| part.iter().all(|&t| t == code::TETRA))
 }

@@ -87,6 +87,9 @@ pub(super) struct Piece {
     pub is_old_order: bool,
 }
 
+/// A piece and its number in [`Dataset::pieces`].
+pub(super) type NumberedPiece<'a> = (usize, &'a Piece);
+
 /// Blocks of the cells of a piece, by their numbers in [`Dataset::blocks`].
 #[derive(Clone)]
 pub(super) enum CellBlocks {

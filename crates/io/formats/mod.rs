@@ -59,6 +59,7 @@ mod nastran;
 mod netcdf;
 mod numbers;
 mod outline;
+mod parts;
 mod plot3d;
 mod request;
 mod series;
@@ -82,6 +83,7 @@ pub use contents::BLOCK;
 pub use elements::{SurfaceColors, SurfaceFile};
 pub use inspect::{ArraySummary, BlockSummary, Summary};
 pub use outline::Outline;
+pub use parts::{PieceBorders, PieceSize};
 pub use request::{Component, Request, SelectedArrays, TimeStep};
 pub use source::existing_file;
 pub use surfaces::{SURFACE_FILES, read_surface};
@@ -105,6 +107,48 @@ use voltet_core::{Error, Result, counted};
 pub fn read(path: &Path, request: &Request, progress: &dyn Progress) -> Result<Grid> {
     let dataset = open(path, request)?;
     assemble::assemble(&dataset, request, progress).map_err(|error| error.in_file(path))
+}
+
+/// Sizes of a file's pieces, by headers alone, in order; pieces without cells included.
+///
+/// # Errors
+/// As [`read`], as far as headers show them.
+pub fn piece_sizes(path: &Path, request: &Request) -> Result<Vec<PieceSize>> {
+    Ok(parts::sizes(&open(path, request)?))
+}
+
+/// Borders between a file's pieces, for [`read_part`] with the same request. `layers` of cells around a part serve it as ghosts: for
+/// gradients of point values as many as the filter looks at rings of neighbours; for means of cell values at points one more. Reads the
+/// pieces one after the other and keeps what is near the borders.
+///
+/// # Errors
+/// As [`read`], but for what shows only when the grid is built.
+pub fn piece_borders(
+    path: &Path,
+    request: &Request,
+    layers: usize,
+    progress: &dyn Progress,
+) -> Result<PieceBorders> {
+    let dataset = open(path, request)?;
+    parts::borders(&dataset, request, layers, progress).map_err(|error| error.in_file(path))
+}
+
+/// Reads some of a file's pieces as a grid that has at its cells what the grid of all has there: the same tetrahedra, values and
+/// gradients. Cells of other pieces around them are [`Grid::ghosts`]. `None` where no cell of these pieces is drawn.
+///
+/// Numbers of cells count in the part; [`Grid::origin`] is of its own cells, but for sentences about the file.
+///
+/// # Errors
+/// As [`read`]; a piece that the file does not have.
+pub fn read_part(
+    path: &Path,
+    request: &Request,
+    pieces: &[usize],
+    borders: &PieceBorders,
+    progress: &dyn Progress,
+) -> Result<Option<Grid>> {
+    let dataset = open(path, request)?;
+    parts::read(&dataset, request, pieces, borders, progress).map_err(|error| error.in_file(path))
 }
 
 /// Arrays that [`read`] would not decode for this request, and how many numbers they hold. Reads headers alone.

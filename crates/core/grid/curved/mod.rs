@@ -63,7 +63,7 @@ pub(super) struct Curved {
 }
 
 /// True if cells of this type are curved.
-pub(super) fn is_curved(code: u8) -> bool {
+pub fn is_curved(code: u8) -> bool {
     lattice::is_curved(code) || code == code::TRIQUADRATIC_PYRAMID
 }
 

@@ -6,6 +6,7 @@ mod curved;
 mod higher_order;
 mod linear;
 mod overlap;
+mod parts;
 mod pieces;
 mod polyhedra;
 mod subsets;

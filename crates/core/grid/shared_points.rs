@@ -1,0 +1,399 @@
+//! Points that several pieces of a grid hold: found by keys that are compared without the pieces, and put into one order with all
+//! other points.
+//!
+//! The order keeps that of each piece. It is found for the shared points alone; each other point follows the last of them that its
+//! piece has before it. So two points of a cell have the same order whatever other pieces are there, and faces are cut by the same
+//! diagonals.
+
+use super::extent;
+use super::parts::{Association, DUPLICATE, RawGrid, corners};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Points that one task handles.
+const CHUNK: usize = 1 << 13;
+
+/// Keys of the points of a piece: equal keys of pieces of one block are one point.
+#[derive(Debug, Clone, Default)]
+pub struct PointKeys {
+    block: usize,
+    /// Global ids of all points.
+    ids: Vec<i64>,
+    /// Without ids: keys of positions and values, and the points' numbers, ascending.
+    places: Vec<(PlaceKey, u32)>,
+    /// True at the points of cells that are no ghosts; `None`: at all.
+    owned: Option<Vec<bool>>,
+}
+
+/// Two hashes of a position and values, whose 128 bits are not equal by chance.
+type PlaceKey = [u64; 2];
+
+impl PointKeys {
+    /// Keys of the points of a piece with global ids; `has_ghosts`: some piece of the grid has ghost cells, and a point that a piece has
+    /// for its ghosts alone may hold older values than its owner's.
+    pub fn of_ids(piece: &RawGrid, has_ghosts: bool) -> PointKeys {
+        let owned = has_ghosts.then(|| {
+            let mut owned = vec![false; piece.points.len()];
+            let own = |cell: &usize| piece.ghost.as_ref().is_none_or(|ghost| ghost[*cell] & DUPLICATE == 0);
+            let cells = (0..piece.cells.count()).filter(own);
+            cells.flat_map(|cell| corners(&piece.cells, cell)).for_each(|&c| owned[c as usize] = true);
+            owned
+        });
+        let ids = piece.global_ids.clone().unwrap_or_default();
+        PointKeys { block: piece.block, ids, places: Vec::new(), owned }
+    }
+
+    /// Keys of positions and of values in all point arrays, at the points of a piece that lie in one of the boxes of others.
+    pub fn of_places(piece: &RawGrid, others: &[[DVec3; 2]]) -> PointKeys {
+        let columns = columns_of_points(piece);
+        let key = |(point, &at): (usize, &DVec3)| {
+            others.iter().any(|&other| meet([at, at], other)).then(|| {
+                let values = columns.iter().flat_map(|&(values, n)| &values[point * n..][..n]);
+                let words = at.as_ref().iter().chain(values).map(|&x| bits(x));
+                (words.fold([0, u64::MAX], |key, word| key.map(|key| mixed(key, word))), point as u32)
+            })
+        };
+        let mut places = Vec::new();
+        places.par_extend(piece.points.par_iter().enumerate().with_min_len(CHUNK).filter_map(key));
+        PointKeys { block: piece.block, ids: Vec::new(), places, owned: None }
+    }
+
+    /// Memory that they take.
+    pub fn byte_count(&self) -> u64 {
+        let owned = self.owned.as_deref().map_or(0, size_of_val);
+        (size_of_val(&self.ids[..]) + size_of_val(&self.places[..]) + owned) as u64
+    }
+
+    fn is_owned(&self, point: u32) -> bool {
+        self.owned.as_ref().is_none_or(|owned| owned[point as usize])
+    }
+}
+
+/// For each piece, given by its block and its box, the boxes of the other pieces of the block that meet its own.
+pub fn boxes_of_others(boxes: &[(usize, Option<[DVec3; 2]>)]) -> Vec<Vec<[DVec3; 2]>> {
+    let mut of_blocks = BTreeMap::<usize, Vec<(usize, [DVec3; 2])>>::new();
+    for (index, &(block, own)) in boxes.iter().enumerate() {
+        of_blocks.entry(block).or_default().extend(own.map(|own| (index, own)));
+    }
+    let others = |(index, &(block, own)): (usize, &(usize, Option<[DVec3; 2]>))| {
+        let Some(own) = own else { return Vec::new() };
+        let others = of_blocks[&block].iter().filter(|other| other.0 != index && meet(own, other.1));
+        others.map(|other| other.1).collect()
+    };
+    boxes.iter().enumerate().map(others).collect()
+}
+
+fn meet([a, b]: [DVec3; 2], [c, d]: [DVec3; 2]) -> bool {
+    a.cmple(d).all() && c.cmple(b).all()
+}
+
+/// Values of a point array and the components of a tuple.
+type Column<'a> = (&'a [f64], usize);
+
+fn columns_of_points(piece: &RawGrid) -> Vec<Column<'_>> {
+    let scalar = piece.scalar.iter().filter(|scalar| scalar.association == Association::Point);
+    let scalar = scalar.map(|scalar| (&scalar.values[..], 1));
+    scalar
+        .chain(piece.point_arrays.values().map(|array| (&array.values[..], array.component_count)))
+        .collect()
+}
+
+/// Bits of a number: −0 is 0, and all NaNs are one.
+fn bits(x: f64) -> u64 {
+    if x.is_nan() { u64::MAX } else { (x + 0.0).to_bits() }
+}
+
+/// A key made of another and further bits: the finaliser of Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators".
+fn mixed(key: u64, bits: u64) -> u64 {
+    let mut z = (key ^ bits).wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// A point that several pieces hold, in one of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct SharedPoint {
+    /// Number in the piece.
+    pub point: u32,
+    /// Place in the order of all shared points.
+    pub rank: u32,
+    /// True in the one piece whose position and values count.
+    pub is_source: bool,
+}
+
+/// A piece and the number of a point there.
+type Place = [u32; 2];
+
+/// The shared points of the pieces of a grid.
+#[derive(Debug, Clone, Default)]
+pub struct SharedPoints {
+    /// For each piece its shared points, by their numbers there.
+    of_pieces: Vec<Vec<SharedPoint>>,
+    /// Shared points, each once.
+    count: usize,
+    /// The first place of each by rank, where pieces contradict each other and all points are in the order of their global ids.
+    firsts: Option<Vec<Place>>,
+}
+
+impl SharedPoints {
+    /// Finds points of different pieces that are one. Points of one piece stay apart: its second of a key is one with the second of
+    /// another piece.
+    ///
+    /// Their order is that of every piece; where the pieces contradict each other, that of the ids if there are any, else of the
+    /// first of the pieces.
+    pub fn find(pieces: &[PointKeys]) -> SharedPoints {
+        let mut of_blocks = BTreeMap::<usize, Vec<usize>>::new();
+        for (index, piece) in pieces.iter().enumerate() {
+            of_blocks.entry(piece.block).or_default().push(index);
+        }
+        let mut holders: Vec<(Place, Place)> = Vec::new();
+        for members in of_blocks.into_values().filter(|members| members.len() > 1) {
+            let (mut ids, mut places) = (Vec::new(), Vec::new());
+            for index in members {
+                let number = index as u32;
+                ids.extend(pieces[index].ids.iter().zip(0..).map(|(&id, point)| (id, [number, point])));
+                places.extend(pieces[index].places.iter().map(|&(key, point)| (key, [number, point])));
+            }
+            add_holders(&mut holders, ids);
+            add_holders(&mut holders, places);
+        }
+        holders.par_sort_unstable();
+        let classes: Vec<&[(Place, Place)]> = holders.chunk_by(|a, b| a.0 == b.0).collect();
+        let mut lists: Vec<Vec<SharedPoint>> = vec![Vec::new(); pieces.len()];
+        for (class, same) in classes.iter().enumerate() {
+            let owned = |[piece, point]: Place| pieces[piece as usize].is_owned(point);
+            let source = same.iter().position(|&(_, own)| owned(own)).unwrap_or(0);
+            for (place, &(_, [piece, point])) in same.iter().enumerate() {
+                let shared = SharedPoint { point, rank: class as u32, is_source: place == source };
+                lists[piece as usize].push(shared);
+            }
+        }
+        lists.par_iter_mut().for_each(|list| list.sort_unstable_by_key(|shared| shared.point));
+        let counts = classes.iter().map(|same| same.len() as u32).collect();
+        let (mut ranks, is_contradictory) = merged(&lists, counts);
+        let has_ids = pieces.iter().any(|piece| !piece.ids.is_empty());
+        let firsts = (is_contradictory && has_ids).then(|| {
+            let id = |[piece, point]: Place| pieces[piece as usize].ids.get(point as usize);
+            let mut firsts: Vec<(Place, usize)> =
+                classes.iter().enumerate().map(|(class, same)| (same[0].0, class)).collect();
+            firsts.par_sort_by_key(|first| (id(first.0), first.0));
+            firsts.iter().zip(0..).for_each(|(&(_, class), rank)| ranks[class] = rank);
+            firsts.into_iter().map(|first| first.0).collect()
+        });
+        lists.iter_mut().flatten().for_each(|shared| shared.rank = ranks[shared.rank as usize]);
+        SharedPoints { of_pieces: lists, count: ranks.len(), firsts }
+    }
+
+    /// Number of shared points.
+    pub(super) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// True if a piece has none.
+    pub fn is_empty_at(&self, piece: usize) -> bool {
+        self.of_piece(piece).is_empty()
+    }
+
+    /// The shared points of a piece, by their numbers there.
+    pub(super) fn of_piece(&self, piece: usize) -> &[SharedPoint] {
+        self.of_pieces.get(piece).map_or(&[], Vec::as_slice)
+    }
+
+    /// Memory that they take.
+    pub fn byte_count(&self) -> u64 {
+        let lists = self.of_pieces.iter().map(|list| size_of_val(&list[..])).sum::<usize>();
+        (lists + self.firsts.as_deref().map_or(0, size_of_val)) as u64
+    }
+
+    /// Calls `take` for each point of a holder, with the shared point that it is and one more than the greatest rank before it.
+    pub(super) fn each(&self, holder: &PointHolder, mut take: impl FnMut(usize, Option<SharedPoint>, u32)) {
+        let mut shared = self.of_piece(holder.piece).iter().peekable();
+        let mut before = 0;
+        for point in 0..holder.count {
+            let original = holder.original(point);
+            while let Some(passed) = shared.next_if(|shared| shared.point < original) {
+                before = before.max(passed.rank + 1);
+            }
+            let own = shared.next_if(|shared| shared.point == original).copied();
+            take(point, own, before);
+            before = own.map_or(before, |own| before.max(own.rank + 1));
+        }
+    }
+
+    /// Numbers of the points of holders, ascending by their pieces, in a grid of them alone.
+    pub(super) fn numbers(&self, holders: &[PointHolder]) -> PointNumbers {
+        let slots = holders.iter().map(|holder| holder.count).sum();
+        // The point whose values count: the source, or the first where that is not there.
+        let mut chosen = vec![u32::MAX; self.count];
+        // Points behind the shared point of each rank, from 1 on.
+        let mut behind = vec![0_u32; self.count + 1];
+        let mut slot = 0_u32;
+        for holder in holders {
+            self.each(holder, |_, shared, before| {
+                match shared {
+                    Some(own) => {
+                        let chosen = &mut chosen[own.rank as usize];
+                        *chosen = if own.is_source { slot } else { (*chosen).min(slot) };
+                    }
+                    None => behind[before as usize] += 1,
+                }
+                slot += 1;
+            });
+        }
+        let mut found = PointNumbers { numbers: Vec::with_capacity(slots), ..PointNumbers::default() };
+        match &self.firsts {
+            None => self.number_by_rank(holders, &chosen, behind, &mut found),
+            Some(firsts) => self.number_by_ids(holders, firsts, &mut found),
+        }
+        found.targets.reserve_exact(slots);
+        let mut slot = 0_u32;
+        for holder in holders {
+            self.each(holder, |_, shared, _| {
+                let is_chosen = shared.is_none_or(|own| chosen[own.rank as usize] == slot);
+                found.targets.push(if is_chosen { found.numbers[slot as usize] } else { u32::MAX });
+                slot += 1;
+            });
+        }
+        found
+    }
+
+    fn number_by_rank(
+        &self,
+        holders: &[PointHolder],
+        chosen: &[u32],
+        mut behind: Vec<u32>,
+        found: &mut PointNumbers,
+    ) {
+        let mut next = 0;
+        let mut of_shared = vec![u32::MAX; self.count];
+        for (rank, behind) in behind.iter_mut().enumerate() {
+            if rank > 0 && chosen[rank - 1] != u32::MAX {
+                of_shared[rank - 1] = next;
+                next += 1;
+            }
+            next += std::mem::replace(behind, next);
+        }
+        for holder in holders {
+            self.each(holder, |_, shared, before| {
+                let next = &mut behind[before as usize];
+                found.numbers.push(shared.map_or(*next, |own| of_shared[own.rank as usize]));
+                *next += u32::from(shared.is_none());
+            });
+        }
+        found.count = next as usize;
+    }
+
+    fn number_by_ids(&self, holders: &[PointHolder], firsts: &[Place], found: &mut PointNumbers) {
+        let mut keyed: Vec<(i64, Place, u32)> = Vec::new();
+        for holder in holders {
+            self.each(holder, |point, shared, _| {
+                let own = [holder.piece as u32, holder.original(point)];
+                let first = shared.map_or(own, |own| firsts[own.rank as usize]);
+                let id = holder.ids.get(point).copied().unwrap_or(i64::MAX);
+                keyed.push((id, first, keyed.len() as u32));
+            });
+        }
+        keyed.par_sort_unstable();
+        found.numbers.resize(keyed.len(), 0);
+        for same in keyed.chunk_by(|a, b| a.1 == b.1) {
+            same.iter().for_each(|&(_, _, slot)| found.numbers[slot as usize] = found.count as u32);
+            found.count += 1;
+        }
+    }
+}
+
+/// Points of a piece, all or some, that go into a grid.
+pub(super) struct PointHolder<'a> {
+    pub piece: usize,
+    pub count: usize,
+    /// Numbers in the piece, ascending; `None`: all points are there.
+    pub originals: Option<&'a [u32]>,
+    /// Global ids, or nothing.
+    pub ids: &'a [i64],
+}
+
+impl PointHolder<'_> {
+    fn original(&self, point: usize) -> u32 {
+        self.originals.map_or(point as u32, |originals| originals[point])
+    }
+}
+
+/// Numbers of points in a grid that is put together, one holder after the other.
+#[derive(Default)]
+pub(super) struct PointNumbers {
+    pub numbers: Vec<u32>,
+    /// The number, or nowhere (`u32::MAX`) where another point's position and values stand for these.
+    pub targets: Vec<u32>,
+    /// Number of points.
+    pub count: usize,
+}
+
+/// Adds the places of points that several pieces hold, each after the first of the same.
+fn add_holders<K: Ord + Copy + Send>(holders: &mut Vec<(Place, Place)>, mut keyed: Vec<(K, Place)>) {
+    keyed.par_sort_unstable();
+    // By how many of the key its piece has before it.
+    let mut numbered: Vec<(u32, Place)> = Vec::new();
+    for equal in keyed.chunk_by(|a, b| a.0 == b.0).filter(|equal| equal.len() > 1) {
+        numbered.clear();
+        let (mut of_piece, mut seen) = (u32::MAX, 0);
+        for &(_, place) in equal {
+            (of_piece, seen) = if place[0] == of_piece { (of_piece, seen + 1) } else { (place[0], 0) };
+            numbered.push((seen, place));
+        }
+        numbered.sort_unstable();
+        for same in numbered.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() > 1) {
+            holders.extend(same.iter().map(|own| (same[0].1, own.1)));
+        }
+    }
+}
+
+/// Ranks of points in an order that keeps those of all lists, and true where the lists contradict each other: then the first point that a
+/// list waits for comes next. `counts`: lists that hold each point.
+fn merged(lists: &[Vec<SharedPoint>], mut counts: Vec<u32>) -> (Vec<u32>, bool) {
+    let mut ranks = vec![u32::MAX; counts.len()];
+    let mut next = 0..;
+    let mut cursors = vec![0; lists.len()];
+    let mut going: Vec<usize> = (0..lists.len()).rev().collect();
+    // Lists that have come to a point which others have before them.
+    let mut waiting: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    let mut is_contradictory = false;
+    loop {
+        while let Some(list) = going.pop() {
+            while let Some(shared) = lists[list].get(cursors[list]) {
+                let point = shared.rank;
+                if ranks[point as usize] == u32::MAX {
+                    counts[point as usize] -= 1;
+                    if counts[point as usize] > 0 {
+                        waiting.entry(point).or_default().push(list);
+                        break;
+                    }
+                    ranks[point as usize] = next.next().unwrap_or(u32::MAX);
+                    going.extend(waiting.remove(&point).unwrap_or_default());
+                }
+                cursors[list] += 1;
+            }
+        }
+        let Some((point, lists)) = waiting.pop_first() else { return (ranks, is_contradictory) };
+        is_contradictory = true;
+        ranks[point as usize] = next.next().unwrap_or(u32::MAX);
+        going.extend(lists);
+    }
+}
+
+/// The shared points of pieces that are all there.
+pub(super) fn shared_points(pieces: &[RawGrid]) -> SharedPoints {
+    let has_ghosts = pieces.iter().any(|piece| piece.ghost.is_some());
+    let keys: Vec<PointKeys> = match pieces.iter().all(|piece| piece.global_ids.is_some()) {
+        true => pieces.par_iter().map(|piece| PointKeys::of_ids(piece, has_ghosts)).collect(),
+        false => {
+            let boxes: Vec<(usize, Option<[DVec3; 2]>)> =
+                pieces.iter().map(|piece| (piece.block, extent::bounds(&piece.points))).collect();
+            let others = boxes_of_others(&boxes);
+            let keyed = pieces.par_iter().zip(&others);
+            keyed.map(|(piece, others)| PointKeys::of_places(piece, others)).collect()
+        }
+    };
+    SharedPoints::find(&keys)
+}
