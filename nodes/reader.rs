@@ -2,11 +2,13 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use voltet_core::grid::Grid;
 use voltet_core::reading::FileArray;
 use voltet_core::{Error, Result};
 use voltet_graph::{
-    DefaultValue, Demand, Diagnostics, Node, Outputs, Parameter, ParameterType, ParameterValue, Parameters,
-    PlanContext, Port, PortType, Preparation, Range, RunContext, SavedWork, Steps, TimeSeries, Value,
+    DefaultValue, Demand, Diagnostics, GridPart, Node, Outputs, Parameter, ParameterType, ParameterValue,
+    Parameters, PartWork, PlanContext, Port, PortType, Preparation, Range, RunContext, SavedWork, Steps,
+    TimeSeries, Value,
 };
 use voltet_io::formats::{
     self, Association, CellValues, Options, Request, SelectedArrays, TimeStep, existing_file,
@@ -97,6 +99,8 @@ pub const NODE: Node = Node {
     files_beside: &files_beside,
     foreign_head: &formats::foreign_head,
     prepare: &prepare,
+    part_work: PartWork::Each,
+    piece_bytes: &piece_bytes,
     run: &|call| run(call, None),
     ..Node::BLANK
 };
@@ -149,7 +153,13 @@ pub(crate) fn run(call: &mut RunContext, chosen: Option<SelectedArrays>) -> Resu
         let what = "time_step = \"all\" is for `voltet run`; the first step alone is read here";
         call.notes.warnings.push(what.into());
     }
-    let grid = formats::read(&path, &request, call.progress()).map_err(with_file_named)?;
+    let grid = match call.part() {
+        None => formats::read(&path, &request, call.progress()).map_err(with_file_named)?,
+        Some(part) => match read_part(call, part, &path, &request).map_err(with_file_named)? {
+            Some(grid) => grid,
+            None => return Ok(Vec::new()),
+        },
+    };
     let origin = &grid.origin;
     call.notes.warnings.extend(origin.warnings.iter().cloned());
     if !origin.arrays_unread.is_empty() {
@@ -169,6 +179,35 @@ pub(crate) fn run(call: &mut RunContext, chosen: Option<SelectedArrays>) -> Resu
         }
     }
     Ok(vec![Value::Grid(Arc::new(grid))])
+}
+
+/// The grid of a part; none where it has no cells that are drawn.
+fn read_part(call: &RunContext, part: &GridPart, path: &Path, request: &Request) -> Result<Option<Grid>> {
+    let borders = || formats::piece_borders(path, request, part.layers, call.progress());
+    let borders = call.keep_for_parts(borders)?;
+    formats::read_part(path, request, &part.pieces, &borders, call.progress())
+}
+
+/// Bytes of memory that a tetrahedron takes when it is drawn: its corners, its faces with those of its neighbours, its place in the
+/// order of rays.
+const TETRAHEDRON_BYTES: u64 = 96;
+
+/// Bytes that a point takes: its position, the scalar, the gradient and its length, its place on the screen.
+const POINT_BYTES: u64 = 96;
+
+/// Tetrahedra that cells are split into at most, on the average, by cell and by point: of hexahedra as many as 6 by either.
+const MAX_SPLIT: u64 = 6;
+
+fn piece_bytes(preparation: &Preparation) -> Result<Vec<u64>> {
+    let request = request(preparation.parameters, None)?;
+    let bytes = |size: formats::PieceSize| {
+        let by_points = size.points.saturating_mul(MAX_SPLIT).max(size.cells);
+        let tetrahedra = size.cells.saturating_mul(MAX_SPLIT).min(by_points);
+        tetrahedra.saturating_mul(TETRAHEDRON_BYTES).saturating_add(size.points.saturating_mul(POINT_BYTES))
+    };
+    // What is wrong with the file is said when it is read.
+    let sizes = formats::piece_sizes(&preparation.path("path")?, &request).unwrap_or_default();
+    Ok(sizes.into_iter().map(bytes).collect())
 }
 
 /// Pieces, the files of the step, a solution that no parameter names. Mistakes are reported when it runs.

@@ -269,6 +269,7 @@ impl Renderer {
             compositing,
             exhaustive: options.exhaustive,
             preview: options.interactive,
+            part: false,
         };
         let output = volume.draw(scene, &options, progress)?;
         Ok(RenderOutput::new(scene, info.name, opened.adapter(), output))

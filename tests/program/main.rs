@@ -21,6 +21,7 @@ mod multi_gradient;
 mod outputs;
 #[cfg(feature = "papers")]
 mod papers;
+mod parts;
 mod pictures;
 mod pixel;
 mod plugin_faults;

@@ -39,6 +39,8 @@ pub(crate) struct Points {
     /// 1 / depth of step 0 and how much it falls with each step; or with linear depths depth of step 0 and a step.
     pub nearest: f32,
     pub step: f32,
+    /// Depth of step 0.
+    pub first_depth: f64,
     /// A step of positions (pixels, or pixels × depth).
     pub pixel: f32,
     /// Steps from a pixel's ray to that of the next, at the depth of step 0.
@@ -124,6 +126,7 @@ impl Points {
             pixel_bits,
             nearest: nearest as f32,
             step: if per_step > 0.0 { 1.0 / per_step } else { 0.0 } as f32,
+            first_depth: near,
             pixel: (1.0 / steps_of_pixel) as f32,
             ray_spacing: 1 << pixel_bits,
             ray_spread: 0,
@@ -164,6 +167,7 @@ impl Points {
             pixel_bits: 0,
             nearest: nearest as f32,
             step: (1.0 / per_depth) as f32,
+            first_depth: nearest,
             pixel: (1.0 / per_step) as f32,
             ray_spacing: steps_of(first),
             ray_spread: 1,

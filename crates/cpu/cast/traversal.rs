@@ -325,10 +325,13 @@ impl<'a, 'b, L: Lanes, const CUT: bool, const N: usize> PacketTraversal<'a, 'b, 
         }
         if self.depths {
             L::U::load(&packet.pixels[half..]).store(&mut batch.pixel[slot..]);
+            // From the distance origin: far from the eye, a depth has no digits left in 32 bits.
+            let offset = L::F::splat((points.first_depth - packet.distance_origin) as f32);
             let depth_of = inlined!(|at: L::U, distance: L::F| {
-                let parallel = at.to_float().mul_add(L::F::splat(points.step), L::F::splat(points.nearest));
-                let depth = if points.perspective { distance } else { parallel };
-                depth - L::F::splat(packet.distance_origin as f32)
+                // 1 / z₀ − 1 / z is in steps, and z − z₀ = z z₀ (1 / z₀ − 1 / z).
+                let scale = distance * L::F::splat(points.first_depth as f32);
+                let scale = if points.perspective { scale } else { L::F::splat(1.0) };
+                at.to_float().mul_add(L::F::splat(points.step) * scale, offset)
             });
             depth_of(begin, state.distance).store(&mut batch.entry[slot..]);
             depth_of(end, distance).store(&mut batch.exit[slot..]);

@@ -54,7 +54,7 @@ impl StretchRecorder {
     ) -> TileStretches {
         let (length, origin) = (frame.view.length, frame.input.distance_origin);
         let farthest = self.pixels.iter().flatten().map(|own| own.exit).fold(0.0, f32::max);
-        let resolution = ROUNDINGS * f64::from(f32::EPSILON) * (origin + f64::from(farthest)) * length;
+        let resolution = ROUNDINGS * f64::from(f32::EPSILON) * f64::from(farthest) * length;
         let depth = |depth: f32| (f64::from(depth) + origin) * length;
         let stretches = |pixel: usize| {
             if frame.shader.one_color.is_some() {

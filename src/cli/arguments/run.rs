@@ -1,7 +1,7 @@
 //! Options of `voltet run`.
 
 use super::shared::Files;
-use super::values::{one_of, size};
+use super::values::{bytes, one_of, size};
 use crate::io::encode::film::rate;
 use crate::series::selection::{Part, Ranges, Sweep};
 use crate::series::steps::{StepSelection, TimeSelection};
@@ -15,6 +15,7 @@ Examples:
   voltet run scene.toml --steps 0:365:5                  every fifth step of the time series that it reads
   voltet run scene.toml --times 0.1:0.5 -o 'a_{time}.png'  the steps within these times, named by them
   voltet run scene.toml --steps all --film run.mp4       all steps, and a film of them
+  voltet run scene.toml --memory 4GiB                    a grid larger than memory, part after part
   voltet run scene.toml --for 'run_*.vtu'                a picture of each of these files
   voltet run scene.toml --sweep 'look.widgets.0.extinction=[1, 2, 4]'
                                                          a picture for each value, and a sheet of them
@@ -36,6 +37,12 @@ pub struct Run {
     pub output: Option<PathBuf>,
     #[command(flatten)]
     pub frames: FrameOptions,
+    /// Let a grid take so much memory, such as 4GiB; one that takes more is read and drawn part after part.
+    ///
+    /// For files in pieces (.pvtu, VTKHDF partitions, parts of Exodus, processor folders of OpenFOAM, blocks). The picture is the
+    /// same but for rounding, some 1e-7. The picture itself and what is kept of the pieces' borders come on top.
+    #[arg(long, value_name = "SIZE", value_parser = bytes, conflicts_with = "exhaustive")]
+    pub memory: Option<u64>,
     /// Do everything that could be done, needed or not, and say how much longer that takes.
     ///
     /// Runs each file once to warm up, then in turn twice as usual and twice reading every array, computing the gradient and

@@ -34,6 +34,29 @@ pub(super) fn color(text: &str) -> Result<[f64; 3], String> {
     channels.try_into().map_err(|_| "a colour is three numbers with commas, such as 1,1,1".into())
 }
 
+/// An amount of memory in bytes, "4GiB" or "500 MB".
+pub(super) fn bytes(text: &str) -> Result<u64, String> {
+    let text = text.trim();
+    let (number, unit) = text.split_at(text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len()));
+    let factor = match unit.to_ascii_lowercase().as_str() {
+        "" | "b" => 1.0,
+        "kb" => 1e3,
+        "mb" => 1e6,
+        "gb" => 1e9,
+        "tb" => 1e12,
+        "k" | "kib" => 1024.0,
+        "m" | "mib" => 1024f64.powi(2),
+        "g" | "gib" => 1024f64.powi(3),
+        "t" | "tib" => 1024f64.powi(4),
+        _ => f64::NAN,
+    };
+    let bytes = number.trim().parse::<f64>().map_or(f64::NAN, |number| number * factor);
+    match bytes >= 1.0 && bytes.is_finite() {
+        true => Ok(bytes as u64),
+        false => Err("an amount of memory has a unit: 4GiB, 500MB".into()),
+    }
+}
+
 /// A picture's size, "1024x768".
 pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let number = |part: &str| part.trim().parse::<u32>().ok().filter(|n| *n > 0);

@@ -36,6 +36,10 @@ impl<'a> Runner<'a> {
     /// A call before its first run.
     pub fn new(arguments: &'a Run, registry: &'a Registry, streams: bool) -> Self {
         let (bar, session) = (Bar::new(arguments.quiet), crate::nodes::session());
+        let session = match arguments.memory {
+            Some(bytes) => session.with_memory(bytes),
+            None => session,
+        };
         Runner { arguments, registry, bar, session, streams, worst: DONE, reports: Vec::new() }
     }
 
