@@ -1,8 +1,9 @@
 //! A volume: a grid of tetrahedra with the scalar that is drawn and, where asked for, its gradient.
 
 use crate::SharedSlice;
-use crate::grid::{Grid, Subset};
+use crate::grid::{Grid, Subset, extent};
 use glam::DVec3;
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Volume to draw: a grid with its scalar and gradient. All arrays are per point; `None`: not requested.
@@ -28,5 +29,53 @@ impl Volume {
         let gradient = self.gradient.as_ref().map(|all| cells.of_points(|p| all[p as usize]).into());
         let gradient_magnitude = self.gradient_magnitude.as_ref().map(own);
         Volume { grid: Arc::new(grid), scalar, gradient, gradient_magnitude }
+    }
+}
+
+/// Extent of a volume in space and in its values.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct VolumeExtent {
+    /// Lowest and highest coordinates of the finite points; `None` where there is none.
+    pub bounds: Option<[DVec3; 2]>,
+    /// Ranges of s and g at the points of the cells that are drawn; 0 of what there is not.
+    pub ranges: [[f64; 2]; 2],
+    /// Largest component of ∇s.
+    pub max_gradient: f64,
+}
+
+impl VolumeExtent {
+    /// The extent of a volume.
+    pub fn of(volume: &Volume) -> VolumeExtent {
+        let drawn = volume.grid.drawn_points();
+        let range = |values: &[f64]| extent::range(values).unwrap_or_default();
+        let of_points = |values: &SharedSlice<f64>| range(&values[..drawn.min(values.len())]);
+        let gradient = volume.gradient.as_ref().map(|all| &all[..drawn.min(all.len())]);
+        VolumeExtent {
+            bounds: extent::bounds(&volume.grid.points),
+            ranges: [
+                of_points(&volume.scalar),
+                volume.gradient_magnitude.as_ref().map_or([0.0; 2], of_points),
+            ],
+            max_gradient: gradient.map_or(0.0, |gradient| {
+                let largest = |vector: &DVec3| {
+                    let components = vector.to_array().into_iter().filter(|x| x.is_finite());
+                    components.fold(0.0, |largest: f64, x| largest.max(x.abs()))
+                };
+                gradient.par_iter().map(largest).reduce(|| 0.0, f64::max)
+            }),
+        }
+    }
+
+    /// The extent of both together.
+    pub fn joined(&self, other: &VolumeExtent) -> VolumeExtent {
+        let wider = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a.min(c), b.max(d)];
+        VolumeExtent {
+            bounds: match (self.bounds, other.bounds) {
+                (Some([a, b]), Some([c, d])) => Some([a.min(c), b.max(d)]),
+                (own, other) => own.or(other),
+            },
+            ranges: [0, 1].map(|k: usize| wider(self.ranges[k], other.ranges[k])),
+            max_gradient: self.max_gradient.max(other.max_gradient),
+        }
     }
 }

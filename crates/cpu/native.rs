@@ -13,7 +13,7 @@ use std::time::Instant;
 use voltet_core::diagnostics::Diagnostics;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::TransferFunction;
-use voltet_core::volume::Volume;
+use voltet_core::volume::{Volume, VolumeExtent};
 use voltet_core::{Result, counted};
 use voltet_optics::engine::{
     self, Engine, EngineInfo, PreparedVolume, RenderOptions, RenderOutput, Stage, StageTiming,
@@ -54,6 +54,11 @@ impl Engine for Native {
 
     fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn PreparedVolume>> {
         let cache = VolumeCache::new(volume)?;
+        Ok(Arc::new(NativeVolume { lanes: self.lanes, cache, prepared: Mutex::new(None) }))
+    }
+
+    fn prepare_part(&self, volume: &Arc<Volume>, whole: &VolumeExtent) -> Result<Arc<dyn PreparedVolume>> {
+        let cache = VolumeCache::of_part(volume, whole)?;
         Ok(Arc::new(NativeVolume { lanes: self.lanes, cache, prepared: Mutex::new(None) }))
     }
 }

@@ -12,7 +12,7 @@ use voltet_core::diagnostics::Diagnostics;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::TransferFunction;
-use voltet_core::volume::Volume;
+use voltet_core::volume::{Volume, VolumeExtent};
 use voltet_core::{Error, Result};
 
 /// Description of an engine before it is opened.
@@ -141,6 +141,12 @@ pub trait Engine: Any + Send + Sync {
 
     /// Takes in a volume: what frames of it share is made once. Errors: what the device cannot hold.
     fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn PreparedVolume>>;
+
+    /// Takes in a part of a volume that has this extent, to be drawn by itself ([`RenderOptions::part`]). Errors: those of
+    /// [`Engine::prepare`]; an engine without [`EngineInfo::draws_parts`].
+    fn prepare_part(&self, _volume: &Arc<Volume>, _whole: &VolumeExtent) -> Result<Arc<dyn PreparedVolume>> {
+        Err(Error::run("the engine draws whole grids").got("a part of a grid").expected("another engine"))
+    }
 }
 
 /// A picture under way: others can be begun before it is taken.

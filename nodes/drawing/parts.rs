@@ -5,10 +5,10 @@ use super::scene::{check_engine, clips, order, shading};
 use super::{engines::OpenEngines, note};
 use std::sync::Arc;
 use voltet_core::camera::Camera;
-use voltet_core::grid::extent;
 use voltet_core::transfer::TransferFunction;
+use voltet_core::volume::VolumeExtent;
 use voltet_core::{Error, Result, counted};
-use voltet_graph::{Outputs, RunContext, TransferFunctionSpec, Value};
+use voltet_graph::{Outputs, RunContext, Value};
 use voltet_optics::depth_image::VolumetricDepthImage;
 use voltet_optics::engine::{AdapterRequest, EngineInfo, RenderOptions};
 use voltet_optics::ray_events::{RayEventSource, RayEvents};
@@ -21,7 +21,10 @@ pub fn draw_parts(call: &mut RunContext) -> Result<Outputs> {
     let look = call.look("transfer_function")?;
     let shading = shading(call.parameters)?;
     refuse(call, &look.transfer_function, &shading)?;
-    let transfer_function = Arc::new(known_look(call, &look)?);
+    let whole = extent_of_parts(call)?;
+    let diagonal = || voltet_graph::diagonal(&whole.bounds.map(Vec::from).unwrap_or_default());
+    let diagonal = if look.auto_unit_distance { diagonal() } else { 0.0 };
+    let transfer_function = Arc::new(look.for_diagonal(diagonal));
     let surfaces = call.surfaces("surfaces")?;
     let clips = clips(call.parameters)?;
     let events = surface_events(RayEventSource::new(&surfaces, &[], &camera)?, &camera, call)?;
@@ -41,8 +44,9 @@ pub fn draw_parts(call: &mut RunContext) -> Result<Outputs> {
             clips: clips.clone(),
         };
         let manner = RenderOptions { part: true, exhaustive: call.exhaustive(), ..RenderOptions::default() };
-        let drawn =
-            call.stage("draw", |progress| engine.prepare(&scene.volume)?.draw(&scene, &manner, progress))?;
+        let drawn = call.stage("draw", |progress| {
+            engine.prepare_part(&scene.volume, &whole)?.draw(&scene, &manner, progress)
+        })?;
         call.notes.counts.insert("cells_total", scene.volume.grid.tetrahedra.len() as u64);
         call.notes.add(drawn.notes);
         note(call, &drawn.counts);
@@ -105,20 +109,15 @@ fn refuse(call: &RunContext, transfer_function: &TransferFunction, shading: &Sha
     check_engine(NATIVE, p, transfer_function, shading)
 }
 
-/// The transfer function: its unit distance may be that of the whole grid's extent.
-fn known_look(call: &mut RunContext, look: &TransferFunctionSpec) -> Result<TransferFunction> {
-    if !look.auto_unit_distance {
-        return Ok(look.transfer_function.clone());
-    }
-    let mut bounds: Option<[glam::DVec3; 2]> = None;
+/// The extent of the whole grid.
+fn extent_of_parts(call: &mut RunContext) -> Result<VolumeExtent> {
+    let mut whole: Option<VolumeExtent> = None;
     call.each_part(&mut |call| {
-        if let Some([low, high]) = extent::bounds(&call.volume("volume")?.grid.points) {
-            let [a, b] = bounds.unwrap_or([low, high]);
-            bounds = Some([a.min(low), b.max(high)]);
-        }
+        let own = VolumeExtent::of(&*call.volume("volume")?);
+        whole = Some(whole.take().map_or(own, |whole| whole.joined(&own)));
         Ok(())
     })?;
-    Ok(look.for_diagonal(voltet_graph::diagonal(&bounds.map(Vec::from).unwrap_or_default())))
+    Ok(whole.unwrap_or_default())
 }
 
 /// The surfaces along the rays of each sample; none where there are no surfaces.

@@ -7,6 +7,7 @@ use voltet_core::grid::whole_cells;
 use voltet_core::picture::Picture;
 use voltet_core::progress::NoProgress;
 use voltet_core::transfer::TransferFunction;
+use voltet_core::volume::VolumeExtent;
 use voltet_cpu::ENGINE;
 use voltet_optics::depth_image::VolumetricDepthImage;
 use voltet_optics::engine::{AdapterRequest, RenderOptions};
@@ -76,6 +77,7 @@ fn draw(scene: &Scene, part_of: impl Fn(usize) -> usize + Sync) -> Result<Pictur
         source.iter().flat_map(|source| offsets.iter().map(|offset| source.events(*offset, &NoProgress)));
     let events = events.collect::<Result<Vec<_>>>()?;
     let size = scene.camera.size.map(|n| n as usize);
+    let whole = VolumeExtent::of(&scene.volume);
     let mut all = VolumetricDepthImage::empty(size, offsets.len());
     for part in 0..PARTS {
         let cells = whole_cells(&scene.volume.grid, |cell| part_of(cell) == part, &NoProgress)?;
@@ -84,7 +86,7 @@ fn draw(scene: &Scene, part_of: impl Fn(usize) -> usize + Sync) -> Result<Pictur
         }
         let scene = Scene { volume: Arc::new(scene.volume.subset(&cells)), ..scene.clone() };
         let manner = RenderOptions { part: true, ..RenderOptions::default() };
-        let drawn = engine.prepare(&scene.volume)?.draw(&scene, &manner, &NoProgress)?;
+        let drawn = engine.prepare_part(&scene.volume, &whole)?.draw(&scene, &manner, &NoProgress)?;
         all = all.merged(&drawn.depth_image.expect("was asked for"), &events)?;
     }
     Ok(all.picture(&events))

@@ -19,7 +19,7 @@ use voltet_core::camera::Camera;
 use voltet_core::grid::extent;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::{Support, TransferFunction};
-use voltet_core::volume::Volume;
+use voltet_core::volume::{Volume, VolumeExtent};
 use voltet_core::{Error, Result};
 use voltet_optics::shading::Ordering;
 use voltet_simd::LaneSet;
@@ -66,17 +66,17 @@ impl ProjectedPoints {
 impl VolumeCache {
     /// Errors: an extent beyond 64-bit floats.
     pub fn new(volume: &Arc<Volume>) -> Result<VolumeCache> {
-        let range = |values: &[f64]| extent::range(values).unwrap_or_default();
+        VolumeCache::of_part(volume, &VolumeExtent::of(volume))
+    }
+
+    /// Of a part of a volume that has this extent: lengths and values are rounded as in the whole.
+    ///
+    /// Errors: an extent beyond 64-bit floats.
+    pub fn of_part(volume: &Arc<Volume>, whole: &VolumeExtent) -> Result<VolumeCache> {
         Ok(VolumeCache {
-            length: extent::scene_length(extent::bounds(&volume.grid.points))?,
-            ranges: [
-                range(&volume.scalar),
-                volume.gradient_magnitude.as_ref().map_or([0.0; 2], |g| range(g)),
-            ],
-            max_gradient: volume.gradient.as_ref().map_or(0.0, |gradient| {
-                let [low, high] = range(bytemuck::cast_slice(gradient));
-                low.abs().max(high.abs())
-            }),
+            length: extent::scene_length(whole.bounds)?,
+            ranges: whole.ranges,
+            max_gradient: whole.max_gradient,
             volume: volume.clone(),
             blocks: Mutex::default(),
             contributing: Mutex::default(),
