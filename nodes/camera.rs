@@ -256,7 +256,10 @@ fn bounds_of_parts(call: &mut RunContext) -> Result<Option<[DVec3; 2]>> {
         }
         Ok(())
     })?;
-    Ok(bounds)
+    let own = bounds.map_or(Vec::new(), |bounds| bounds.map(|place| place.to_array()).concat());
+    let of_all = call.gather(&own)?;
+    let of_all = of_all.iter().filter_map(|own| Some([own.get(..3)?, own.get(3..)?].map(DVec3::from_slice)));
+    Ok(of_all.reduce(|[a, b], [low, high]| [a.min(low), b.max(high)]))
 }
 
 /// Bounds of some steps of a series, which a session keeps.

@@ -181,6 +181,7 @@ impl FrameRenderer<'_> {
         let mut picture = Picture::transparent(width, height);
         let mut depth_image = inputs.records_stretches.then(|| VolumetricDepthImage {
             size: [width, height],
+            top: 0,
             resolution: 0.0,
             samples: Vec::new(),
         });

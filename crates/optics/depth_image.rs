@@ -11,8 +11,9 @@
 
 use crate::ray_events::{RayEvent, RayEventKind, RayEvents};
 use rayon::prelude::*;
+use std::ops::Range;
 use voltet_core::picture::Picture;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 
 /// A stretch of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,6 +63,8 @@ pub struct SampleStretches {
 pub struct VolumetricDepthImage {
     /// Width and height in pixels.
     pub size: [usize; 2],
+    /// Row of the picture that its first one is.
+    pub top: usize,
     /// Difference up to which depths are the same, world units: that of their rounding.
     pub resolution: f64,
     /// The stretches of each sample of the pixels.
@@ -123,7 +126,60 @@ impl VolumetricDepthImage {
     /// An image of nothing.
     pub fn empty(size: [usize; 2], sample_count: usize) -> VolumetricDepthImage {
         let samples = vec![SampleStretches::none(size[0] * size[1]); sample_count];
-        VolumetricDepthImage { size, resolution: 0.0, samples }
+        VolumetricDepthImage { size, top: 0, resolution: 0.0, samples }
+    }
+
+    /// Some of its rows.
+    ///
+    /// # Errors
+    /// - rows that there are not.
+    pub fn rows(&self, rows: Range<usize>) -> Result<VolumetricDepthImage> {
+        let width = self.size[0];
+        let part = |sample: &SampleStretches| {
+            let first = sample.first.get(rows.start * width..=rows.end * width)?;
+            let (&from, &to) = (first.first()?, first.last()?);
+            let stretches = sample.stretches.get(from as usize..to as usize)?.to_vec();
+            Some(SampleStretches { first: first.iter().map(|at| at - from).collect(), stretches })
+        };
+        let samples = self.samples.iter().map(part).collect::<Option<_>>();
+        let error =
+            || Error::run("a depth image has no such rows").got(format!("{} to {}", rows.start, rows.end));
+        let samples = samples.ok_or_else(|| error().expected(format!("rows below {}", self.size[1])))?;
+        Ok(VolumetricDepthImage { size: [width, rows.len()], top: self.top + rows.start, samples, ..*self })
+    }
+
+    /// The image as bytes, to be sent to another process.
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let stretches: usize = self.samples.iter().map(|sample| sample.stretches.len()).sum();
+        let firsts: usize = self.samples.iter().map(|sample| sample.first.len()).sum();
+        let mut bytes = Vec::with_capacity(40 + 8 * self.samples.len() + 4 * firsts + 32 * stretches);
+        let [width, height] = self.size;
+        for number in [width, height, self.top, self.samples.len()] {
+            bytes.extend((number as u64).to_le_bytes());
+        }
+        bytes.extend(self.resolution.to_le_bytes());
+        for SampleStretches { first, stretches } in &self.samples {
+            bytes.extend((stretches.len() as u64).to_le_bytes());
+            first.iter().for_each(|at| bytes.extend(at.to_le_bytes()));
+            for Supersegment { entry, exit, rgba } in stretches {
+                bytes.extend(entry.to_le_bytes());
+                bytes.extend(exit.to_le_bytes());
+                rgba.iter().for_each(|value| bytes.extend(value.to_le_bytes()));
+            }
+        }
+        bytes
+    }
+
+    /// The image from [`VolumetricDepthImage::to_bytes`].
+    ///
+    /// # Errors
+    /// - other bytes.
+    pub fn from_bytes(bytes: &[u8]) -> Result<VolumetricDepthImage> {
+        let mut reader = ByteReader(bytes);
+        let image = reader.image().filter(|_| reader.0.is_empty());
+        let error =
+            || Error::run("another process sent a broken depth image").got(counted(bytes.len(), "byte"));
+        image.ok_or_else(|| error().expected("the program in one version on all processes"))
     }
 
     /// The image of two parts. `events`: surfaces that keep stretches apart, for each sample; none where there are no surfaces.
@@ -140,25 +196,19 @@ impl VolumetricDepthImage {
                 .expected(size(self)));
         }
         let resolution = self.resolution.max(other.resolution);
-        let width = self.size[0].max(1);
+        let pixel_count = self.size[0] * self.size[1];
         let samples = self.samples.iter().zip(&other.samples).enumerate();
         let samples = samples.map(|(sample, (one, other))| {
-            let pixels: Vec<Vec<Supersegment>> = (0..width * self.size[1])
+            let pixels: Vec<Vec<Supersegment>> = (0..pixel_count)
                 .into_par_iter()
                 .map(|pixel| {
-                    let surfaces =
-                        events.get(sample).map(|events| events.of_pixel(pixel % width, pixel / width));
-                    merged(
-                        one.of_pixel(pixel),
-                        other.of_pixel(pixel),
-                        surfaces.unwrap_or_default(),
-                        resolution,
-                    )
+                    let surfaces = self.events_of(events.get(sample), pixel).unwrap_or_default();
+                    merged(one.of_pixel(pixel), other.of_pixel(pixel), surfaces, resolution)
                 })
                 .collect();
             SampleStretches::new(&pixels)
         });
-        Ok(VolumetricDepthImage { size: self.size, resolution, samples: samples.collect::<Result<_>>()? })
+        Ok(VolumetricDepthImage { resolution, samples: samples.collect::<Result<_>>()?, ..*self })
     }
 
     /// The picture, with surfaces in their places.
@@ -169,13 +219,18 @@ impl VolumetricDepthImage {
         picture.rgba.par_iter_mut().enumerate().for_each(|(pixel, rgba)| {
             let mut sum = [0.0; 4];
             for (sample, stretches) in self.samples.iter().enumerate() {
-                let surfaces = events.get(sample).map(|events| events.of_pixel(pixel % width, pixel / width));
+                let surfaces = self.events_of(events.get(sample), pixel);
                 let own = composited(stretches.of_pixel(pixel), surfaces.unwrap_or_default());
                 sum.iter_mut().zip(own).for_each(|(sum, value)| *sum += weight * value);
             }
             *rgba = sum.map(|value| value as f32);
         });
         picture
+    }
+
+    fn events_of<'e>(&self, events: Option<&'e RayEvents>, pixel: usize) -> Option<&'e [RayEvent]> {
+        let width = self.size[0].max(1);
+        events.map(|events| events.of_pixel(pixel % width, self.top + pixel / width))
     }
 
     /// Pixels in which stretches overlap: cells of different parts fill the same place, and are drawn twice as dense there.
@@ -194,6 +249,50 @@ impl VolumetricDepthImage {
     /// Number of stretches of all samples.
     pub fn stretch_count(&self) -> u64 {
         self.samples.iter().map(|sample| sample.stretches.len() as u64).sum()
+    }
+}
+
+/// Reader of [`VolumetricDepthImage::to_bytes`]; `None` at the end of the bytes.
+struct ByteReader<'a>(&'a [u8]);
+
+impl ByteReader<'_> {
+    fn array<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let (head, rest) = self.0.split_first_chunk::<N>()?;
+        self.0 = rest;
+        Some(*head)
+    }
+
+    fn count(&mut self) -> Option<usize> {
+        usize::try_from(u64::from_le_bytes(self.array()?)).ok()
+    }
+
+    fn image(&mut self) -> Option<VolumetricDepthImage> {
+        let [width, height, top, sample_count] = [self.count()?, self.count()?, self.count()?, self.count()?];
+        let resolution = f64::from_le_bytes(self.array()?);
+        let pixels = width.checked_mul(height)?;
+        let sample = |reader: &mut Self| {
+            let count = reader.count()?;
+            // Nothing is allocated that the bytes do not hold.
+            let bytes = pixels.checked_add(1)?.checked_mul(4)?.checked_add(count.checked_mul(32)?)?;
+            if bytes > reader.0.len() {
+                return None;
+            }
+            let first =
+                (0..=pixels).map(|_| Some(u32::from_le_bytes(reader.array()?))).collect::<Option<_>>()?;
+            let stretches = (0..count).map(|_| reader.stretch()).collect::<Option<_>>()?;
+            SampleStretches::from_parts(first, stretches).ok()
+        };
+        let mut samples = Vec::new();
+        for _ in 0..sample_count {
+            samples.push(sample(self)?);
+        }
+        Some(VolumetricDepthImage { size: [width, height], top, resolution, samples })
+    }
+
+    fn stretch(&mut self) -> Option<Supersegment> {
+        let [entry, exit] = [self.array()?, self.array()?].map(f64::from_le_bytes);
+        let rgba = [self.array()?, self.array()?, self.array()?, self.array()?].map(f32::from_le_bytes);
+        Some(Supersegment { entry, exit, rgba })
     }
 }
 
@@ -271,7 +370,7 @@ mod tests {
 
     fn image(stretches: &[Supersegment]) -> VolumetricDepthImage {
         let samples = vec![SampleStretches::new(&[stretches.to_vec()]).unwrap()];
-        VolumetricDepthImage { size: [1, 1], resolution: 1e-9, samples }
+        VolumetricDepthImage { size: [1, 1], top: 0, resolution: 1e-9, samples }
     }
 
     const RED: [f32; 4] = [0.5, 0.0, 0.0, 0.5];
@@ -315,6 +414,30 @@ mod tests {
         let other = image(&[stretch(1.5, 3.0, BLUE)]);
         assert_eq!(one.merged(&other, &[]).unwrap().overlapping_pixels(), 1);
         assert_eq!(one.overlapping_pixels(), 0);
+    }
+
+    #[test]
+    fn rows_arrive_at_another_process_as_they_are() {
+        let pixels = [
+            vec![stretch(1.0, 2.0, RED)],
+            vec![],
+            vec![stretch(1.0, 2.0, BLUE), stretch(3.0, 4.0, RED)],
+            vec![],
+        ];
+        let samples = vec![SampleStretches::new(&pixels).unwrap(); 2];
+        let whole = VolumetricDepthImage { size: [2, 2], top: 0, resolution: 1e-9, samples };
+        assert_eq!(VolumetricDepthImage::from_bytes(&whole.to_bytes()).unwrap(), whole);
+        let below = whole.rows(1..2).unwrap();
+        assert_eq!((below.top, below.size, below.stretch_count()), (1, [2, 1], 4));
+        assert_eq!(below.picture(&[]).rgba, whole.picture(&[]).rgba[2..]);
+        assert!(whole.rows(1..3).is_err());
+        let bytes = whole.to_bytes();
+        for end in 0..bytes.len() {
+            assert!(VolumetricDepthImage::from_bytes(&bytes[..end]).is_err(), "{end}");
+        }
+        let mut huge = bytes.clone();
+        huge[..8].copy_from_slice(&u64::MAX.to_le_bytes());
+        assert!(VolumetricDepthImage::from_bytes(&huge).is_err());
     }
 
     #[test]

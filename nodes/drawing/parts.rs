@@ -3,8 +3,10 @@
 use super::engines::{AUTO, ENGINE, ENGINES, NATIVE};
 use super::scene::{check_engine, clips, order, shading};
 use super::{engines::OpenEngines, note};
+use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::camera::Camera;
+use voltet_core::picture::Picture;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::VolumeExtent;
 use voltet_core::{Error, Result, counted};
@@ -58,13 +60,14 @@ pub fn draw_parts(call: &mut RunContext) -> Result<Outputs> {
     call.notes.counts.insert("ray_stretches", image.stretch_count());
     call.notes.engine = Some((NATIVE.name.into(), "it draws grids in parts".into()));
     call.notes.adapter = Some(engine.adapter());
+    let (picture, found) = picture_of_all(call, &image, &events)?;
+    overlapping = overlapping.max(found);
     if overlapping > 0 {
         call.notes.warnings.push(format!(
             "parts of the grid overlap in {}: what is there twice is drawn twice as dense. Are ghost cells marked by vtkGhostType?",
             counted(overlapping, "pixel")
         ));
     }
-    let picture = image.picture(&events);
     if picture.rgba.iter().all(|pixel| *pixel == [0.0; 4]) {
         call.notes.warnings.push("the picture is empty: no widget reaches a cell in view".into());
     }
@@ -86,12 +89,12 @@ fn refuse(call: &RunContext, transfer_function: &TransferFunction, shading: &Sha
             .expected(format!("\"{}\", \"{AUTO}\", or a larger --memory", able.join("\", \""))));
     }
     let integrator = &shading.integrator;
-    if integrator.has_table()
+    if integrator.has_table_of_lengths()
         || integrator.kind().scene_preparation().is_some()
         || integrator.extension::<EngineInfo>().is_some()
     {
         let what = format!(
-            "the integrator \"{}\" prepares the whole grid, or a table of all its values",
+            "the integrator \"{}\" prepares the whole grid, or a table for its longest cell",
             integrator.name()
         );
         let error = p.locate("integrator", Error::usage(what).got(in_parts));
@@ -117,7 +120,70 @@ fn extent_of_parts(call: &mut RunContext) -> Result<VolumeExtent> {
         whole = Some(whole.take().map_or(own, |whole| whole.joined(&own)));
         Ok(())
     })?;
-    Ok(whole.unwrap_or_default())
+    let of_all = call.gather(&whole.map_or(Vec::new(), |own| to_numbers(&own)))?;
+    let of_all = of_all.iter().filter_map(|own| from_numbers(own));
+    Ok(of_all.reduce(|whole, own| whole.joined(&own)).unwrap_or_default())
+}
+
+/// An extent as numbers that other processes are sent.
+fn to_numbers(extent: &VolumeExtent) -> Vec<f64> {
+    let bounds =
+        extent.bounds.map_or([f64::NAN; 6].to_vec(), |ends| ends.map(|place| place.to_array()).concat());
+    [bounds, extent.ranges.concat(), vec![extent.max_gradient]].concat()
+}
+
+/// The extent that [`to_numbers`] made numbers of; `None` of a process without cells.
+fn from_numbers(numbers: &[f64]) -> Option<VolumeExtent> {
+    let &[a, b, c, d, e, f, s_low, s_high, g_low, g_high, max_gradient] = numbers else { return None };
+    let bounds = (!a.is_nan()).then(|| [DVec3::new(a, b, c), DVec3::new(d, e, f)]);
+    Some(VolumeExtent { bounds, ranges: [[s_low, s_high], [g_low, g_high]], max_gradient })
+}
+
+/// The picture of the parts of all processes, on each of them. Each puts together some of the rows, of which the others send it theirs
+/// (direct send: Hsu 1993, "Segmented ray casting for data parallel volume rendering").
+fn picture_of_all(
+    call: &mut RunContext,
+    image: &VolumetricDepthImage,
+    events: &[RayEvents],
+) -> Result<(Picture, u64)> {
+    let [width, height] = image.size;
+    let count = call.ranks().count();
+    let rows = |rank: usize| height * rank / count..height * (rank + 1) / count;
+    let to_each =
+        (0..count).map(|rank| Ok(image.rows(rows(rank))?.to_bytes())).collect::<Result<Vec<_>>>()?;
+    let own_rank = call.ranks().rank();
+    let bytes = |all: &[Vec<u8>]| {
+        let sent = all.iter().enumerate().filter(|(rank, _)| *rank != own_rank);
+        sent.map(|(_, bytes)| bytes.len() as u64).sum::<u64>()
+    };
+    let mut sent = bytes(&to_each);
+    let mut own = image.rows(rows(own_rank))?;
+    for (rank, bytes) in call.ranks().exchange(to_each)?.iter().enumerate() {
+        if rank != own_rank {
+            own = own.merged(&VolumetricDepthImage::from_bytes(bytes)?, events)?;
+        }
+    }
+    let overlapping = call.gather(&[own.overlapping_pixels() as f64])?.iter().flatten().sum::<f64>() as u64;
+    let pixels = own.picture(events).rgba;
+    let own_bytes: Vec<u8> = pixels.as_flattened().iter().flat_map(|value| value.to_le_bytes()).collect();
+    let to_each = vec![own_bytes; count];
+    sent += bytes(&to_each);
+    let mut picture = Picture { width, height, rgba: Vec::with_capacity(width * height) };
+    for (rank, bytes) in call.ranks().exchange(to_each)?.iter().enumerate() {
+        let (pixels, rest) = bytes.as_chunks::<16>();
+        if pixels.len() != width * rows(rank).len() || !rest.is_empty() {
+            return Err(Error::run("another process sent a broken part of the picture").got(bytes.len()));
+        }
+        let pixel = |bytes: &[u8; 16]| {
+            let (values, _) = bytes.as_chunks::<4>();
+            [0, 1, 2, 3].map(|k: usize| f32::from_le_bytes(values[k]))
+        };
+        picture.rgba.extend(pixels.iter().map(pixel));
+    }
+    if count > 1 {
+        call.notes.counts.insert("bytes_sent", sent);
+    }
+    Ok((picture, overlapping))
 }
 
 /// The surfaces along the rays of each sample; none where there are no surfaces.

@@ -293,10 +293,11 @@ fn found_in(
     };
     let new = if call.is_in_parts() {
         scope.refuse_series(call.parameters)?;
-        measure_parts(call, &missing)?
+        measure_several(&missing, PART_ROUNDS, &mut GridParts(call))?
     } else if let Some(steps) = steps {
-        let mut read = 0;
-        let new = measure_series(call, &missing, (demand, &steps, view), &mut read)?;
+        let mut series = SeriesSteps { call, demand, steps: &steps, view, read: 0 };
+        let new = measure_several(&missing, SERIES_ROUNDS, &mut series)?;
+        let read = series.read;
         call.notes.counts.insert("steps_read", read);
         new
     } else {
@@ -503,58 +504,93 @@ impl Sums {
 /// Work on one of several volumes.
 type OfVolume<'a> = dyn FnMut(&Volume, &dyn Progress) -> Result<()> + 'a;
 
-/// Statistics of steps of the series; `read` counts the steps that were read.
-fn measure_series(
-    call: &RunContext,
-    wanted: &StatisticsRequest,
-    (demand, steps, view): (&Demand, &[usize], &VolumeView),
-    read: &mut u64,
-) -> Result<FoundStatistics> {
-    measure_several(wanted, SERIES_ROUNDS, &mut |of_step| {
+/// Volumes that are measured together.
+trait SeveralVolumes {
+    /// Hands on all of them, one after the other.
+    fn each(&mut self, of_volume: &mut OfVolume) -> Result<()>;
+
+    /// Numbers that each process found in its volumes.
+    fn gather(&self, own: Vec<f64>) -> Result<Vec<Vec<f64>>> {
+        Ok(vec![own])
+    }
+}
+
+/// Steps of a series.
+struct SeriesSteps<'a, 'c> {
+    call: &'a RunContext<'c>,
+    demand: &'a Demand,
+    steps: &'a [usize],
+    view: &'a VolumeView<'a>,
+    /// Number of steps that were read.
+    read: u64,
+}
+
+impl SeveralVolumes for SeriesSteps<'_, '_> {
+    fn each(&mut self, of_volume: &mut OfVolume) -> Result<()> {
+        let SeriesSteps { call, demand, steps, view, read } = self;
         call.each_step("volume", demand, Some(steps), &mut |_, value: voltet_graph::Value| {
             *read += 1;
             let Some(volume) = value.volume().transpose()? else { return Ok(()) };
             match view(&volume)? {
-                Some(other) => of_step(&other, call.progress()),
-                None => of_step(&volume, call.progress()),
+                Some(other) => of_volume(&other, call.progress()),
+                None => of_volume(&volume, call.progress()),
             }
         })
-    })
+    }
 }
 
-/// Statistics of a grid in parts.
-fn measure_parts(call: &mut RunContext, wanted: &StatisticsRequest) -> Result<FoundStatistics> {
-    measure_several(wanted, PART_ROUNDS, &mut |of_part| {
-        call.each_part(&mut |call| of_part(&*call.volume("volume")?, call.progress()))
-    })
+/// Parts of a grid, of this process and of others.
+struct GridParts<'a, 'c>(&'a mut RunContext<'c>);
+
+impl SeveralVolumes for GridParts<'_, '_> {
+    fn each(&mut self, of_volume: &mut OfVolume) -> Result<()> {
+        self.0.each_part(&mut |call| of_volume(&*call.volume("volume")?, call.progress()))
+    }
+
+    fn gather(&self, own: Vec<f64>) -> Result<Vec<Vec<f64>>> {
+        self.0.gather(&own)
+    }
 }
 
-/// Statistics of several volumes together. `each` hands on all of them, again for each round in which percentiles are narrowed down.
+/// The least and the largest of several intervals; NaN of none.
+fn widest(intervals: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
+    // The minimum with NaN is the other number.
+    intervals.fold([f64::NAN; 2], |[low, high], [a, b]| [low.min(a), high.max(b)])
+}
+
+/// Statistics of several volumes together. They are looked at again for each round in which percentiles are narrowed down.
 fn measure_several(
     wanted: &StatisticsRequest,
     rounds: usize,
-    each: &mut dyn FnMut(&mut OfVolume) -> Result<()>,
+    volumes_of: &mut dyn SeveralVolumes,
 ) -> Result<FoundStatistics> {
     let mut found = FoundStatistics::default();
     if wanted.is_empty() {
         return Ok(found);
     }
-    let mut intervals: BTreeMap<(ArrayRef, u64), [f64; 2]> = BTreeMap::new();
-    let wider = |[low, high]: [f64; 2], [a, b]: [f64; 2]| [low.min(a), high.max(b)];
-    each(&mut |volume, progress| {
+    let percents =
+        wanted.percentiles.iter().flat_map(|(array, all)| all.iter().map(move |bits| (array.clone(), *bits)));
+    let percents: Vec<(ArrayRef, u64)> = percents.collect();
+    // Of each range and percentile the interval over all volumes.
+    let mut intervals = vec![[f64::NAN; 2]; wanted.ranges.len() + percents.len()];
+    volumes_of.each(&mut |volume, progress| {
         let own = measure(volume, wanted, progress)?;
-        for (quantity, range) in own.ranges {
-            let known = found.ranges.entry(quantity).or_insert(range);
-            *known = wider(*known, range);
-        }
-        for (key, value) in own.percentiles {
-            let known = intervals.entry(key).or_insert([value; 2]);
-            *known = wider(*known, [value; 2]);
+        let ranges = wanted.ranges.iter().map(|quantity| own.ranges.get(quantity).copied());
+        let values = percents.iter().map(|key| own.percentiles.get(key).map(|value| [*value; 2]));
+        for (known, own) in intervals.iter_mut().zip(ranges.chain(values)) {
+            *known = widest([*known].into_iter().chain(own));
         }
         Ok(())
     })?;
+    let of_all = volumes_of.gather(intervals.concat())?;
+    let interval =
+        |k: usize| widest(of_all.iter().filter_map(|own| Some([*own.get(2 * k)?, *own.get(2 * k + 1)?])));
+    for (k, quantity) in wanted.ranges.iter().enumerate() {
+        found.ranges.insert(quantity.clone(), interval(k));
+    }
     let mut sums: BTreeMap<(ArrayRef, u64), Sums> = BTreeMap::new();
-    for (key, interval) in intervals {
+    for (k, key) in percents.into_iter().enumerate() {
+        let interval = interval(wanted.ranges.len() + k);
         let percent = f64::from_bits(key.1);
         if interval[0] == interval[1] || percent <= 0.0 || percent >= 100.0 {
             // Of 0 % the least of all, of 100 % the largest.
@@ -569,7 +605,7 @@ fn measure_several(
                 *own = Sums::of(own.narrowed(f64::from_bits(*bits)));
             }
         }
-        each(&mut |volume, progress| {
+        volumes_of.each(&mut |volume, progress| {
             for quantity in wanted.percentiles.keys() {
                 let mut own = sums.iter_mut().filter(|((array, _), _)| array == quantity).peekable();
                 if own.peek().is_none() {
@@ -584,6 +620,14 @@ fn measure_several(
             }
             Ok(())
         })?;
+        let own: Vec<f64> =
+            sums.values().flat_map(|own| own.below.iter().copied().chain([own.total])).collect();
+        let of_all = volumes_of.gather(own)?;
+        for (own, first) in sums.values_mut().zip((0..).step_by(EDGES + 2)) {
+            let sum = |at: usize| of_all.iter().filter_map(|numbers| numbers.get(first + at)).sum::<f64>();
+            own.below = (0..=EDGES).map(sum).collect();
+            own.total = sum(EDGES + 1);
+        }
     }
     for (key, sums) in sums {
         let value = sums.percentile(f64::from_bits(key.1));

@@ -3,6 +3,7 @@
 use super::demand::Demand;
 use super::origins::{Origins, ResolvedPipeline};
 use super::parts::GridPart;
+use super::ranks::{self, Ranks};
 use super::value::{CellValues, PortType, Revision, StagePayload, TransferFunctionSpec, Value, Wiring};
 use std::any::{Any, TypeId};
 use std::cell::Cell;
@@ -162,6 +163,8 @@ pub(crate) trait RunServices {
     fn with_part(&self, part: usize, of_part: &mut OfPart) -> Result<()>;
     /// See [`RunContext::keep_for_parts`].
     fn keep_for_parts(&self, value_type: TypeId, make: Make) -> Result<RetainedValue>;
+    /// The processes of the run.
+    fn ranks(&self) -> &dyn Ranks;
 }
 
 /// Work on a part, with its services and the values at the node's inputs.
@@ -374,12 +377,28 @@ impl RunContext<'_> {
             })?;
         }
         self.notes.add_part(notes);
-        if is_empty {
+        let others = self.gather(&[f64::from(u8::from(!is_empty))])?;
+        if others.iter().flatten().all(|has_cells| *has_cells == 0.0) {
             return Err(Error::run("there is nothing to draw")
                 .got("no piece with a three-dimensional cell")
                 .expected("at least one three-dimensional cell"));
         }
         Ok(())
+    }
+
+    /// The processes that run the graph together, each with its own parts of the grid.
+    pub fn ranks(&self) -> &dyn Ranks {
+        self.services.ranks()
+    }
+
+    /// The numbers that each process gives, in order. All of them call it, each with as many numbers as it likes.
+    ///
+    /// # Errors
+    /// - another process ended.
+    pub fn gather(&self, own: &[f64]) -> Result<Vec<Vec<f64>>> {
+        let ranks = self.ranks();
+        let all = ranks.exchange(vec![ranks::to_bytes(own); ranks.count()])?;
+        all.iter().map(|bytes| ranks::from_bytes(bytes)).collect()
     }
 
     /// A value that serves the node for all parts of a grid in this run.

@@ -5,4 +5,5 @@ pub(crate) mod demand;
 pub(crate) mod node;
 pub(crate) mod origins;
 pub(crate) mod parts;
+pub mod ranks;
 pub(crate) mod value;

@@ -10,6 +10,7 @@ use crate::api::demand::Demand;
 use crate::api::node::Steps;
 use crate::api::origins::{FileRead, FileStamp, Origins};
 use crate::api::parts::GridPart;
+use crate::api::ranks::Ranks;
 use crate::api::value::{PortType, Revision, Value, diagonal};
 use crate::build::graph::{Graph, GraphNode};
 use std::any::TypeId;
@@ -42,6 +43,7 @@ pub(super) struct NodeRun<'a> {
     pub part_runs: Option<&'a PartRuns<'a>>,
     /// The part that the node runs for.
     pub part: Option<&'a GridPart>,
+    pub ranks: &'a dyn Ranks,
 }
 
 impl<'a> NodeRun<'a> {
@@ -238,6 +240,10 @@ impl RunServices for NodeRun<'_> {
         let store = self.store.for_one_step();
         let run = NodeRun { done: &all, store: &store, part: Some(&runs.division.parts[part]), ..*self };
         of_part(&run, inputs_of(self.node(), &all))
+    }
+
+    fn ranks(&self) -> &dyn Ranks {
+        self.ranks
     }
 
     fn keep_for_parts(&self, value_type: TypeId, make: Make) -> Result<RetainedValue> {

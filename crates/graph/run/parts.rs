@@ -7,13 +7,15 @@ use crate::api::context::{Make, Preparation, RetainedValue};
 use crate::api::demand::Demand;
 use crate::api::node::PartWork;
 use crate::api::parts::GridPart;
+use crate::api::ranks::Ranks;
 use crate::api::value::{PortType, Revision, Value};
 use crate::build::graph::Graph;
 use std::any::TypeId;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::diagnostics::Diagnostics;
-use voltet_core::{Error, Result, counted};
+use voltet_core::{Error, Result};
 
 /// Rings of cells around a part that means of cell values look at.
 const MEAN_LAYERS: usize = 1;
@@ -30,18 +32,23 @@ pub(super) struct Division {
 }
 
 impl Division {
-    /// The division by which each part takes at most `memory` bytes, as far as pieces of a file allow; `None` where the whole grid does.
+    /// The parts of one process, each of which takes at most `memory` bytes, as far as pieces of a file allow; `None` where the whole
+    /// grid does, and there is one process.
     ///
     /// # Errors
     /// - a node that works on whole grids alone;
     /// - two files in pieces.
-    pub fn new(graph: &Graph, memory: u64) -> Result<Option<Division>> {
+    pub fn new(graph: &Graph, memory: Option<u64>, ranks: &dyn Ranks) -> Result<Option<Division>> {
         let mut source = None;
+        if memory.is_none() && ranks.count() == 1 {
+            return Ok(None);
+        }
+        let memory = memory.unwrap_or(u64::MAX);
         for &place in &graph.order {
             let node = &graph.nodes[place];
             let preparation = Preparation { parameters: &node.parameters, folder: &graph.folder };
             let sizes = (node.node.piece_bytes)(&preparation).map_err(|error| node.locate(error))?;
-            if sizes.iter().sum::<u64>() <= memory || sizes.len() < 2 {
+            if sizes.len() < 2 || (sizes.iter().sum::<u64>() <= memory && ranks.count() == 1) {
                 continue;
             }
             if let Some((other, _)) = source.replace((place, sizes)) {
@@ -52,7 +59,7 @@ impl Division {
             }
         }
         let Some((source, sizes)) = source else { return Ok(None) };
-        let groups = grouped(&sizes, memory);
+        let groups = grouped(&sizes, own_pieces(&sizes, ranks), memory);
         let mut is_mapped = vec![false; graph.nodes.len()];
         let mut layers = MEAN_LAYERS;
         for &place in &graph.order {
@@ -69,9 +76,9 @@ impl Division {
                 PartWork::All => {}
                 PartWork::None => {
                     let what = format!("a node of type \"{}\" works on whole grids", node.node.name);
-                    let found = format!("a grid in {} (--memory)", counted(groups.len(), "part"));
-                    let accepted = "a larger --memory, or a pipeline of reader, gradient-magnitude, calculator, threshold, \
-                                    transfer-function, camera and renderer";
+                    let found = "a grid in parts (--memory, or several processes)";
+                    let accepted = "a larger --memory and one process, or a pipeline of reader, gradient-magnitude, calculator, \
+                                    threshold, transfer-function, camera and renderer";
                     return Err(node.locate(Error::usage(what).got(found).expected(accepted)));
                 }
             }
@@ -81,13 +88,32 @@ impl Division {
     }
 }
 
+/// The pieces of one of several processes: such as follow each other, with about the same share of the bytes for each process.
+fn own_pieces(sizes: &[u64], ranks: &dyn Ranks) -> Range<usize> {
+    let total: u128 = sizes.iter().map(|&size| u128::from(size)).sum();
+    let mut before = 0;
+    // A piece is of the process in whose share its middle lies.
+    let rank_of = |before: u128, size: u64| {
+        let middle = 2 * before + u128::from(size);
+        (middle * ranks.count() as u128 / (2 * total).max(1)).min(ranks.count() as u128 - 1) as usize
+    };
+    let mut of_each: Vec<usize> = Vec::with_capacity(sizes.len());
+    for &size in sizes {
+        of_each.push(rank_of(before, size));
+        before += u128::from(size);
+    }
+    let first = of_each.partition_point(|&rank| rank < ranks.rank());
+    first..of_each.partition_point(|&rank| rank <= ranks.rank())
+}
+
 /// Pieces that follow each other, as many as fit together; one that fits not even alone stands alone.
-fn grouped(sizes: &[u64], memory: u64) -> Vec<Vec<usize>> {
+fn grouped(sizes: &[u64], pieces: Range<usize>, memory: u64) -> Vec<Vec<usize>> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
-    let mut filled = 0;
-    for (piece, &size) in sizes.iter().enumerate() {
+    let mut filled: u64 = 0;
+    for piece in pieces {
+        let size = sizes[piece];
         match groups.last_mut() {
-            Some(group) if filled + size <= memory => {
+            Some(group) if filled.saturating_add(size) <= memory => {
                 group.push(piece);
                 filled += size;
             }
@@ -199,6 +225,41 @@ impl<'a> PartRuns<'a> {
     }
 }
 
+/// Counts and warnings of a node on another process.
+type OtherNotes = (BTreeMap<String, u64>, Vec<String>);
+
+/// Adds to the diagnostics of nodes that work on parts those of the other processes, on the first one.
+pub(super) fn gather_notes(notes: &mut BTreeMap<usize, Diagnostics>, ranks: &dyn Ranks) -> Result<()> {
+    if ranks.count() == 1 {
+        return Ok(());
+    }
+    let broken = |error| Error::run("another process sent a broken report").got(error);
+    let of_node = |(place, own): (&usize, &Diagnostics)| {
+        let counts = own.counts.iter().map(|(name, count)| (name.to_string(), *count)).collect();
+        (*place, (counts, own.warnings.clone()))
+    };
+    let own: BTreeMap<usize, OtherNotes> = notes.iter().map(of_node).collect();
+    let mut to_each = vec![Vec::new(); ranks.count()];
+    if ranks.rank() > 0 {
+        to_each[0] = serde_json::to_vec(&own).map_err(broken)?;
+    }
+    for bytes in ranks.exchange(to_each)?.iter().filter(|bytes| !bytes.is_empty()) {
+        let others: BTreeMap<usize, OtherNotes> = serde_json::from_slice(bytes).map_err(broken)?;
+        for (place, (counts, warnings)) in others {
+            let own = notes.entry(place).or_default();
+            for (name, count) in counts {
+                // A name that this process does not count by lives as long as the run, as those in the program do.
+                let known = own.counts.keys().copied().find(|known| *known == name);
+                *own.counts.entry(known.unwrap_or_else(|| name.leak())).or_insert(0) += count;
+            }
+            let new =
+                warnings.into_iter().filter(|warning| !own.warnings.contains(warning)).collect::<Vec<_>>();
+            own.warnings.extend(new);
+        }
+    }
+    Ok(())
+}
+
 /// The outputs of a node that runs for parts, in a run in which it does not run for the whole.
 pub(super) fn in_parts(
     outputs: impl Iterator<Item = PortType>,
@@ -216,8 +277,41 @@ mod tests {
 
     #[test]
     fn pieces_that_follow_each_other_fill_a_part() {
-        assert_eq!(grouped(&[3, 3, 3, 3, 3], 6), [vec![0, 1], vec![2, 3], vec![4]]);
-        assert_eq!(grouped(&[9, 1, 1, 9], 6), [vec![0], vec![1, 2], vec![3]]);
-        assert_eq!(grouped(&[0, 0, 5], 6), [vec![0, 1, 2]]);
+        assert_eq!(grouped(&[3, 3, 3, 3, 3], 0..5, 6), [vec![0, 1], vec![2, 3], vec![4]]);
+        assert_eq!(grouped(&[9, 1, 1, 9], 0..4, 6), [vec![0], vec![1, 2], vec![3]]);
+        assert_eq!(grouped(&[0, 0, 5], 0..3, 6), [vec![0, 1, 2]]);
+        assert_eq!(grouped(&[9, 3, 3, 9], 1..3, 6), [vec![1, 2]]);
+    }
+
+    /// One of so many processes.
+    #[derive(Debug)]
+    struct One(usize, usize);
+
+    impl Ranks for One {
+        fn rank(&self) -> usize {
+            self.0
+        }
+
+        fn count(&self) -> usize {
+            self.1
+        }
+
+        fn exchange(&self, _to_each: Vec<Vec<u8>>) -> Result<Vec<Vec<u8>>> {
+            Err(Error::run("nothing is sent"))
+        }
+    }
+
+    #[test]
+    fn processes_share_the_pieces_by_their_bytes() {
+        let shares = |sizes: &[u64], count: usize| {
+            (0..count).map(|rank| own_pieces(sizes, &One(rank, count))).collect::<Vec<_>>()
+        };
+        assert_eq!(shares(&[1; 6], 3), [0..2, 2..4, 4..6]);
+        assert_eq!(shares(&[3, 1, 1, 1], 2), [0..1, 1..4]);
+        // More processes than pieces: some have nothing.
+        let many = shares(&[5, 5], 5);
+        assert_eq!(many.iter().map(|own| own.len()).sum::<usize>(), 2);
+        assert!(many.windows(2).all(|pair| pair[0].end == pair[1].start));
+        assert_eq!(shares(&[0, 0], 2).iter().map(|own| own.len()).sum::<usize>(), 2);
     }
 }

@@ -2,14 +2,16 @@
 
 use super::cache::{Cache, Entry, Store, files_of, stamped};
 use super::node_run::{NodeRun, origins, upstream};
-use super::parts::{Division, PartRuns, in_parts};
+use super::parts::{Division, PartRuns, gather_notes, in_parts};
 use super::plan::{Done, Plan, RunReport, asks_of, everything_of, inputs_of};
 use crate::api::context::{NoObserver, Observer, Preparation, RunContext};
 use crate::api::demand::Demand;
 use crate::api::node::{NamedStub, Steps};
 use crate::api::origins::{FileStamp, Origins};
+use crate::api::ranks::{OneRank, Ranks};
 use crate::api::value::{Edge, Revision, Value};
 use crate::build::graph::Graph;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 use voltet_core::diagnostics::{Diagnostics, SavedWork};
@@ -29,6 +31,7 @@ pub struct Session {
     allows_preview: bool,
     /// Memory that a grid may take, bytes; `None`: grids are read whole.
     memory: Option<u64>,
+    ranks: Arc<dyn Ranks>,
 }
 
 impl Session {
@@ -36,17 +39,24 @@ impl Session {
     pub fn new(file_stamp: FileStamp) -> Self {
         let (cache, store) = (Cache::default(), Store::default());
         let (exhaustive, widgets_move, allows_preview) = (false, false, false);
-        let memory = None;
+        let (last_revision, memory, ranks) = (0, None, Arc::new(OneRank));
         Session {
             cache,
             store,
-            last_revision: 0,
+            last_revision,
             file_stamp,
             exhaustive,
             widgets_move,
             allows_preview,
             memory,
+            ranks,
         }
+    }
+
+    /// Makes it one of several processes that run each graph together: a grid in pieces is shared out among them, and the first alone
+    /// runs the nodes without outputs, such as writers.
+    pub fn with_ranks(self, ranks: Arc<dyn Ranks>) -> Self {
+        Session { ranks, ..self }
     }
 
     /// Lets a grid take so many bytes of memory: one that takes more, whose file is in pieces, is read and drawn part after part
@@ -158,7 +168,7 @@ impl Session {
             let preparation = Preparation { parameters: &node.parameters, folder: &graph.folder };
             (node.node.prepare)(&preparation).map_err(|error| node.locate(error))?;
         }
-        let division = self.memory.map(|memory| Division::new(graph, memory)).transpose()?.flatten();
+        let division = Division::new(graph, self.memory, &*self.ranks)?;
         let (all_done, mut report) =
             self.work_through(graph, &plan, &graph.order, division.as_ref(), observer)?;
         report.origins = origins(graph, &graph.order, &all_done, self.file_stamp);
@@ -195,8 +205,9 @@ impl Session {
         let (all_done, report) = self.work_through(graph, &plan, &feeding, None, observer)?;
         let (node, nothing) = (&graph.nodes[place], Demand::default());
         let (store, file_stamp) = (&self.store, self.file_stamp);
-        let (part_runs, part) = (None, None);
-        let run = NodeRun { graph, place, done: &all_done, store, file_stamp, observer, part_runs, part };
+        let (part_runs, part, ranks) = (None, None, &*self.ranks);
+        let run =
+            NodeRun { graph, place, done: &all_done, store, file_stamp, observer, part_runs, part, ranks };
         let call =
             run.context(&node.parameters, &nothing, inputs_of(node, &all_done), (self.exhaustive, false));
         Ok((work(&call)?, report))
@@ -211,6 +222,7 @@ impl Session {
         division: Option<&Division>,
         observer: &dyn Observer,
     ) -> Result<(Vec<Option<Done>>, RunReport)> {
+        let is_mapped = |i: usize| division.is_some_and(|division| division.is_mapped[i]);
         let part_runs = division.map(|division| PartRuns::new(graph, &plan.demands, division));
         let warnings = graph.warnings.iter().map(Error::to_string).collect();
         let mut report = RunReport { warnings, ..RunReport::default() };
@@ -220,9 +232,12 @@ impl Session {
                 return Err(Error::cancelled());
             }
             let node = &graph.nodes[i];
-            if division.is_some_and(|division| division.is_mapped[i]) {
+            if is_mapped(i) {
                 let outputs = node.node.outputs.iter().map(|port| port.port_type);
                 all_done[i] = Some(in_parts(outputs, || self.next_revision()));
+                continue;
+            }
+            if node.node.outputs.is_empty() && self.ranks.rank() > 0 {
                 continue;
             }
             observer.started(&node.name, place, order.len());
@@ -239,11 +254,20 @@ impl Session {
                 let why = "a former output serves: parameters, inputs and files are the same";
                 done.notes.record_skipped("repetition", why, Some(SavedWork::Seconds(seconds)));
             }
+            if node.inputs.iter().any(|edge| is_mapped(edge.node)) {
+                let mut notes = BTreeMap::from([(i, done.notes)]);
+                gather_notes(&mut notes, &*self.ranks)?;
+                done.notes = notes.remove(&i).unwrap_or_default();
+            }
             report.add(&node.name, node.node.name, &done);
             observer.finished(&node.name, done.seconds);
             all_done[i] = Some(done);
         }
-        for (i, notes) in part_runs.map(PartRuns::notes).unwrap_or_default() {
+        let mut of_parts = part_runs.map(PartRuns::notes).unwrap_or_default();
+        if division.is_some() {
+            gather_notes(&mut of_parts, &*self.ranks)?;
+        }
+        for (i, notes) in of_parts {
             let node = &graph.nodes[i];
             report.add(&node.name, node.node.name, &Done { notes, ..Done::default() });
         }
@@ -274,8 +298,8 @@ impl Session {
         let moves = self.cache.find(node, &revisions, elsewhere, &files, &graph.stated).is_some();
         let demand = &if moves { demand.everywhere() } else { demand.clone() };
         let (store, file_stamp) = (&self.store, self.file_stamp);
-        let part = None;
-        let run = NodeRun { graph, place: i, done, store, file_stamp, observer, part_runs, part };
+        let (part, ranks) = (None, &*self.ranks);
+        let run = NodeRun { graph, place: i, done, store, file_stamp, observer, part_runs, part, ranks };
         let mut call = run.context(&node.parameters, demand, inputs, (self.exhaustive, self.allows_preview));
         let values = node.run(&mut call)?;
         let notes = std::mem::take(&mut call.notes);

@@ -7,6 +7,7 @@ mod axes;
 mod camera;
 mod lines;
 mod outputs;
+mod parts;
 mod relative;
 mod slice_image;
 mod surfaces;

@@ -1,0 +1,218 @@
+//! Grids in parts: read one after the other for want of memory, or by several processes. Each gives the picture of the whole.
+
+use super::graph;
+use std::path::Path;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex};
+use voltet_core::picture::Picture;
+use voltet_core::{Error, Result};
+use voltet_graph::ranks::Ranks;
+use voltet_graph::{NoObserver, RunReport, Session};
+use voltet_nodes::session;
+use voltet_testing::files::pieces::{SIDE, write_pieces};
+
+/// Difference of nearly all pixels, which is that of rounding values on some dozen segments.
+const SAME: f32 = 1e-6;
+
+/// Difference of any pixel: rays that graze cells of an optical depth of 900 along the diagonal see another rounding of the points.
+const GRAZING: f32 = 1e-5;
+
+/// A pipeline whose numbers depend on the whole grid: its range, a percentile, its bounds, its diagonal; with light, two colours and g.
+const PIPELINE: &str = r#"[pipeline]
+format = 1
+
+[nodes.grid]
+type = "reader"
+path = "slabs.pvtu"
+scalar = "t"
+
+[nodes.gradient]
+type = "gradient-magnitude"
+inputs = { grid = "grid" }
+
+[nodes.look]
+type = "transfer-function"
+inputs = { volume = "gradient" }
+
+[[nodes.look.widgets]]
+kind = "gaussian"
+centre = ["p70", "p50"]
+sigma = ["10%", "30%"]
+extinction = 9.0
+color = [1.0, 0.4, 0.1]
+
+[[nodes.look.widgets]]
+kind = "gaussian"
+centre = ["20%", "40%"]
+sigma = ["15%", "30%"]
+extinction = 3.0
+color = [0.1, 0.4, 1.0]
+
+[nodes.view]
+type = "camera"
+view = "isometric"
+inputs = { volume = "grid" }
+size = [96, 80]
+
+[nodes.picture]
+type = "renderer"
+engine = "cpu"
+light = { direction = [1.0, 2.0, 3.0] }
+inputs = { volume = "gradient", transfer_function = "look", camera = "view" }
+
+[nodes.out]
+type = "image-writer"
+path = "picture.exr"
+inputs = { image = "picture" }
+"#;
+
+/// The same grid, whole and cut in three ways.
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    write_pieces(path, "whole", 1, |_| 0);
+    write_pieces(path, "slabs", 6, |[i, _, _]| (i * 6 / SIDE).min(5));
+    // The last has no cells.
+    write_pieces(path, "blocks", 9, |[i, j, k]| (i * 2 / SIDE) + 2 * (j * 2 / SIDE) + 4 * (k * 2 / SIDE));
+    write_pieces(path, "random", 5, |[i, j, k]| (7 * i + 13 * j * j + 29 * k * i + k) % 5);
+    folder
+}
+
+fn draw(folder: &Path, path: &str, scalar: &str, session: Session) -> Result<RunReport> {
+    let text =
+        PIPELINE.replace("slabs.pvtu", path).replace("scalar = \"t\"", &format!("scalar = \"{scalar}\""));
+    let mut session = session;
+    session.run(&graph(&text, folder)?, &NoObserver)
+}
+
+fn picture(report: &RunReport) -> &Picture {
+    &report.pictures[0].1
+}
+
+/// Asserts that two pictures are the same but for rounding.
+fn same(name: &str, one: &Picture, other: &Picture) {
+    let difference =
+        |(a, b): (&[f32; 4], &[f32; 4])| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    let mut differences: Vec<f32> = one.rgba.iter().zip(&other.rgba).map(difference).collect();
+    differences.sort_by(f32::total_cmp);
+    let (largest, most) = (differences[differences.len() - 1], differences[differences.len() * 999 / 1000]);
+    assert!(most <= SAME && largest <= GRAZING, "{name}: {most:e} in 99.9 %, {largest:e} at most");
+}
+
+#[test]
+fn parts_make_the_picture_of_the_whole_grid() {
+    let folder = folder();
+    for scalar in ["t", "c"] {
+        let whole = draw(folder.path(), "whole.pvtu", scalar, session()).unwrap();
+        assert!(picture(&whole).rgba.iter().any(|pixel| pixel[3] > 0.1), "nothing is seen");
+        for grid in ["slabs", "blocks", "random"] {
+            // Each piece by itself; two or three at a time.
+            for memory in [1, 300_000] {
+                let session = session().with_memory(memory);
+                let parts = draw(folder.path(), &format!("{grid}.pvtu"), scalar, session).unwrap();
+                same(&format!("{grid}, {scalar}, {memory} bytes"), picture(&parts), picture(&whole));
+                assert!(parts.counts["ray_stretches"] > 0);
+                assert_eq!(parts.counts["cells_total"], whole.counts["cells_total"]);
+            }
+        }
+    }
+}
+
+#[test]
+fn processes_make_the_picture_of_one() {
+    let folder = folder();
+    for scalar in ["t", "c"] {
+        let whole = draw(folder.path(), "whole.pvtu", scalar, session()).unwrap();
+        for (grid, count) in [("slabs", 2), ("slabs", 7), ("blocks", 4), ("random", 3)] {
+            let name = format!("{grid}, {scalar}, {count} processes");
+            let path = format!("{grid}.pvtu");
+            let drawn =
+                on_ranks(count, |ranks| draw(folder.path(), &path, scalar, session().with_ranks(ranks)));
+            let drawn: Vec<RunReport> = drawn.into_iter().map(|report| report.unwrap()).collect();
+            for report in &drawn {
+                same(&name, picture(report), picture(&whole));
+            }
+            // The first one's report is of all.
+            assert_eq!(drawn[0].counts["cells_total"], whole.counts["cells_total"], "{name}");
+            assert!(drawn[0].counts["bytes_sent"] > 0);
+            assert_eq!(drawn.iter().map(|report| report.files.len()).sum::<usize>(), drawn[0].files.len());
+        }
+    }
+}
+
+#[test]
+fn what_needs_the_whole_grid_is_refused_by_name() {
+    let folder = folder();
+    let fails = |from: &str, to: &str, wanted: &[&str]| {
+        let text = PIPELINE.replace(from, to);
+        assert_ne!(text, PIPELINE);
+        let mut session = session().with_memory(1);
+        let error = session.run(&graph(&text, folder.path()).unwrap(), &NoObserver).map(drop).unwrap_err();
+        let error = error.to_string();
+        wanted.iter().for_each(|part| assert!(error.contains(part), "{part}: {error}"));
+    };
+    fails("engine = \"cpu\"", "engine = \"cpu\"\norder = \"centroid\"", &["exact", "--memory"]);
+    fails("engine = \"cpu\"", "engine = \"gpu\"", &["whole grids"]);
+    fails(
+        "[nodes.view]",
+        "[nodes.copy]\ntype = \"grid-writer\"\npath = \"copy.vtu\"\ninputs = { volume = \"gradient\" }\n\n[nodes.view]",
+        &["grid-writer", "whole grids"],
+    );
+    fails(
+        "inputs = { volume = \"gradient\" }",
+        "inputs = { volume = \"gradient\" }\nrelative_to = \"series\"",
+        &["steps of a series"],
+    );
+}
+
+/// A process of a run as a thread, for tests without MPI.
+#[derive(Debug)]
+struct ThreadRank {
+    rank: usize,
+    to: Vec<Sender<Vec<u8>>>,
+    from: Mutex<Vec<Receiver<Vec<u8>>>>,
+}
+
+impl Ranks for ThreadRank {
+    fn rank(&self) -> usize {
+        self.rank
+    }
+
+    fn count(&self) -> usize {
+        self.to.len()
+    }
+
+    fn exchange(&self, to_each: Vec<Vec<u8>>) -> Result<Vec<Vec<u8>>> {
+        assert_eq!(to_each.len(), self.to.len(), "a message to each process");
+        let gone = || Error::run("another process ended");
+        for (to, bytes) in self.to.iter().zip(to_each) {
+            to.send(bytes).map_err(|_| gone())?;
+        }
+        self.from.lock().unwrap().iter().map(|from| from.recv().map_err(|_| gone())).collect()
+    }
+}
+
+/// Runs work on so many threads; gives what each gave, in order.
+fn on_ranks<T: Send>(count: usize, work: impl Fn(Arc<dyn Ranks>) -> T + Sync) -> Vec<T> {
+    let mut to: Vec<Vec<Sender<Vec<u8>>>> = (0..count).map(|_| Vec::new()).collect();
+    let mut from: Vec<Vec<Receiver<Vec<u8>>>> = (0..count).map(|_| Vec::new()).collect();
+    for sender in &mut to {
+        for receiver in &mut from {
+            let (one, other) = channel();
+            sender.push(one);
+            receiver.push(other);
+        }
+    }
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = to
+            .into_iter()
+            .zip(from)
+            .enumerate()
+            .map(|(rank, (to, from))| {
+                let work = &work;
+                scope.spawn(move || work(Arc::new(ThreadRank { rank, to, from: Mutex::new(from) })))
+            })
+            .collect();
+        threads.into_iter().map(|thread| thread.join().unwrap()).collect()
+    })
+}
