@@ -9,7 +9,6 @@ use super::parts::{
     Association, CellValues, Cells, FileCells, HangingPoint, Options, RawGrid, UNUSED, as_given, is_ghost,
     number,
 };
-use super::polyhedra::Polyhedra;
 use super::source::{CellStatus, Source};
 use super::unsplit::unsplit;
 use super::{Array, GhostCells, Grid, cell_values};
@@ -91,10 +90,11 @@ fn try_build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
             agreeing(&tally.unsupported.values().sum::<u64>(), "was", "were")
         ));
     }
-    origin.warnings.extend(source.polyhedra.warnings());
+    let left_out: Vec<String> = source.polyhedra.warnings(|cell| origin.whole_cell(cell)).collect();
     if tally.drawn == 0 {
-        return Ok(Err(nothing_to_draw(&tally, &source.polyhedra)));
+        return Ok(Err(nothing_to_draw(&tally, &left_out)));
     }
+    origin.warnings.extend(left_out);
     number(tally.tetrahedra(), "the grid has too many tetrahedra", "")?;
     let split = if plain { None } else { Some(split_all(&source, &tally, progress)?) };
     // Before points are added, and cells taken apart.
@@ -108,7 +108,7 @@ fn try_build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
         (Some((tetrahedra, source_cells)), _) => (tetrahedra.into(), Some(source_cells)),
         // Nothing is left out and nothing is split: the file's cells are the tetrahedra.
         (None, Cells::Tetrahedra(own)) => (own, None),
-        (None, _) => return Ok(Err(nothing_to_draw(&tally, &Polyhedra::default()))),
+        (None, _) => return Ok(Err(nothing_to_draw(&tally, &[]))),
     };
     // Tetrahedra that somebody lends are used in place where they can be.
     if !tetrahedra.par_iter().with_min_len(1 << 13).all(|t| t.is_sorted()) {
@@ -172,8 +172,9 @@ fn try_build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
         let ghost = ghost.map(|flags| flags.into_iter().map(as_given).collect());
         grid.file_cells = Some(Arc::new(FileCells { cells, points, numbers, joined_points, ghost, degrees }));
     }
-    let source_cell_numbers = grid.source_cells.as_deref().map(Vec::as_slice);
-    origin.warnings.extend(overlaps(&grid.points, &grid.tetrahedra, source_cell_numbers));
+    let cell = |tetrahedron: u32| origin.whole_cell(grid.source_cell(tetrahedron as usize) as u32);
+    let overlaps = overlaps(&grid.points, &grid.tetrahedra, cell);
+    origin.warnings.extend(overlaps);
     if let Some(values) = constant {
         cell_values::keep_constant(&mut grid, values)?;
     }
@@ -222,12 +223,11 @@ fn set_ghosts_apart(grid: &mut Grid, flags: &[u8]) -> Vec<u32> {
     order
 }
 
-/// Says which cells overlap others, where there are such.
-fn overlaps(points: &[glam::DVec3], tetrahedra: &[[u32; 4]], source_cells: Option<&[u32]>) -> Option<String> {
+/// Says which cells overlap others, where there are such. `cell`: number of a tetrahedron's cell, for people.
+fn overlaps(points: &[glam::DVec3], tetrahedra: &[[u32; 4]], cell: impl Fn(u32) -> u64) -> Option<String> {
     let found = faces(points, tetrahedra);
-    let cell = |tetrahedron: u32| source_cells.map_or(tetrahedron, |cells| cells[tetrahedron as usize]);
     if let Some(&first) = found.overlapping.first() {
-        let mut cells: Vec<u32> = found.overlapping.iter().map(|&tetrahedron| cell(tetrahedron)).collect();
+        let mut cells: Vec<u64> = found.overlapping.iter().map(|&tetrahedron| cell(tetrahedron)).collect();
         cells.sort_unstable();
         cells.dedup();
         let middle: glam::DVec3 = tetrahedra[first as usize].map(|p| points[p as usize] * 0.25).iter().sum();
@@ -302,7 +302,7 @@ fn check(parts: &RawGrid, options: &Options) -> Result<()> {
 }
 
 /// The error where no tetrahedron is left.
-fn nothing_to_draw(tally: &CellCounts, polyhedra: &Polyhedra) -> Error {
+fn nothing_to_draw(tally: &CellCounts, left_out: &[String]) -> Error {
     let mut found = describe_counts(&tally.by_type);
     let ghosts = tally.ghost + tally.without_owner;
     for (count, why) in [(ghosts, &*noun_of(&ghosts, "ghost")), (tally.not_finite, "not finite")] {
@@ -310,7 +310,7 @@ fn nothing_to_draw(tally: &CellCounts, polyhedra: &Polyhedra) -> Error {
             found.push_str(&format!(" ({count} {why})"));
         }
     }
-    for warning in polyhedra.warnings() {
+    for warning in left_out {
         found.push_str(&format!(" ({})", warning.trim_end_matches('.')));
     }
     if let Some((&first, _)) = tally.unsupported.iter().next()

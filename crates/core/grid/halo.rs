@@ -36,7 +36,7 @@ impl Halo {
     ///
     /// # Errors
     /// As [`super::join`] of the piece.
-    pub fn of(
+    pub fn from_piece(
         mut piece: RawGrid,
         shared: &SharedPoints,
         index: usize,
@@ -98,7 +98,7 @@ impl Halo {
 
 /// Puts some pieces of a grid together, as [`super::join`] puts all, with the cells of the halos of the others within their layers as
 /// ghosts. Numbers and values of points are those of the whole grid; cells of the pieces follow each other as there. `own`: pieces with
-/// their numbers; `halos`: of all pieces.
+/// their numbers; `halos`: of all pieces; `first_cells`: the number in the whole grid of the first cell of each piece.
 ///
 /// # Errors
 /// As [`super::join`].
@@ -106,6 +106,7 @@ pub fn join_part(
     own: Vec<(usize, RawGrid)>,
     halos: &[Option<Halo>],
     shared: &SharedPoints,
+    first_cells: &[u64],
 ) -> Result<RawGrid> {
     let mut is_reached = vec![false; shared.count()];
     let mut is_own = vec![false; halos.len()];
@@ -121,17 +122,30 @@ pub fn join_part(
         .filter_map(|(piece, halo)| halo.as_ref().map(|halo| HaloLayers::new(piece, halo, shared)))
         .collect();
     for layer in 0..others.iter().map(|own| own.halo.layers).max().unwrap_or(0) {
-        others.par_iter_mut().for_each(|own| own.enter(&is_reached));
+        // Points that hang bring in others, which may be shared with further pieces.
+        loop {
+            others.par_iter_mut().for_each(|own| own.enter(&is_reached));
+            if !others.iter().fold(false, |is_more, own| own.leave(&mut is_reached) || is_more) {
+                break;
+            }
+        }
         let grown = others.par_iter_mut().filter(|own| own.is_entered && own.halo.layers > layer);
         grown.for_each(|own| own.layers.grow());
-        for own in others.iter().filter(|own| own.is_entered) {
-            let reached = own.shared.iter().filter(|shared| own.layers.is_reached[shared.point as usize]);
-            reached.for_each(|shared| is_reached[shared.rank as usize] = true);
-        }
+        others.iter().for_each(|own| _ = own.leave(&mut is_reached));
     }
     joined.par_extend(others.into_par_iter().filter_map(|own| own.part(&is_reached)));
     joined.sort_unstable_by_key(|own| own.piece);
-    join_pieces(joined, shared)
+    let mut own_cells = Vec::new();
+    let mut begin = 0;
+    for own in &joined {
+        if !own.is_halo {
+            own_cells.push([begin, first_cells[own.piece]]);
+        }
+        begin += own.grid.cells.count() as u64;
+    }
+    let mut part = join_pieces(joined, shared)?;
+    part.origin.first_cells = own_cells;
+    Ok(part)
 }
 
 /// Cells of a grid that are taken layer by layer.
@@ -242,6 +256,14 @@ impl<'a> HaloLayers<'a> {
             self.is_entered = true;
             self.layers.reach(shared.point);
         }
+    }
+
+    /// Marks its points that are reached for the others; true where one was not yet.
+    fn leave(&self, is_reached: &mut [bool]) -> bool {
+        let own = self.shared.iter().filter(|shared| self.layers.is_reached[shared.point as usize]);
+        own.fold(false, |is_more, shared| {
+            !std::mem::replace(&mut is_reached[shared.rank as usize], true) || is_more
+        })
     }
 
     /// The cells that are taken, and the points whose values count for the part.

@@ -109,8 +109,20 @@ pub struct ImportStats {
     pub units: BTreeMap<String, String>,
     /// Names of the blocks of the file, by the numbers in the cell array that holds them.
     pub blocks: Vec<String>,
+    /// Of a part of a grid: the first cell of each of its pieces, by its number in the part and in the whole grid, ascending. Empty for
+    /// all of a grid.
+    pub first_cells: Vec<[u64; 2]>,
     /// Warnings for the user, each a sentence.
     pub warnings: Vec<String>,
+}
+
+impl ImportStats {
+    /// The number in the whole grid of a cell of a part.
+    pub fn whole_cell(&self, cell: u32) -> u64 {
+        let cell = u64::from(cell);
+        let last = self.first_cells.iter().rev().find(|first| first[0] <= cell);
+        last.map_or(cell, |[here, there]| cell - here + there)
+    }
 }
 
 /// Values of an array of cells on faces at the boundary, where a file states them: points of these faces have the means of the faces'

@@ -160,10 +160,10 @@ impl Polyhedra {
         matches!(split, Some(Split::None))
     }
 
-    /// Warnings of polyhedra that are left out, one for each reason.
-    pub fn warnings(&self) -> impl Iterator<Item = String> {
-        self.left_out.iter().map(|(defect, cells)| {
-            let (count, first, why) = (cells.len() as u64, cells[0], defect.reason());
+    /// Warnings of polyhedra that are left out, one for each reason. `number`: of a cell, for people.
+    pub fn warnings(&self, number: impl Fn(u32) -> u64) -> impl Iterator<Item = String> {
+        self.left_out.iter().map(move |(defect, cells)| {
+            let (count, first, why) = (cells.len() as u64, number(cells[0]), defect.reason());
             match count {
                 1 => format!("1 polyhedron was left out, cell {first}: {why}."),
                 _ => format!(

@@ -36,6 +36,8 @@ pub struct PieceBorders {
     is_drawn: Vec<bool>,
     shared: SharedPoints,
     halos: Vec<Option<Halo>>,
+    /// For each piece the number of its first cell in the whole grid.
+    first_cells: Vec<u64>,
     /// True if means of cell values are those of an adaptive grid.
     is_adaptive: bool,
 }
@@ -68,10 +70,16 @@ pub(super) fn borders(
         is_drawn: vec![false; dataset.pieces.len()],
         shared: SharedPoints::default(),
         halos: vec![None; dataset.pieces.len()],
+        first_cells: vec![0; dataset.pieces.len()],
         is_adaptive: is_averaged(request, &choices)
             && pieces.iter().any(|piece| matches!(piece.1.geometry, Geometry::Adaptive(_))),
     };
-    pieces.iter().for_each(|&(index, _)| found.is_drawn[index] = true);
+    let mut cell_count = 0_u64;
+    for &(index, piece) in &pieces {
+        found.is_drawn[index] = true;
+        found.first_cells[index] = cell_count;
+        cell_count = cell_count.saturating_add(piece.cell_count);
+    }
     if pieces.len() < 2 {
         return Ok(found);
     }
@@ -96,7 +104,7 @@ pub(super) fn borders(
             let cells = cells::load(piece, &meter)?;
             let loaded = load_all(dataset, vec![(own, cells)], request, &choices, &meter)?;
             for (index, raw) in loaded {
-                found.halos[index] = Halo::of(raw, &found.shared, index, layers)?;
+                found.halos[index] = Halo::from_piece(raw, &found.shared, index, layers)?;
             }
         }
         forget(piece);
@@ -111,8 +119,9 @@ fn drawn_pieces<'a>(
     choices: &[ArraySelection],
     meter: &Meter,
 ) -> Result<Vec<NumberedPiece<'a>>> {
-    let pieces = pieces_with_cells(dataset);
+    let mut pieces = pieces_with_cells(dataset);
     if !dataset.has_blocks || is_unsplit(request, choices) {
+        pieces.retain(|piece| !is_flat(piece.1));
         return Ok(pieces);
     }
     let mut flagged = Vec::new();
@@ -122,6 +131,16 @@ fn drawn_pieces<'a>(
     }
     let (drawn, _) = blocks::drawn_pieces(dataset, flagged, |has_volume| *has_volume, choices)?;
     Ok(drawn.into_iter().map(|piece| piece.0).collect())
+}
+
+/// True for a structured grid without thickness, which has no cells.
+fn is_flat(piece: &Piece) -> bool {
+    match &piece.geometry {
+        Geometry::Curvilinear { dimensions, .. }
+        | Geometry::Rectilinear { dimensions, .. }
+        | Geometry::Uniform { dimensions, .. } => dimensions.iter().any(|&count| count < 2),
+        _ => false,
+    }
 }
 
 /// Drops what a reader from outside has read of a piece and nobody took.
@@ -234,7 +253,9 @@ pub(super) fn read(
         let error = Error::usage("the file has no such piece").got(wrong);
         return Err(error.expected(format_args!("a number below {count}")));
     }
-    let own = pieces_with_cells(dataset).into_iter().filter(|piece| numbers.contains(&piece.0));
+    // Blocks that are left out are named.
+    let is_own = |index: usize| numbers.contains(&index) && (borders.is_drawn[index] || dataset.has_blocks);
+    let own = pieces_with_cells(dataset).into_iter().filter(|piece| is_own(piece.0));
     let own: Vec<NumberedPiece> = own.collect();
     if !own.iter().any(|piece| borders.is_drawn[piece.0]) {
         return Ok(None);
@@ -257,7 +278,7 @@ pub(super) fn read(
         false => blocks::drawn_pieces(dataset, with_cells, has_volume, &choices)?,
     };
     let loaded = load_all(dataset, kept, request, &choices, &meter)?;
-    let mut parts = grid::join_part(loaded, &borders.halos, &borders.shared)?;
+    let mut parts = grid::join_part(loaded, &borders.halos, &borders.shared, &borders.first_cells)?;
     describe(&mut parts, dataset, request, &choices)?;
     parts.origin.warnings.extend(sentences);
     parts.origin.warnings.extend(external.iter().flat_map(|external| external.ready().warnings.clone()));

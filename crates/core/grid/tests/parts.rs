@@ -131,8 +131,16 @@ fn built(raw: RawGrid) -> Option<Grid> {
 }
 
 fn halos(pieces: &[RawGrid], shared: &SharedPoints, layers: usize) -> Vec<Option<Halo>> {
-    let halo = |(index, piece): (usize, &RawGrid)| Halo::of(piece.clone(), shared, index, layers).unwrap();
+    let halo =
+        |(index, piece): (usize, &RawGrid)| Halo::from_piece(piece.clone(), shared, index, layers).unwrap();
     pieces.iter().enumerate().map(halo).collect()
+}
+
+/// The number of the first cell of each piece.
+fn first_cells(pieces: &[RawGrid]) -> Vec<u64> {
+    let end =
+        |end: &mut u64, piece: &RawGrid| Some(std::mem::replace(end, *end + piece.cells.count() as u64));
+    pieces.iter().scan(0, end).collect()
 }
 
 /// The grids of groups of pieces, one after the other.
@@ -145,9 +153,18 @@ fn parts(pieces: &[RawGrid], groups: usize, layers: usize) -> Vec<Grid> {
             .enumerate()
             .filter(|(index, piece)| index % groups == group && piece.cells.count() > 0);
         let own: Vec<(usize, RawGrid)> = own.map(|(index, piece)| (index, piece.clone())).collect();
-        if own.is_empty() { None } else { built(join_part(own, &halos, &shared).unwrap()) }
+        if own.is_empty() {
+            None
+        } else {
+            built(join_part(own, &halos, &shared, &first_cells(pieces)).unwrap())
+        }
     };
     (0..groups).filter_map(part).collect()
+}
+
+/// The number in the whole grid of each cell that is drawn.
+fn numbers_of_cells(part: &Grid) -> Vec<u64> {
+    (0..part.tetrahedra.len()).map(|i| part.origin.whole_cell(part.source_cell(i) as u32)).collect()
 }
 
 fn assert_parts_are_the_grid(pieces: &[RawGrid], layers: usize, what: &str) {
@@ -164,6 +181,12 @@ fn assert_parts_are_the_grid(pieces: &[RawGrid], layers: usize, what: &str) {
         assert_eq!(sum(cells), cells(&all.origin), "{what}");
         assert_eq!(sum(|own| own.ghosts_without_owner), all.origin.ghosts_without_owner, "{what}");
         assert_eq!(sum(|own| own.cells_ghost), all.origin.cells_ghost, "{what}");
+        let mut all_cells = numbers_of_cells(&all);
+        all_cells.dedup();
+        let mut cells: Vec<u64> = parts.iter().flat_map(numbers_of_cells).collect();
+        cells.sort_unstable();
+        cells.dedup();
+        assert_eq!(cells, all_cells, "{what}: numbers of cells");
         for part in &parts {
             assert!(part.origin.warnings.is_empty(), "{what}: {:?}", part.origin.warnings);
         }
@@ -196,14 +219,150 @@ fn owners(cells: usize, seed: u64) -> [(&'static str, Vec<usize>); 3] {
 fn parts_of_a_grid_are_the_grid() {
     for (seed, kind) in (1..).zip(KINDS) {
         let whole = whole(kind, 3, seed);
-        for (name, owners) in owners(whole.cells.count(), seed) {
+        for (turn, (name, owners)) in owners(whole.cells.count(), seed).into_iter().enumerate() {
             for case in 0..8 {
                 let way = Cut { ids: case & 1 > 0, ghosts: case & 2 > 0, mixed: case & 4 > 0 };
                 let pieces = cut(&whole, &owners, way);
-                let least = usize::from(way.ghosts);
-                for layers in [least, 1, 2, 3] {
-                    assert_parts_are_the_grid(&pieces, layers, &format!("{kind:?} in {name}, {way:?}"));
+                // Each number of layers with each kind, and with each way over the kinds.
+                let layers = (case + turn + seed as usize) % 4;
+                let layers = layers.max(usize::from(way.ghosts));
+                assert_parts_are_the_grid(&pieces, layers, &format!("{kind:?} in {name}, {way:?}"));
+            }
+        }
+    }
+}
+
+const PLAIN: Cut = Cut { ids: false, ghosts: false, mixed: false };
+
+#[test]
+fn a_layer_less_is_too_few() {
+    let whole = whole(Kind::Hexahedra, 4, 3);
+    let pieces = cut(&whole, &owners(whole.cells.count(), 3)[0].1, PLAIN);
+    let all = built(join(pieces.clone()).unwrap()).unwrap();
+    for layers in 1..=3 {
+        let expected = drawn(&all, layers);
+        let mut found: Vec<Tetrahedron> =
+            parts(&pieces, pieces.len(), layers - 1).iter().flat_map(|part| drawn(part, layers)).collect();
+        found.sort_by(|a, b| a.0.cmp(&b.0));
+        assert!(found.iter().zip(&expected).all(|(found, expected)| found.0 == expected.0));
+        let differ = |(a, b): (&f64, &f64)| (a - b).abs() > 1e-9;
+        let values = |all: &[Tetrahedron]| all.iter().flat_map(|own| own.1.concat()).collect::<Vec<f64>>();
+        assert!(values(&found).iter().zip(&values(&expected)).any(differ), "{layers} layers");
+    }
+}
+
+#[test]
+fn values_at_shared_points_with_ids_are_those_of_one_piece() {
+    let whole = whole(Kind::Hexahedra, 3, 5);
+    let owners = &owners(whole.cells.count(), 5)[2].1;
+    for ghosts in [false, true] {
+        let mut pieces = cut(&whole, owners, Cut { ids: true, ghosts, mixed: true });
+        // Each piece has values of its own.
+        for (piece, own) in pieces.iter_mut().zip(0..) {
+            let scalar = piece.scalar.as_mut().unwrap();
+            scalar.values = scalar.values.iter().map(|value| value + f64::from(own)).collect();
+        }
+        for layers in usize::from(ghosts)..=2 {
+            assert_parts_are_the_grid(&pieces, layers, &format!("own values, ghosts {ghosts}"));
+        }
+    }
+}
+
+#[test]
+fn blocks_stay_apart_and_pieces_without_borders_are_parts() {
+    let whole = whole(Kind::Wedges, 3, 6);
+    for ids in [false, true] {
+        let mut pieces = cut(&whole, &owners(whole.cells.count(), 6)[2].1, Cut { ids, ..PLAIN });
+        pieces.iter_mut().enumerate().for_each(|(index, piece)| piece.block = index / 3);
+        assert_parts_are_the_grid(&pieces, 2, "two blocks");
+        pieces.iter_mut().enumerate().for_each(|(index, piece)| piece.block = index);
+        assert_parts_are_the_grid(&pieces, 2, "blocks of one piece");
+        assert!(halos(&pieces, &shared_points(&pieces), 2).iter().all(Option::is_none));
+    }
+}
+
+#[test]
+fn boundary_values_and_hanging_points_reach_over_borders() {
+    let whole = whole(Kind::Hexahedra, 4, 8);
+    for (name, owners) in owners(whole.cells.count(), 8) {
+        for ids in [false, true] {
+            let mut pieces = cut(&whole, &owners, Cut { ids, ..PLAIN });
+            let mut random = Random(9);
+            for piece in &mut pieces {
+                let Cells::Mixed(set) = &piece.cells else { panic!("mixed cells") };
+                let (mut boundary, mut hanging) = (BoundaryValues::default(), Vec::new());
+                for corners in set.connectivity.chunks(8) {
+                    if random.next() < 0.3 {
+                        boundary.points.extend(&corners[..4]);
+                        boundary.ends.push(boundary.points.len());
+                        boundary.values.push(if random.next() < 0.2 { f64::NAN } else { random.next() });
+                    }
+                    if random.next() < 0.2 {
+                        let mut any = || (random.next() * piece.points.len() as f64) as u32;
+                        let (point, corners) = (corners[6], [any(), any(), any(), any()]);
+                        hanging.push(HangingPoint { point, corners, weights: [0.25; 4] });
+                    }
                 }
+                piece.hanging = Some(hanging);
+                piece.boundary_values.insert("c".into(), boundary);
+            }
+            for layers in 1..=3 {
+                let all = built(join(pieces.clone()).unwrap()).unwrap();
+                let parts = parts(&pieces, 3, layers);
+                let mut found: Vec<Tetrahedron> = parts.iter().flat_map(|part| drawn(part, layers)).collect();
+                found.sort_by(|a, b| a.0.cmp(&b.0));
+                assert_same(&found, &drawn(&all, layers), &format!("{name}, ids {ids}, {layers} layers"));
+                // Values that are not finite are said of the part that has them.
+                let count = |grid: &Grid| -> u64 {
+                    let words = grid.origin.warnings.iter().filter(|own| own.contains("at the boundary"));
+                    words.map(|own| own.split(' ').next().unwrap().parse::<u64>().unwrap()).sum()
+                };
+                assert!(count(&all) > 1);
+                assert_eq!(parts.iter().map(count).sum::<u64>(), count(&all));
+            }
+        }
+    }
+}
+
+#[test]
+fn ghosts_whose_original_is_nowhere_serve_once() {
+    let whole = whole(Kind::Hexahedra, 4, 4);
+    for (name, owners) in owners(whole.cells.count(), 4) {
+        let mut pieces = cut(&whole, &owners, Cut { ids: true, ghosts: true, mixed: false });
+        // The file of this piece is missing.
+        pieces.remove(2);
+        let all = built(join(pieces.clone()).unwrap()).unwrap();
+        assert!(all.origin.ghosts_without_owner > 0);
+        let parts = parts(&pieces, pieces.len(), 2);
+        let mut found: Vec<Tetrahedron> = parts.iter().flat_map(|part| drawn(part, 2)).collect();
+        found.sort_by(|a, b| a.0.cmp(&b.0));
+        assert_same(&found, &drawn(&all, 2), name);
+        let count: u64 = parts.iter().map(|part| part.origin.ghosts_without_owner).sum();
+        assert_eq!(count, all.origin.ghosts_without_owner, "{name}");
+    }
+}
+
+#[test]
+fn curved_cells_add_the_same_points_on_both_sides() {
+    for (kind, seed) in [(Kind::QuadraticTetrahedra, 1), (Kind::QuadraticHexahedra, 2)] {
+        let whole = whole(kind, 2, seed);
+        let options = Options { subdivision: 3, ..Options::default() };
+        for (name, owners) in owners(whole.cells.count(), seed) {
+            let pieces = cut(&whole, &owners, Cut { mixed: true, ..PLAIN });
+            let all = build(join(pieces.clone()).unwrap(), &options, &NoProgress).unwrap();
+            let shared = shared_points(&pieces);
+            for layers in 0..=1 {
+                let halos = halos(&pieces, &shared, layers);
+                let of_piece = |(index, piece): (usize, &RawGrid)| {
+                    let part =
+                        join_part(vec![(index, piece.clone())], &halos, &shared, &first_cells(&pieces))
+                            .unwrap();
+                    drawn(&build(part, &options, &NoProgress).unwrap(), layers)
+                };
+                let filled = pieces.iter().enumerate().filter(|piece| piece.1.cells.count() > 0);
+                let mut found: Vec<Tetrahedron> = filled.flat_map(of_piece).collect();
+                found.sort_by(|a, b| a.0.cmp(&b.0));
+                assert_same(&found, &drawn(&all, layers), &format!("{kind:?} in {name}, {layers} layers"));
             }
         }
     }

@@ -13,6 +13,7 @@ mod legacy;
 mod meshes;
 mod openfoam;
 mod packed;
+mod parts;
 mod pieces;
 mod plot3d;
 mod real_files;
