@@ -45,7 +45,7 @@ pub struct VolumeExtent {
 
 impl VolumeExtent {
     /// The extent of a volume.
-    pub fn of(volume: &Volume) -> VolumeExtent {
+    pub fn from_volume(volume: &Volume) -> VolumeExtent {
         let drawn = volume.grid.drawn_points();
         let range = |values: &[f64]| extent::range(values).unwrap_or_default();
         let of_points = |values: &SharedSlice<f64>| range(&values[..drawn.min(values.len())]);

@@ -77,7 +77,7 @@ impl SampleStretches {
         SampleStretches { first: vec![0; pixel_count + 1], stretches: Vec::new() }
     }
 
-    /// Those of each pixel, row by row.
+    /// Stretches of each pixel, row by row.
     ///
     /// # Errors
     /// - more than 2³² of them.
@@ -305,7 +305,7 @@ fn surfaces(events: &[RayEvent]) -> impl Iterator<Item = (f64, [f32; 4])> {
 }
 
 /// Puts stretches of a ray in order, and joins them where one begins as the one before ends and no surface lies between them.
-pub fn arrange(stretches: &mut Vec<Supersegment>, events: &[RayEvent], resolution: f64) {
+pub fn sort_and_join(stretches: &mut Vec<Supersegment>, events: &[RayEvent], resolution: f64) {
     stretches.sort_by(|a, b| a.entry.total_cmp(&b.entry).then_with(|| a.exit.total_cmp(&b.exit)));
     for k in 1..stretches.len() {
         let mut to = k;
@@ -337,7 +337,7 @@ fn merged(
     all.extend_from_slice(one);
     all.extend_from_slice(other);
     if !one.is_empty() && !other.is_empty() {
-        arrange(&mut all, events, resolution);
+        sort_and_join(&mut all, events, resolution);
     }
     all
 }

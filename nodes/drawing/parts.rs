@@ -26,6 +26,7 @@ pub fn draw_parts(call: &mut RunContext) -> Result<Outputs> {
     let whole = extent_of_parts(call)?;
     let diagonal = || voltet_graph::diagonal(&whole.bounds.map(Vec::from).unwrap_or_default());
     let diagonal = if look.auto_unit_distance { diagonal() } else { 0.0 };
+    call.set_diagonal(diagonal);
     let transfer_function = Arc::new(look.for_diagonal(diagonal));
     let surfaces = call.surfaces("surfaces")?;
     let clips = clips(call.parameters)?;
@@ -116,7 +117,7 @@ fn refuse(call: &RunContext, transfer_function: &TransferFunction, shading: &Sha
 fn extent_of_parts(call: &mut RunContext) -> Result<VolumeExtent> {
     let mut whole: Option<VolumeExtent> = None;
     call.each_part(&mut |call| {
-        let own = VolumeExtent::of(&*call.volume("volume")?);
+        let own = VolumeExtent::from_volume(&*call.volume("volume")?);
         whole = Some(whole.take().map_or(own, |whole| whole.joined(&own)));
         Ok(())
     })?;

@@ -473,7 +473,7 @@ impl Sums {
     }
 
     /// Before any volume is looked at.
-    fn of(interval: [f64; 2]) -> Sums {
+    fn new(interval: [f64; 2]) -> Sums {
         Sums { interval, below: vec![0.0; EDGES + 1], total: 0.0 }
     }
 
@@ -502,12 +502,12 @@ impl Sums {
 }
 
 /// Work on one of several volumes.
-type OfVolume<'a> = dyn FnMut(&Volume, &dyn Progress) -> Result<()> + 'a;
+type VolumeCallback<'a> = dyn FnMut(&Volume, &dyn Progress) -> Result<()> + 'a;
 
 /// Volumes that are measured together.
 trait SeveralVolumes {
     /// Hands on all of them, one after the other.
-    fn each(&mut self, of_volume: &mut OfVolume) -> Result<()>;
+    fn each(&mut self, of_volume: &mut VolumeCallback) -> Result<()>;
 
     /// Numbers that each process found in its volumes.
     fn gather(&self, own: Vec<f64>) -> Result<Vec<Vec<f64>>> {
@@ -526,7 +526,7 @@ struct SeriesSteps<'a, 'c> {
 }
 
 impl SeveralVolumes for SeriesSteps<'_, '_> {
-    fn each(&mut self, of_volume: &mut OfVolume) -> Result<()> {
+    fn each(&mut self, of_volume: &mut VolumeCallback) -> Result<()> {
         let SeriesSteps { call, demand, steps, view, read } = self;
         call.each_step("volume", demand, Some(steps), &mut |_, value: voltet_graph::Value| {
             *read += 1;
@@ -543,7 +543,7 @@ impl SeveralVolumes for SeriesSteps<'_, '_> {
 struct GridParts<'a, 'c>(&'a mut RunContext<'c>);
 
 impl SeveralVolumes for GridParts<'_, '_> {
-    fn each(&mut self, of_volume: &mut OfVolume) -> Result<()> {
+    fn each(&mut self, of_volume: &mut VolumeCallback) -> Result<()> {
         self.0.each_part(&mut |call| of_volume(&*call.volume("volume")?, call.progress()))
     }
 
@@ -596,13 +596,13 @@ fn measure_several(
             // Of 0 % the least of all, of 100 % the largest.
             found.percentiles.insert(key, interval[usize::from(percent > 0.0)]);
         } else {
-            sums.insert(key, Sums::of(interval));
+            sums.insert(key, Sums::new(interval));
         }
     }
     for _ in 0..if sums.is_empty() { 0 } else { rounds } {
         for ((_, bits), own) in &mut sums {
             if own.total > 0.0 {
-                *own = Sums::of(own.narrowed(f64::from_bits(*bits)));
+                *own = Sums::new(own.narrowed(f64::from_bits(*bits)));
             }
         }
         volumes_of.each(&mut |volume, progress| {

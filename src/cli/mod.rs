@@ -6,11 +6,13 @@
 //! | `commands` | one file a command |
 //! | `panic_hook` | panics and the end of memory in one line |
 //! | `present` | messages, progress bars and reports for people |
+//! | `ranks` | processes of one run, by MPI |
 
 mod arguments;
 mod commands;
 mod panic_hook;
 mod present;
+mod ranks;
 
 pub use panic_hook::ExitOnOutOfMemory;
 

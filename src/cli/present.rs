@@ -94,13 +94,27 @@ pub fn grouped(count: u64, noun: &str) -> String {
     format!("{} {}", with_commas(count), noun_of(&count, noun))
 }
 
+/// True where nothing is shown: in one of several processes of which another speaks.
+static HELD_BACK: AtomicBool = AtomicBool::new(false);
+
+/// Shows nothing from here on, or shows again.
+pub fn hold_back(held_back: bool) {
+    HELD_BACK.store(held_back, Ordering::Relaxed);
+}
+
 /// Writes text to the standard output; false if it was closed, which is no error.
 pub fn print(text: &str) -> Result<bool> {
+    if HELD_BACK.load(Ordering::Relaxed) {
+        return Ok(true);
+    }
     files::standard_output(printable(text).as_bytes())
 }
 
 /// Writes lines to standard error. A failure is ignored.
 pub fn say(lines: &str) {
+    if HELD_BACK.load(Ordering::Relaxed) {
+        return;
+    }
     let ended = lines.is_empty() || lines.ends_with('\n');
     let _ = write!(std::io::stderr().lock(), "{lines}{}", if ended { "" } else { "\n" });
 }

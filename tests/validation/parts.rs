@@ -77,7 +77,7 @@ fn draw(scene: &Scene, part_of: impl Fn(usize) -> usize + Sync) -> Result<Pictur
         source.iter().flat_map(|source| offsets.iter().map(|offset| source.events(*offset, &NoProgress)));
     let events = events.collect::<Result<Vec<_>>>()?;
     let size = scene.camera.size.map(|n| n as usize);
-    let whole = VolumeExtent::of(&scene.volume);
+    let whole = VolumeExtent::from_volume(&scene.volume);
     let mut all = VolumetricDepthImage::empty(size, offsets.len());
     for part in 0..PARTS {
         let cells = whole_cells(&scene.volume.grid, |cell| part_of(cell) == part, &NoProgress)?;

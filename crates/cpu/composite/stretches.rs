@@ -5,7 +5,7 @@ use crate::composite::frame::FrameContext;
 use crate::fragments::batch::Batch;
 use crate::shade::shaded_batch::ShadedBatch;
 use crate::tile::{PIXELS, TILE, TilePicture, TileRect};
-use voltet_optics::depth_image::{Supersegment, arrange};
+use voltet_optics::depth_image::{Supersegment, sort_and_join};
 
 /// Roundings by which two depths of one face may differ that were found from both of its cells: of a plane's four products, twice.
 const ROUNDINGS: f64 = 8.0;
@@ -70,7 +70,7 @@ impl StretchRecorder {
             let [i, j] = [rect.left + pixel % TILE, rect.top + pixel / TILE];
             let is_inside = pixel % TILE < rect.size[0] && pixel / TILE < rect.size[1];
             let events = frame.events.filter(|_| is_inside).map(|events| events.of_pixel(i, j));
-            arrange(&mut all, events.unwrap_or_default(), resolution);
+            sort_and_join(&mut all, events.unwrap_or_default(), resolution);
             all
         };
         let pixels = (0..PIXELS).map(stretches).collect();

@@ -66,10 +66,10 @@ impl ProjectedPoints {
 impl VolumeCache {
     /// Errors: an extent beyond 64-bit floats.
     pub fn new(volume: &Arc<Volume>) -> Result<VolumeCache> {
-        VolumeCache::of_part(volume, &VolumeExtent::of(volume))
+        VolumeCache::of_part(volume, &VolumeExtent::from_volume(volume))
     }
 
-    /// Of a part of a volume that has this extent: lengths and values are rounded as in the whole.
+    /// Cache of a part of a volume that has this extent: lengths and values are rounded as in the whole.
     ///
     /// Errors: an extent beyond 64-bit floats.
     pub fn of_part(volume: &Arc<Volume>, whole: &VolumeExtent) -> Result<VolumeCache> {

@@ -160,15 +160,17 @@ pub(crate) trait RunServices {
     fn parts(&self) -> Vec<usize>;
     /// Runs what feeds the node for a part, and hands the services and the values at its inputs to `of_part`. Nothing where the part
     /// has no cells.
-    fn with_part(&self, part: usize, of_part: &mut OfPart) -> Result<()>;
+    fn with_part(&self, part: usize, of_part: &mut PartCallback) -> Result<()>;
     /// See [`RunContext::keep_for_parts`].
     fn keep_for_parts(&self, value_type: TypeId, make: Make) -> Result<RetainedValue>;
+    /// See [`RunContext::set_diagonal`].
+    fn set_diagonal(&self, diagonal: f64);
     /// The processes of the run.
     fn ranks(&self) -> &dyn Ranks;
 }
 
 /// Work on a part, with its services and the values at the node's inputs.
-pub(crate) type OfPart<'a> = dyn FnMut(&dyn RunServices, Vec<(Value, Revision)>) -> Result<()> + 'a;
+pub(crate) type PartCallback<'a> = dyn FnMut(&dyn RunServices, Vec<(Value, Revision)>) -> Result<()> + 'a;
 
 /// Work that makes a value to be kept.
 pub(crate) type Make<'a> = Box<dyn FnOnce() -> Result<RetainedValue> + 'a>;
@@ -399,6 +401,11 @@ impl RunContext<'_> {
         let ranks = self.ranks();
         let all = ranks.exchange(vec![ranks::to_bytes(own); ranks.count()])?;
         all.iter().map(|bytes| ranks::from_bytes(bytes)).collect()
+    }
+
+    /// Says what the diagonal of a grid in parts is, by which a transfer function without a unit distance is drawn: pictures carry it.
+    pub fn set_diagonal(&self, diagonal: f64) {
+        self.services.set_diagonal(diagonal);
     }
 
     /// A value that serves the node for all parts of a grid in this run.

@@ -1,10 +1,10 @@
 //! Services of a session to one running node: the origins of values, and the steps of the time series that feed it.
 
 use super::cache::{Key, Store, files_of, stamped};
-use super::parts::PartRuns;
+use super::parts::{PartOutputs, PartRuns};
 use super::plan::{Done, asks_of, inputs_of};
 use crate::api::context::{
-    Make, NodeProgress, Observer, OfPart, Preparation, RetainedValue, RunContext, RunServices,
+    Make, NodeProgress, Observer, PartCallback, Preparation, RetainedValue, RunContext, RunServices,
 };
 use crate::api::demand::Demand;
 use crate::api::node::Steps;
@@ -15,6 +15,7 @@ use crate::api::value::{PortType, Revision, Value, diagonal};
 use crate::build::graph::{Graph, GraphNode};
 use std::any::TypeId;
 use std::cell::Cell;
+use std::sync::Arc;
 use voltet_core::diagnostics::Diagnostics;
 use voltet_core::parameters::Parameters;
 use voltet_core::progress::Progress;
@@ -76,9 +77,35 @@ impl<'a> NodeRun<'a> {
         }
     }
 
-    /// Errors: the run is to stop.
-    pub fn check_cancelled(&self) -> Result<()> {
-        self.progress().check_cancelled()
+    /// Runs the nodes that give parts for one of them; nothing where it has no cells.
+    fn run_part(&self, runs: &PartRuns, part: usize) -> Result<PartOutputs> {
+        let (store, is_mapped) = (self.store.for_one_step(), &runs.division.is_mapped);
+        let is_first = runs.is_first_run(part);
+        let mut revision = 0;
+        let mut all_done: Vec<Option<Done>> = self.done.to_vec();
+        for &place in self.graph.order.iter().filter(|&&place| is_mapped[place]) {
+            self.progress().check_cancelled()?;
+            let node = &self.graph.nodes[place];
+            let grid_part = Some(&runs.division.parts[part]);
+            let run = NodeRun { place, done: &all_done, store: &store, part: grid_part, ..*self };
+            let inputs = inputs_of(node, &all_done);
+            let mut call = run.context(&node.parameters, &runs.demands[place], inputs, (false, false));
+            let values = node.run(&mut call)?;
+            if is_first {
+                runs.add_notes(place, std::mem::take(&mut call.notes));
+            }
+            if values.is_empty() {
+                return Ok(None);
+            }
+            let outputs = values.into_iter().map(|value| {
+                revision += 1;
+                (value, Revision(revision))
+            });
+            all_done[place] = Some(Done { outputs: outputs.collect(), ..Done::default() });
+        }
+        let of_parts =
+            all_done.into_iter().zip(is_mapped).map(|(done, &is_mapped)| done.filter(|_| is_mapped));
+        Ok(Some(of_parts.collect()))
     }
 
     fn progress(&self) -> NodeProgress<'a> {
@@ -178,7 +205,8 @@ impl<'a> NodeRun<'a> {
 
 impl RunServices for NodeRun<'_> {
     fn origins(&self) -> Origins {
-        origins(self.graph, &upstream(self.graph, self.place), self.done, self.file_stamp)
+        let diagonal = self.part_runs.and_then(PartRuns::diagonal);
+        origins(self.graph, &upstream(self.graph, self.place), self.done, diagonal, self.file_stamp)
     }
 
     fn get_or_make(&self, key: (Revision, TypeId), make: Make) -> Result<RetainedValue> {
@@ -228,9 +256,16 @@ impl RunServices for NodeRun<'_> {
         self.part_runs.map(PartRuns::order).unwrap_or_default()
     }
 
-    fn with_part(&self, part: usize, of_part: &mut OfPart) -> Result<()> {
+    fn with_part(&self, part: usize, of_part: &mut PartCallback) -> Result<()> {
         let Some(runs) = self.part_runs else { return Ok(()) };
-        let outputs = runs.outputs(part, self)?;
+        let outputs = match runs.latest(part) {
+            Some(known) => known,
+            None => {
+                let outputs = Arc::new(self.run_part(runs, part)?);
+                runs.set_latest(part, outputs.clone());
+                outputs
+            }
+        };
         let Some(of_parts) = outputs.as_ref() else { return Ok(()) };
         let all: Vec<Option<Done>> = of_parts
             .iter()
@@ -246,6 +281,12 @@ impl RunServices for NodeRun<'_> {
         self.ranks
     }
 
+    fn set_diagonal(&self, diagonal: f64) {
+        if let Some(runs) = self.part_runs {
+            runs.set_diagonal(diagonal);
+        }
+    }
+
     fn keep_for_parts(&self, value_type: TypeId, make: Make) -> Result<RetainedValue> {
         match self.part_runs {
             Some(runs) => runs.keep((self.place, value_type), make),
@@ -254,8 +295,14 @@ impl RunServices for NodeRun<'_> {
     }
 }
 
-/// Origins of the values of these nodes, which ran.
-pub(super) fn origins(graph: &Graph, places: &[usize], done: &[Option<Done>], stamp: FileStamp) -> Origins {
+/// Origins of the values of these nodes, which ran. `diagonal`: that of a grid in parts.
+pub(super) fn origins(
+    graph: &Graph,
+    places: &[usize],
+    done: &[Option<Done>],
+    diagonal: Option<f64>,
+    stamp: FileStamp,
+) -> Origins {
     let mut origins = Origins::default();
     for &place in places {
         let node = &graph.nodes[place];
@@ -265,8 +312,11 @@ pub(super) fn origins(graph: &Graph, places: &[usize], done: &[Option<Done>], st
                 origins.cameras.push((node.name.clone(), camera.clone()));
             }
             if let Value::TransferFunction(look) = value {
-                let by_data =
-                    || Some(look.for_diagonal(drawn_with(graph, places, place, done)?).unit_distance);
+                let by_data = || {
+                    Some(
+                        look.for_diagonal(drawn_with(graph, places, place, done).or(diagonal)?).unit_distance,
+                    )
+                };
                 let stated = look.transfer_function.unit_distance;
                 let unit = if look.auto_unit_distance { by_data() } else { Some(stated) };
                 origins.unit_distances.push((node.name.clone(), unit));

@@ -1,8 +1,7 @@
 //! Grids that are read and drawn part after part, because they do not fit into memory: which pieces of the file make up a part, which
 //! nodes run once for each, and their outputs for the part that is at hand.
 
-use super::node_run::NodeRun;
-use super::plan::{Done, inputs_of};
+use super::plan::Done;
 use crate::api::context::{Make, Preparation, RetainedValue};
 use crate::api::demand::Demand;
 use crate::api::node::PartWork;
@@ -128,14 +127,13 @@ fn grouped(sizes: &[u64], pieces: Range<usize>, memory: u64) -> Vec<Vec<usize>> 
 
 /// Runs of the nodes that give parts, by one run of a session.
 pub(super) struct PartRuns<'a> {
-    pub graph: &'a Graph,
     pub demands: &'a [Demand],
     pub division: &'a Division,
     state: Mutex<PartState>,
 }
 
 /// Outputs of the nodes that ran for a part; `None` where the part has no cells.
-type PartOutputs = Option<Vec<Option<Done>>>;
+pub(super) type PartOutputs = Option<Vec<Option<Done>>>;
 
 #[derive(Default)]
 struct PartState {
@@ -143,6 +141,8 @@ struct PartState {
     latest: Option<(usize, Arc<PartOutputs>)>,
     /// Values that nodes keep for all parts.
     shared: HashMap<(usize, TypeId), RetainedValue>,
+    /// Diagonal of the bounding box of all parts, where a node found it.
+    diagonal: Option<f64>,
     /// Parts that ran, for what is counted once.
     counted: BTreeSet<usize>,
     notes: BTreeMap<usize, Diagnostics>,
@@ -150,8 +150,8 @@ struct PartState {
 
 impl<'a> PartRuns<'a> {
     /// Before any part is read.
-    pub fn new(graph: &'a Graph, demands: &'a [Demand], division: &'a Division) -> PartRuns<'a> {
-        PartRuns { graph, demands, division, state: Mutex::default() }
+    pub fn new(demands: &'a [Demand], division: &'a Division) -> PartRuns<'a> {
+        PartRuns { demands, division, state: Mutex::default() }
     }
 
     fn lock(&self) -> std::sync::MutexGuard<'_, PartState> {
@@ -165,48 +165,41 @@ impl<'a> PartRuns<'a> {
         if first + 1 == count { (0..count).rev().collect() } else { (0..count).collect() }
     }
 
-    /// Outputs of the nodes for a part. `run`: of the node that asks for them.
-    pub fn outputs(&self, part: usize, run: &NodeRun) -> Result<Arc<PartOutputs>> {
-        if let Some((_, known)) = self.lock().latest.as_ref().filter(|(latest, _)| *latest == part) {
-            return Ok(known.clone());
+    /// Outputs of the nodes for a part, where it is at hand; otherwise the outputs of another one are dropped, so that two are not held at
+    /// a time.
+    pub fn latest(&self, part: usize) -> Option<Arc<PartOutputs>> {
+        let mut state = self.lock();
+        let known =
+            state.latest.as_ref().filter(|(latest, _)| *latest == part).map(|(_, known)| known.clone());
+        if known.is_none() {
+            state.latest = None;
         }
-        // Two parts are not held at a time.
-        self.lock().latest = None;
-        let outputs = Arc::new(self.run(part, run)?);
-        self.lock().latest = Some((part, outputs.clone()));
-        Ok(outputs)
+        known
     }
 
-    fn run(&self, part: usize, run: &NodeRun) -> Result<PartOutputs> {
-        let store = run.store.for_one_step();
-        let mut revision = 0;
-        let mut all_done: Vec<Option<Done>> = run.done.to_vec();
-        let is_first = self.lock().counted.insert(part);
-        for &place in self.graph.order.iter().filter(|&&place| self.division.is_mapped[place]) {
-            let node = &self.graph.nodes[place];
-            let grid_part = Some(&self.division.parts[part]);
-            let own = NodeRun { place, done: &all_done, store: &store, part: grid_part, ..*run };
-            own.check_cancelled()?;
-            let inputs = inputs_of(node, &all_done);
-            let mut call = own.context(&node.parameters, &self.demands[place], inputs, (false, false));
-            let values = node.run(&mut call)?;
-            if is_first {
-                let notes = std::mem::take(&mut call.notes);
-                self.lock().notes.entry(place).or_default().add_part(notes);
-            }
-            if values.is_empty() {
-                return Ok(None);
-            }
-            let outputs = values.into_iter().map(|value| {
-                revision += 1;
-                (value, Revision(revision))
-            });
-            all_done[place] = Some(Done { outputs: outputs.collect(), ..Done::default() });
-        }
-        let is_mapped = &self.division.is_mapped;
-        let of_parts =
-            all_done.into_iter().zip(is_mapped).map(|(done, &is_mapped)| done.filter(|_| is_mapped));
-        Ok(Some(of_parts.collect()))
+    /// Makes a part the one at hand.
+    pub fn set_latest(&self, part: usize, outputs: Arc<PartOutputs>) {
+        self.lock().latest = Some((part, outputs));
+    }
+
+    /// Diagonal of the whole grid's bounding box, world units; `None` where no node looked at it.
+    pub fn diagonal(&self) -> Option<f64> {
+        self.lock().diagonal
+    }
+
+    /// Sets the diagonal of the whole grid.
+    pub fn set_diagonal(&self, diagonal: f64) {
+        self.lock().diagonal = Some(diagonal);
+    }
+
+    /// True the first time that a part runs, for what is counted once.
+    pub fn is_first_run(&self, part: usize) -> bool {
+        self.lock().counted.insert(part)
+    }
+
+    /// Adds the diagnostics of a node's run for a part.
+    pub fn add_notes(&self, place: usize, notes: Diagnostics) {
+        self.lock().notes.entry(place).or_default().add_part(notes);
     }
 
     /// A value that a node keeps for all parts, made at the first.
@@ -219,9 +212,9 @@ impl<'a> PartRuns<'a> {
         Ok(made)
     }
 
-    /// Diagnostics of the nodes that ran for parts, by their places, over all parts.
-    pub fn notes(self) -> BTreeMap<usize, Diagnostics> {
-        self.state.into_inner().unwrap_or_else(PoisonError::into_inner).notes
+    /// Takes the diagnostics of the nodes that ran for parts, by their places, over all parts.
+    pub fn take_notes(&self) -> BTreeMap<usize, Diagnostics> {
+        std::mem::take(&mut self.lock().notes)
     }
 }
 

@@ -97,7 +97,7 @@ impl Session {
     /// Origins of what a node (its place in [`Graph::nodes`]) is made from, as far as they are known without a run: files and
     /// plug-ins.
     pub fn origins_before_run(&self, graph: &Graph, place: usize) -> Origins {
-        origins(graph, &upstream(graph, place), &vec![None; graph.nodes.len()], self.file_stamp)
+        origins(graph, &upstream(graph, place), &vec![None; graph.nodes.len()], None, self.file_stamp)
     }
 
     /// Runs the demand pass, and the early nodes only.
@@ -169,9 +169,10 @@ impl Session {
             (node.node.prepare)(&preparation).map_err(|error| node.locate(error))?;
         }
         let division = Division::new(graph, self.memory, &*self.ranks)?;
-        let (all_done, mut report) =
-            self.work_through(graph, &plan, &graph.order, division.as_ref(), observer)?;
-        report.origins = origins(graph, &graph.order, &all_done, self.file_stamp);
+        let part_runs = division.as_ref().map(|division| PartRuns::new(&plan.demands, division));
+        let worked = self.work_through(graph, &plan, &graph.order, part_runs.as_ref(), observer)?;
+        let ((all_done, mut report), diagonal) = (worked, part_runs.as_ref().and_then(PartRuns::diagonal));
+        report.origins = origins(graph, &graph.order, &all_done, diagonal, self.file_stamp);
         report.seconds = start.elapsed().as_secs_f64();
         Ok(report)
     }
@@ -219,11 +220,10 @@ impl Session {
         graph: &Graph,
         plan: &Plan,
         order: &[usize],
-        division: Option<&Division>,
+        part_runs: Option<&PartRuns>,
         observer: &dyn Observer,
     ) -> Result<(Vec<Option<Done>>, RunReport)> {
-        let is_mapped = |i: usize| division.is_some_and(|division| division.is_mapped[i]);
-        let part_runs = division.map(|division| PartRuns::new(graph, &plan.demands, division));
+        let is_mapped = |i: usize| part_runs.is_some_and(|runs| runs.division.is_mapped[i]);
         let warnings = graph.warnings.iter().map(Error::to_string).collect();
         let mut report = RunReport { warnings, ..RunReport::default() };
         let mut all_done: Vec<Option<Done>> = vec![None; graph.nodes.len()];
@@ -245,7 +245,7 @@ impl Session {
                 Some(done) => done.clone(),
                 None => {
                     let inputs = inputs_of(node, &all_done);
-                    let so_far = (all_done.as_slice(), part_runs.as_ref());
+                    let so_far = (all_done.as_slice(), part_runs);
                     self.execute(graph, i, inputs, &plan.demands[i], so_far, observer)?
                 }
             };
@@ -263,8 +263,8 @@ impl Session {
             observer.finished(&node.name, done.seconds);
             all_done[i] = Some(done);
         }
-        let mut of_parts = part_runs.map(PartRuns::notes).unwrap_or_default();
-        if division.is_some() {
+        let mut of_parts = part_runs.map(PartRuns::take_notes).unwrap_or_default();
+        if part_runs.is_some() {
             gather_notes(&mut of_parts, &*self.ranks)?;
         }
         for (i, notes) in of_parts {

@@ -112,6 +112,9 @@ fn parts_make_the_picture_of_the_whole_grid() {
                 let parts = draw(folder.path(), &format!("{grid}.pvtu"), scalar, session).unwrap();
                 same(&format!("{grid}, {scalar}, {memory} bytes"), picture(&parts), picture(&whole));
                 assert!(parts.counts["ray_stretches"] > 0);
+                let [own, of_whole] =
+                    [&parts, &whole].map(|report| report.origins.unit_distances[0].1.unwrap());
+                assert!((own / of_whole - 1.0).abs() < 1e-12);
                 assert_eq!(parts.counts["cells_total"], whole.counts["cells_total"]);
             }
         }

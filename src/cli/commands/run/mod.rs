@@ -6,10 +6,11 @@ mod resume;
 mod runner;
 mod sheet;
 
-use super::shared::{DONE, Outcome, ShortOption, open_all};
+use super::shared::{DONE, Outcome, ShortOption, open_all, show};
 use crate::Document;
 use crate::cli::arguments::Run;
-use crate::core::{Error, Result};
+use crate::cli::ranks::Launch;
+use crate::core::{Error, Result, counted};
 use crate::document;
 use crate::graph::{ParameterValue, Registry};
 use crate::io::provenance::whole_report;
@@ -18,6 +19,20 @@ use plan::Plan;
 use runner::Runner;
 
 pub fn run(arguments: &Run, registry: &Registry) -> Outcome {
+    let launch = Launch::join()?;
+    match run_on(arguments, registry, &launch) {
+        Err(failure) if launch.ranks.count() > 1 => {
+            launch.announce_failure();
+            let exit_code = show(&failure);
+            launch.end_all(exit_code);
+            Ok(exit_code)
+        }
+        outcome => outcome,
+    }
+}
+
+/// Runs the files, as one of the processes of a launch.
+fn run_on(arguments: &Run, registry: &Registry, launch: &Launch) -> Outcome {
     // Every file is checked before the first one runs.
     let (documents, wrong) = open_all(&arguments.files, &shorts(arguments), registry);
     if wrong != DONE {
@@ -35,7 +50,9 @@ pub fn run(arguments: &Run, registry: &Registry) -> Outcome {
     let outputs = plans.iter().flat_map(|plan| &plan.outputs).chain(&arguments.report);
     let streams = outputs.into_iter().any(|path| files::is_standard_output(path));
     refuse_exhaustive(arguments, &plans, streams)?;
-    let mut runner = Runner::new(arguments, registry, streams);
+    refuse_several(arguments, launch)?;
+    let is_first = launch.ranks.rank() == 0;
+    let mut runner = Runner::new(arguments, registry, streams, launch);
     for plan in &plans {
         let goes_on = match &plan.frames {
             None => runner.run_picture(&plan.first)?,
@@ -46,10 +63,24 @@ pub fn run(arguments: &Run, registry: &Registry) -> Outcome {
         }
     }
     let is_series = plans.iter().any(|plan| plan.frames.is_some());
-    if let (Some(path), true) = (&arguments.report, runner.worst == DONE || is_series) {
+    if let (Some(path), true) = (&arguments.report, is_first && (runner.worst == DONE || is_series)) {
         files::write_whole(path, format!("{:#}\n", whole_report(runner.reports)).as_bytes())?;
     }
     Ok(runner.worst)
+}
+
+/// Refuses what several processes do not do together.
+fn refuse_several(arguments: &Run, launch: &Launch) -> Result<()> {
+    let options = [("--exhaustive", arguments.exhaustive), ("--resume", arguments.frames.resume)];
+    match options.into_iter().find(|(_, is_given)| *is_given && launch.ranks.count() > 1) {
+        None => Ok(()),
+        Some((option, _)) => {
+            let found = counted(launch.ranks.count(), "rank");
+            Err(Error::usage(format!("{option} is for one process"))
+                .got(found)
+                .expected("the command without mpirun"))
+        }
+    }
 }
 
 /// Options that are short for `--set`.

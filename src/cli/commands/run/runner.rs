@@ -6,6 +6,7 @@ use super::{resume, sheet};
 use crate::cli::arguments::Run;
 use crate::cli::commands::shared::{DONE, FAILED, show, tell, warn};
 use crate::cli::present::{Bar, counted_figures, findings, name, say, summary, warnings};
+use crate::cli::ranks::Launch;
 use crate::core::error::ErrorKind;
 use crate::core::{Error, Result, counted};
 use crate::document::{Document, LocatedError};
@@ -24,6 +25,8 @@ pub(super) struct Runner<'a> {
     registry: &'a Registry,
     bar: Bar,
     session: Session,
+    /// The processes that run together.
+    launch: &'a Launch,
     /// True if a file goes to the standard output.
     streams: bool,
     /// The exit code so far.
@@ -34,13 +37,14 @@ pub(super) struct Runner<'a> {
 
 impl<'a> Runner<'a> {
     /// A call before its first run.
-    pub fn new(arguments: &'a Run, registry: &'a Registry, streams: bool) -> Self {
-        let (bar, session) = (Bar::new(arguments.quiet), crate::nodes::session());
+    pub fn new(arguments: &'a Run, registry: &'a Registry, streams: bool, launch: &'a Launch) -> Self {
+        let quiet = arguments.quiet || launch.ranks.rank() > 0;
+        let (bar, session) = (Bar::new(quiet), crate::nodes::session().with_ranks(launch.ranks.clone()));
         let session = match arguments.memory {
             Some(bytes) => session.with_memory(bytes),
             None => session,
         };
-        Runner { arguments, registry, bar, session, streams, worst: DONE, reports: Vec::new() }
+        Runner { arguments, registry, bar, session, launch, streams, worst: DONE, reports: Vec::new() }
     }
 
     /// Runs a pipeline for its one picture; false if it was stopped.
@@ -73,7 +77,9 @@ impl<'a> Runner<'a> {
             }
             Err(error) => {
                 let is_stopped = error.kind == ErrorKind::Cancelled;
+                self.launch.announce_failure();
                 self.worst = self.worst.max(show(&document.failure(error)));
+                self.launch.end_all(self.worst);
                 Ok(!is_stopped)
             }
         }
@@ -176,15 +182,17 @@ impl Runner<'_> {
                         break;
                     }
                     failures.push(frame.label());
+                    self.launch.announce_failure();
                     let code = said.show(&changed, frame.label(), error, count);
                     self.worst = self.worst.max(if count == 1 { code } else { FAILED });
+                    self.launch.end_all(self.worst);
                 }
             }
         }
         if !failures.is_empty() && count > 1 {
             say(&failed(&failures, count));
         }
-        if goes_on {
+        if goes_on && self.launch.ranks.rank() == 0 {
             self.join(frames, &pictures, failures.len());
         }
         if frames.is_part_of_sweep && !self.arguments.quiet {
