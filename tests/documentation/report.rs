@@ -117,6 +117,7 @@ const KEYS: &[(&str, &str, &str)] = &[
 const COUNTS: &[(&str, &str)] = &[
     ("arrays_decoded", "arrays that were read from the file"),
     ("arrays_written", "arrays of `grid-writer`"),
+    ("bytes_sent", "bytes that processes sent each other for the picture"),
     ("bytes_uploaded", "bytes sent to the device"),
     ("cells_cast", "cells that rays go through from face to face"),
     ("cells_culled", "cells that no widget touches, or that lie out of view"),
@@ -132,6 +133,7 @@ const COUNTS: &[(&str, &str)] = &[
     ("percentiles_computed", "percentiles of numbers relative to data"),
     ("pixels_disordered", "pixels composited in an order that is not exact"),
     ("points_written", "points of `grid-writer`"),
+    ("ray_stretches", "gapless stretches of rays that the parts of a grid left"),
     ("segments", "ray segments integrated"),
     ("segments_exact", "segments that 32-bit lanes left to the 64-bit forms"),
     ("segments_overlapping", "segments on which widgets overlap"),
