@@ -238,7 +238,13 @@ fn refuse_beyond_memory(
         true => format!("a grid of {}", counted(size.points, "point")),
         false => format!("a grid of about {}", counted(size.tetrahedra, "tetrahedron")),
     };
-    progress::refuse_beyond_memory(progress, what, size.bytes().saturating_add(further))
+    progress::refuse_beyond_memory(progress, what, size.bytes().saturating_add(further)).map_err(|error| {
+        match pieces {
+            [_, _, ..] => error
+                .expected("more memory, or voltet run --memory SIZE, which reads pieces one after the other"),
+            _ => error,
+        }
+    })
 }
 
 /// The arrays that a request means: the scalar, those beside it on the points, those that stay on the cells, the displacement.
