@@ -12,6 +12,7 @@ mod gmsh;
 mod legacy;
 mod meshes;
 mod openfoam;
+mod openfoam_parts;
 mod packed;
 mod pieces;
 mod plot3d;
