@@ -11,6 +11,7 @@ mod exodus;
 mod gmsh;
 mod legacy;
 mod meshes;
+mod mfem;
 mod openfoam;
 mod openfoam_parts;
 mod packed;
