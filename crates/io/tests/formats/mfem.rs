@@ -245,6 +245,27 @@ fn names_of_attributes_are_names_of_blocks_and_vertices_without_elements_do_not_
 }
 
 #[test]
+fn nodes_end_before_what_parallel_files_add() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mesh");
+    let own = |name: &str| folder_of("curved/curved_000003").join(name);
+    let text = std::fs::read_to_string(own("mesh.000000")).unwrap();
+    let parallel = text.replacen("mesh v1.0", "mesh v1.2", 1)
+        + "\nmfem_serial_mesh_end\n\ncommunication_groups\nnumber_of_groups 2\n\n# a\n1 0\n\nmfem_mesh_end\n";
+    let request = Request { solution: Some(own("quadratic.000000")), ..request("quadratic") };
+    let whole = grid(&own("mesh.000000"), &request);
+    for text in [parallel.clone(), parallel.replace('\n', "\r\n")] {
+        std::fs::write(&path, text).unwrap();
+        let found = grid(&path, &request);
+        assert!(found.points == whole.points && found.scalar == whole.scalar);
+    }
+    std::fs::write(&path, parallel.replacen("mfem_serial_mesh_end", "", 1).replacen("mfem_mesh_end", "", 1))
+        .unwrap();
+    let found = message(&path, &request);
+    assert!(found.contains("'communication_groups'") && found.contains("a.mesh:"), "{found}");
+}
+
+#[test]
 fn processes_have_files_of_their_own() {
     let folder = tempfile::tempdir().unwrap();
     let part = |number: usize, text: &str, values: &str| {
