@@ -23,8 +23,9 @@ pub(super) struct ContinuousLayout<'a> {
 }
 
 impl<'a> ContinuousLayout<'a> {
-    /// The places by an order; `is_older`: as MFEM before 4.8 has them, with fewer values within pyramids.
-    pub fn new(nodes: &'a MfemNodes, elements: &MfemElements, order: u32, is_older: bool) -> Self {
+    /// The places by an order; `is_bergot`: with the functions on pyramids of M. Bergot et al. (2010, `_Pyr0` in the name of a space), of which
+    /// fewer are within, for those of F. Fuentes et al. (2015), which MFEM takes if none are named.
+    pub fn new(nodes: &'a MfemNodes, elements: &MfemElements, order: u32, is_bergot: bool) -> Self {
         let p = order as usize;
         let (line, triangle) = (p - 1, (p - 1) * p.saturating_sub(2) / 2);
         let within = |number: usize| match number {
@@ -34,7 +35,7 @@ impl<'a> ContinuousLayout<'a> {
             4 => triangle * p.saturating_sub(3) / 3,
             5 => line * line * line,
             6 => triangle * line,
-            PYRAMID if is_older => line * p.saturating_sub(2) * (2 * p).saturating_sub(3) / 6,
+            PYRAMID if is_bergot => line * p.saturating_sub(2) * (2 * p).saturating_sub(3) / 6,
             PYRAMID => line * line * line,
             _ => 0,
         };

@@ -166,7 +166,7 @@ impl GridFunction {
                 false => (0..count).flat_map(tuple).map(|(cell, component)| value(cell, component)).collect(),
             });
         };
-        let layouts = [false, true].map(|is_older| ContinuousLayout::new(nodes, elements, order, is_older));
+        let layouts = [false, true].map(|is_bergot| ContinuousLayout::new(nodes, elements, order, is_bergot));
         let layout = layouts.iter().find(|layout| layout.count * n == values.len());
         let layout = layout.ok_or_else(|| misfit(layouts[0].count))?;
         if is_in_order && layout.is_of_nodes() {

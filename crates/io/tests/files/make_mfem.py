@@ -77,9 +77,9 @@ def fields(mesh):
     return made
 
 
-def third(mesh, formula):
-    """A field of the third order."""
-    own = mfem.H1_FECollection(3, mesh.Dimension())
+def third(mesh, formula, pyramids):
+    """A field of the third order; 0: with the functions of Bergot on pyramids, 1: with those of Fuentes."""
+    own = mfem.H1_FECollection(3, mesh.Dimension(), mfem.BasisType.GaussLobatto, pyramids)
     space = mfem.FiniteElementSpace(mesh, own)
     function, coefficient = mfem.GridFunction(space), Formula(formula)
     function.ProjectCoefficient(coefficient)
@@ -107,7 +107,7 @@ if __name__ == "__main__":
     mesh.Transform(Vector(bent))
     collection("curved", mesh, fields(mesh))
     mesh = solids()
-    collection("third", mesh, third(mesh, quadratic))
+    collection("third", mesh, third(mesh, quadratic, 1))
     mesh.SetCurvature(3)
     mesh.Transform(Vector(bent))
-    collection("bent", mesh, third(mesh, linear))
+    collection("bent", mesh, third(mesh, linear, 0))

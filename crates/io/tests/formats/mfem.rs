@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use voltet_core::grid::{CellValues, Grid, Options, code};
 use voltet_core::progress::NoProgress;
 use voltet_io::formats::{
-    Association, Request, files_beside, files_read_beside, inspect, outline, read, steps,
+    Association, Request, TimeStep, files_beside, files_read_beside, inspect, outline, read, steps,
 };
 
 fn folder_of(name: &str) -> PathBuf {
@@ -242,6 +242,20 @@ fn names_of_attributes_are_names_of_blocks_and_vertices_without_elements_do_not_
         std::fs::write(&solution, format!("MFEM {}", text.replacen("Space\n", "Space v1.0\n", 1))).unwrap();
         assert_eq!(grid(&mesh, &request("a")).scalar, own.scalar, "{space}");
     }
+}
+
+#[test]
+fn collections_of_several_cycles_are_a_series_by_a_file_that_names_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let series = folder.path().join("a.series");
+    let entry = |name: &str, time: f64| format!("{{\"name\": {:?}, \"time\": {time}}}", root(name));
+    let text = |entries: &[String]| {
+        format!("{{\"file-series-version\": \"1.0\", \"files\": [{}]}}", entries.join(", "))
+    };
+    std::fs::write(&series, text(&[entry("third", 1.0), entry("bent", 2.0)])).unwrap();
+    assert_eq!(steps(&series, &Request::default()).unwrap().0, [1.0, 2.0]);
+    let at = |time| Request { time_step: Some(TimeStep::Time(time)), ..request("third") };
+    assert_eq!(places(&grid(&series, &at(2.0)), |p| p), places(&grid(&series, &at(1.0)), bent));
 }
 
 #[test]
