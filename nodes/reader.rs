@@ -87,7 +87,7 @@ pub const NODE: Node = Node {
             parameter_type: ParameterType::InputPath,
             unit: "",
             default: DefaultValue::Unset("none"),
-            help: "PLOT3D: the solution (q) file that belongs to the grid",
+            help: "PLOT3D, MFEM: the solution (.q, .gf) that belongs to the grid",
         },
     ],
     example: include_str!("examples/stages.toml"),

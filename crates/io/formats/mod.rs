@@ -10,6 +10,7 @@
 //! | .xdmf, .xmf | [`xdmf`] |
 //! | .e .exo .ex2 .g | [`exodus`], by [`netcdf`] or [`hdf5`] |
 //! | meshes of Gmsh (.msh) | [`gmsh`] |
+//! | meshes and collections of MFEM (.mesh, .mfem_root) | [`mfem`] |
 //! | cases of OpenFOAM | [`foam`] |
 //! | cases of EnSight Gold (.case) | [`ensight`] |
 //! | Tecplot, text and binary (.dat, .plt) | [`tecplot`] |
@@ -55,6 +56,7 @@ mod inspect;
 mod lattice;
 mod lazy;
 mod legacy;
+mod mfem;
 mod nastran;
 mod netcdf;
 mod numbers;
@@ -207,6 +209,7 @@ pub fn files_beside(path: &Path) -> Vec<PathBuf> {
         .chain(solution)
         .chain(exodus::parts_beside(path))
         .chain(foam::files_named(path, None))
+        .chain(mfem::files_named(path, &Request::default()))
         .chain(ensight::files_named(path, None))
         .collect()
 }
@@ -225,6 +228,7 @@ pub fn files_read_beside(path: &Path, request: &Request) -> Vec<PathBuf> {
         .chain(xdmf::files_named(path, Some(request)))
         .chain(solution)
         .chain(exodus::parts_beside(path))
+        .chain(mfem::files_named(path, request))
         .chain(of_case)
         .collect()
 }
@@ -250,6 +254,7 @@ const FORMATS: &[Format] = &[
     HDF5,
     exodus::FORMAT,
     gmsh::FORMAT,
+    mfem::FORMAT,
     ensight::FORMAT,
     tecplot::BINARY,
     tecplot::TEXT,
@@ -312,7 +317,7 @@ fn read_hdf5(source: &Source, root: &hdf5::Group, request: &Request) -> Result<D
 }
 
 /// File types of the reader, for its help.
-pub const FILES: &str = "VTK, VTKHDF, Exodus II, OpenFOAM (folder, .foam), CGNS, XDMF, Gmsh, EnSight, Tecplot, UCD, Abaqus, SU2, Nastran, PLOT3D";
+pub const FILES: &str = "VTK, VTKHDF, Exodus II, OpenFOAM (folder), CGNS, XDMF, Gmsh, MFEM, EnSight, Tecplot, UCD, Abaqus, SU2, Nastran, PLOT3D";
 
 /// File types of several formats, in one phrase.
 fn files(mut formats: impl Iterator<Item = &'static Format>) -> String {
@@ -336,8 +341,9 @@ fn open_contents(path: &Path, request: &Request) -> Result<(Dataset, Arc<Source>
     if let Some(folder) = foam::case_folder(path).filter(|_| request.chosen.is_none()) {
         return foam::open(&folder, request).map_err(|error| error.in_file(path));
     }
-    let source = Source::open(path)?;
     let in_file = |error: Error| error.in_file(path);
+    unsupported::refuse_folder(path).map_err(in_file)?;
+    let source = Source::open(path)?;
     if let Some(chosen) = &request.chosen {
         let dataset = open_external(&source, request, chosen).map_err(in_file)?;
         let dataset = refuse_no_series(dataset, request, "a file that is a series, or no time step");

@@ -44,7 +44,7 @@ pub struct Request {
     pub time_step: Option<TimeStep>,
     /// Options of the import.
     pub options: Options,
-    /// The PLOT3D solution (q) file that belongs to the grid file; `None`: the grid's name with the ending `.q`, if
+    /// The solution of PLOT3D (q) or MFEM (gf) that belongs to the grid file; `None`: the grid's name with the ending `.q` or `.gf`, if
     /// there is such a file.
     pub solution: Option<PathBuf>,
     /// The reader of a format that comes from outside, if the file is of one.

@@ -2,6 +2,7 @@
 
 use super::abaqus::is_first_keyword;
 use super::source::Source;
+use std::path::Path;
 use voltet_core::{Error, Result};
 
 /// A format that is not read: its name with an article, a remedy (a clause that can follow "expected"), and what tells its files.
@@ -37,6 +38,8 @@ const LS_DYNA: &str = "a .vtu file: LS-PrePost saves the results (d3plot), and P
 const ANSYS: &str = "a .vtu file: `pymapdl_reader` (ansys-mapdl-reader) reads it and saves its grid";
 const SUBZONES: &str = "a .plt file: Tecplot writes one by File › Write Data (Tecplot Binary Data)";
 const MFEM: &str = "a .vtu file: MFEM writes one by ParaViewDataCollection";
+const ADIOS2: &str = "a .vtu file: ParaView opens data of ADIOS2 that describe a grid (VTX, as FEniCSx writes) and saves it as .vtu";
+const GRID_FUNCTION: &str = "the mesh that it belongs to, with this file as its solution";
 const TABLE: &str =
     "a grid with cells: points alone have no volume; ParaView's Delaunay3D joins them to tetrahedra";
 
@@ -54,7 +57,12 @@ pub(super) const BY_MAGIC: &[UnsupportedFormat] = &[
     ("a mesh or case of Ansys Fluent", PARAVIEW, |file| file.begins(&["(0 ", "(1 ", "(2 "])),
     ("a geometry file of EnSight", ENSIGHT, |file| file.begins(&["C Binary", "Fortran Binary"])),
     ("a subzone file of Tecplot (.szplt)", SUBZONES, |file| file.begins(&["#!SZPLT"])),
-    ("a mesh of MFEM", MFEM, |file| file.begins(&["MFEM mesh v", "MFEM NC mesh v", "MFEM INLINE mesh"])),
+    ("a non-conforming mesh of MFEM", MFEM, |file| file.begins(&["MFEM NC mesh v", "MFEM mesh v1.1"])),
+    ("a mesh of MFEM made of splines (NURBS)", MFEM, |file| file.begins(&["MFEM NURBS "])),
+    ("a mesh of MFEM that is not written out (INLINE)", MFEM, |file| file.begins(&["MFEM INLINE mesh"])),
+    ("a grid function of MFEM", GRID_FUNCTION, |file| {
+        file.begins(&["FiniteElementSpace\n", "FiniteElementSpace\r", "MFEM FiniteElementSpace v"])
+    }),
     ("a mesh of FEniCS (XML)", MESHIO, |file| file.has_tag("dolfin")),
     ("a surface (PLY)", SURFACE, |file| file.begins(&["ply\n", "ply\r"])),
     ("a surface (STL)", SURFACE, |file| file.is_stl()),
@@ -101,12 +109,21 @@ pub(super) const BY_WORDS: &[UnsupportedFormat] = &[
     ("a surface (OBJ)", SURFACE, |file| {
         file.has_line_with(&["v "]) && (file.ending == "obj" || file.has_line_with(&["f "]))
     }),
+    ("data of ADIOS2 (.bp)", ADIOS2, |file| file.ending == "bp"),
     ("a table as text", TABLE, |file| ["csv", "tsv"].contains(&file.ending.as_str())),
 ];
 
 /// Bytes searched of a text; names in HDF5 stand anywhere, for the most part early.
 const HEAD: u64 = 4096;
 const CONTAINER_HEAD: u64 = 4 << 20;
+
+/// Refuses a folder of a format whose data are one.
+pub(super) fn refuse_folder(path: &Path) -> Result<()> {
+    match path.is_dir() && path.join("md.idx").is_file() {
+        true => Err(refusal("data of ADIOS2 (.bp)", ADIOS2)),
+        false => Ok(()),
+    }
+}
 
 /// Refuses a file of one of these formats.
 pub(super) fn refuse(source: &Source, formats: &[UnsupportedFormat]) -> Result<()> {

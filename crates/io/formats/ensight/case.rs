@@ -1,9 +1,9 @@
 //! Case files of EnSight: the file of the geometry, those of the variables, and the times of their steps.
 
-use crate::formats::cursor::Cursor;
+use crate::formats::cursor::{Cursor, Place};
 use crate::formats::source::Source;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use voltet_core::grid::Association;
 use voltet_core::{Error, Result};
 
@@ -46,6 +46,8 @@ impl FilePattern {
 pub(super) struct StepFile {
     pub path: PathBuf,
     pub step: Option<u64>,
+    /// Place behind the mark of the step, once it was found.
+    pub start: OnceLock<Place>,
 }
 
 /// A variable of a case.
@@ -207,7 +209,11 @@ impl CaseFile {
 
     /// The file of a pattern at a time, and the step in it: the last until then.
     pub fn file(&self, pattern: &FilePattern, time: Option<f64>) -> Result<StepFile> {
-        let in_folder = |name: &str, step: Option<u64>| StepFile { path: self.folder.join(name), step };
+        let in_folder = |name: &str, step: Option<u64>| StepFile {
+            path: self.folder.join(name),
+            step,
+            start: OnceLock::new(),
+        };
         let has_stars = pattern.name.contains('*');
         if !has_stars && pattern.file_set.is_none() {
             return Ok(in_folder(&pattern.name, None));

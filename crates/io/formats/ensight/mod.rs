@@ -6,7 +6,7 @@
 mod case;
 mod parts;
 
-use self::case::CaseFile;
+use self::case::{CaseFile, StepFile};
 use self::parts::{GoldGeometry, GoldPart};
 use super::blocks::selected;
 use super::contents::{CellBlocks, Compute, Dataset, Encoding, Piece, PieceArray, Stored};
@@ -57,13 +57,16 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
         file_bytes: std::fs::metadata(&file.path).map_or(0, |metadata| metadata.len()),
         ..Dataset::default()
     };
+    // Each file is looked through for the step once.
+    let files = case.variables.iter().map(|variable| case.file(&variable.pattern, time).map(Arc::new));
+    let files: Vec<Arc<StepFile>> = files.collect::<Result<_>>()?;
     for (block, &place) in volumes.iter().enumerate().filter(|(block, _)| is_selected[*block]) {
         let part = &grid.parts[place];
         let counts = [part.node_count, part.cell_count(), part.corner_count()];
         let mut arrays = Vec::new();
-        for variable in &case.variables {
+        for (variable, file) in case.variables.iter().zip(&files) {
             let (association, n) = (variable.association, variable.component_count);
-            let (file, of) = (case.file(&variable.pattern, time)?, grid.clone());
+            let (file, of) = (file.clone(), grid.clone());
             let compute: Compute = Arc::new(move |_| of.values(&file, place, association, n));
             let tuple_count = if association == Association::Point { counts[0] } else { counts[1] };
             let stored = Stored::of_f64(&source, &variable.name, n, tuple_count, Encoding::Computed(compute));

@@ -96,6 +96,18 @@ impl GoldFile {
     /// Moves behind the mark of the file's step.
     fn go_to_step(&mut self, file: &StepFile) -> Result<()> {
         let Some(step) = file.step else { return Ok(()) };
+        if let Some(&start) = file.start.get() {
+            self.go_to(start);
+            return Ok(());
+        }
+        self.find_step(step)?;
+        // Another thread may have found it as well.
+        let _ = file.start.set(self.cursor.place());
+        Ok(())
+    }
+
+    /// Moves behind the mark of a step by the table of the file, or from one mark to the next.
+    fn find_step(&mut self, step: u64) -> Result<()> {
         let is_binary = self.cursor.binary.is_some();
         if let Some(place) = self.indexed(step).filter(|_| is_binary) {
             return self.cursor.skip((place + LINE).saturating_sub(self.cursor.position()));

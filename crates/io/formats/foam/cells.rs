@@ -21,6 +21,31 @@ pub(super) struct MeshPaths {
     pub part: Option<CollatedPart>,
 }
 
+/// Cells on both sides of faces, whose points were not read.
+pub(super) struct FaceOwners {
+    owner: Vec<u32>,
+    neighbour: Vec<u32>,
+    pub cell_count: usize,
+}
+
+impl FaceOwners {
+    /// Reads them.
+    pub fn read(mesh: &MeshPaths) -> Result<FaceOwners> {
+        let labels = |path: &PathBuf| FoamFile::open(path, mesh.part.as_ref(), false)?.labels();
+        let (owner, neighbour) = (labels(&mesh.owner)?, labels(&mesh.neighbour)?);
+        if neighbour.len() > owner.len() {
+            let most = format!("at most {}", owner.len());
+            return Err(misfit("neighbours of faces", neighbour.len(), most, &mesh.neighbour));
+        }
+        let cell_count = owner.iter().chain(&neighbour).max().map_or(0, |&last| last as usize + 1);
+        // Each cell has faces, and each face two cells at most.
+        if cell_count > owner.len() + neighbour.len() {
+            return Err(misfit("cells", cell_count, "no more than its faces have", &mesh.owner));
+        }
+        Ok(FaceOwners { owner, neighbour, cell_count })
+    }
+}
+
 /// Faces with their cells.
 pub(super) struct FaceCells {
     points: Vec<u32>,
@@ -33,20 +58,10 @@ pub(super) struct FaceCells {
 impl FaceCells {
     /// Reads them.
     pub fn read(mesh: &MeshPaths) -> Result<FaceCells> {
-        let labels = |path: &PathBuf| FoamFile::open(path, mesh.part.as_ref(), false)?.labels();
         let (points, ends) = FoamFile::open(&mesh.faces, mesh.part.as_ref(), false)?.faces()?;
-        let (owner, neighbour) = (labels(&mesh.owner)?, labels(&mesh.neighbour)?);
+        let FaceOwners { owner, neighbour, cell_count } = FaceOwners::read(mesh)?;
         if owner.len() != ends.len() {
             return Err(misfit("owners of faces", owner.len(), ends.len(), &mesh.owner));
-        }
-        if neighbour.len() > ends.len() {
-            let most = format!("at most {}", ends.len());
-            return Err(misfit("neighbours of faces", neighbour.len(), most, &mesh.neighbour));
-        }
-        let cell_count = owner.iter().chain(&neighbour).max().map_or(0, |&last| last as usize + 1);
-        // Each cell has faces, and each face two cells at most.
-        if cell_count > owner.len() + neighbour.len() {
-            return Err(misfit("cells", cell_count, "no more than its faces have", &mesh.owner));
         }
         Ok(FaceCells { points, ends, owner, neighbour, cell_count })
     }
@@ -154,6 +169,46 @@ impl CellZones {
     pub fn zone(&self, cell: usize) -> Option<usize> {
         let place = self.cells.binary_search_by_key(&cell, |entry| entry.0 as usize).ok()?;
         Some(self.cells[place].1 as usize)
+    }
+}
+
+/// Blocks of a part's cells, and those that are read.
+pub(super) struct CellSelection {
+    pub zones: CellZones,
+    /// Numbers of the zones' blocks.
+    pub blocks: Vec<usize>,
+    /// That of the block of cells in no zone.
+    pub rest: usize,
+    pub is_selected: Vec<bool>,
+}
+
+impl CellSelection {
+    /// Number of a cell's block; of cells in no zone the last.
+    pub fn block(&self, cell: usize) -> usize {
+        match self.zones.zone(cell) {
+            Some(zone) => self.blocks[zone],
+            None => self.rest,
+        }
+    }
+
+    pub fn contains(&self, cell: usize) -> bool {
+        self.is_selected.get(self.block(cell)).copied().unwrap_or(true)
+    }
+
+    pub fn is_all(&self) -> bool {
+        let blocks = self.blocks.iter().chain([&self.rest]);
+        !blocks.into_iter().any(|&block| self.is_selected.get(block) == Some(&false))
+    }
+
+    /// Number of selected cells.
+    pub fn count(&self, cell_count: u64) -> u64 {
+        if self.is_all() {
+            return cell_count;
+        }
+        let zones = self.blocks.iter().enumerate().filter(|&(_, &block)| self.is_selected[block]);
+        let rest =
+            if self.is_selected.get(self.rest) == Some(&true) { self.zones.rest(cell_count) } else { 0 };
+        zones.fold(rest, |sum, (zone, _)| sum + self.zones.count(zone))
     }
 }
 

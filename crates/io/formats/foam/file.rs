@@ -70,6 +70,14 @@ pub(super) fn existing(path: &Path) -> Option<PathBuf> {
     [path.to_owned(), packed.into()].into_iter().find(|path| path.is_file())
 }
 
+/// Names in a folder, in ascending order.
+pub(super) fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut names: Vec<String> = entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
+    names.sort();
+    names
+}
+
 /// True for a file, or a packed one, that begins as those of OpenFOAM. Errors: a packed one is damaged.
 pub(super) fn has_head(path: &Path) -> Result<bool> {
     let Ok(mut source) = Source::open(path) else { return Ok(false) };

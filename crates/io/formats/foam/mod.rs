@@ -9,38 +9,26 @@
 mod cells;
 mod entries;
 mod faces;
+mod field;
 mod file;
 mod patches;
 mod patterns;
 
-use self::cells::{CellZones, FaceCells, MeshPaths};
-use self::file::{CollatedPart, FieldValues, FoamFile, existing, has_head, misfit};
+use self::cells::{CellSelection, CellZones, FaceCells, FaceOwners, MeshPaths};
+use self::field::Field;
+use self::file::{CollatedPart, FoamFile, existing, misfit, names};
 use self::patches::MeshBoundary;
 use super::blocks::selected;
-use super::contents::{
-    CellBlocks, Compute, ComputeBoundary, Dataset, Encoding, Meter, Piece, PieceArray, Stored,
-};
+use super::contents::{CellBlocks, Compute, Dataset, Piece, PieceArray};
 use super::lazy::geometry;
-use super::numbers::{ByteOrder, NumberType};
-use super::request::Request;
+use super::request::{Request, list};
 use super::source::Source;
-use super::units;
 use glam::DVec3;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, PoisonError};
 use voltet_core::grid::{Association, Cells};
-use voltet_core::progress::refuse_beyond_memory;
 use voltet_core::{Error, Result, counted};
-
-/// Kinds of fields: the name within a class, the number of components, and their names.
-const KINDS: [(&str, usize, &[&str]); 5] = [
-    ("Scalar", 1, &[]),
-    ("Vector", 3, &[]),
-    ("SphericalTensor", 1, &[]),
-    ("SymmTensor", 6, &["XX", "XY", "XZ", "YY", "YZ", "ZZ"]),
-    ("Tensor", 9, &[]),
-];
 
 /// The folder of the case that a path names; `None` where it names none.
 pub(super) fn case_folder(path: &Path) -> Option<PathBuf> {
@@ -114,14 +102,6 @@ impl CaseFolder {
             part: self.part.clone(),
         })
     }
-}
-
-/// Names in a folder, in ascending order.
-fn names(folder: &Path) -> Vec<String> {
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    let mut names: Vec<String> = entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
-    names.sort();
-    names
 }
 
 /// A folder `processors4`, or `processors4_2-3` for some of them, whose files are of all these processors.
@@ -236,17 +216,29 @@ pub(super) fn open(folder: &Path, request: &Request) -> Result<(Dataset, Arc<Sou
     let regions = regions(&parts[0].folder);
     // A mesh without a name among others has a block, too.
     dataset.has_blocks = regions.len() > 1 || regions.iter().any(|region| !region.is_empty());
-    let mut meshes = Vec::new();
+    let (mut meshes, mut cell_counts) = (Vec::new(), Vec::new());
     for region in &regions {
         let of_parts = parts.iter().map(|part| FolderMesh::open(part, region, time));
         let of_region: Vec<FolderMesh> = of_parts.collect::<Result<_>>()?;
+        cell_counts.push(of_region.iter().map(|mesh| mesh.cell_count).fold(0, u64::saturating_add));
         let first = dataset.blocks.len();
         dataset.blocks.extend(block_names(&of_region, region, dataset.has_blocks));
         let blocks = first..dataset.blocks.len();
         let of_parts = parts.iter().zip(of_region);
         meshes.extend(of_parts.map(|(part, mesh)| (part.folder.as_path(), region, mesh, blocks.clone())));
     }
-    let is_selected = selected(&dataset.blocks, request)?;
+    let mut is_selected = selected(&dataset.blocks, request)?;
+    if let Some(reason) =
+        request.blocks.is_empty().then(|| reason_of_split(&parts[0], &regions, &cell_counts)).flatten()
+    {
+        let own = meshes.first().map_or(0..0, |own| own.3.clone());
+        is_selected[own.clone()].fill(false);
+        let names = list(dataset.blocks[own].iter().map(String::as_str));
+        dataset.warnings.push(format!(
+            "The mesh in constant/polyMesh is left out as that of the case before it was split into regions: {reason}. \
+             The parameter blocks reads it by name: {names}."
+        ));
+    }
     for (part, region, mesh, blocks) in meshes {
         let place = |zone: &String| {
             let mut names = dataset.blocks[blocks.clone()].iter();
@@ -279,13 +271,33 @@ pub(super) fn open(folder: &Path, request: &Request) -> Result<(Dataset, Arc<Sou
     Ok((dataset, head.source))
 }
 
+/// The reason why the mesh without a name beside those of regions is that of all of them, before the case was split; `None`: it is a
+/// mesh of its own. Splitting leaves it where it was, and no solver goes on with it.
+fn reason_of_split(part: &CaseFolder, regions: &[String], cell_counts: &[u64]) -> Option<String> {
+    let ((own, others), (count, counts)) = (regions.split_first()?, cell_counts.split_first()?);
+    if !own.is_empty() || others.is_empty() {
+        return None;
+    }
+    if counts.iter().copied().fold(0, u64::saturating_add) == *count {
+        return Some(format!("it has as many cells as they together, {count}"));
+    }
+    let later = part.times.iter().skip(1).map(|step| part.folder.join(&step.1));
+    let later: Vec<PathBuf> = later.collect();
+    let has_fields = |region: &String| {
+        let mut folders = later.iter().rev().map(|folder| folder.join(region));
+        folders.any(|folder| Field::in_folder(&folder, part.part.as_ref()).next().is_some())
+    };
+    (others.iter().any(has_fields) && !has_fields(own))
+        .then(|| "no time but the first has fields of it".to_owned())
+}
+
 /// Number of cells that the file of owners notes, or else that its numbers show.
 fn cell_count(mesh: &MeshPaths) -> Result<u64> {
     let head = FoamFile::open(&mesh.owner, mesh.part.as_ref(), true)?;
     let noted = head.note.split("nCells:").nth(1).and_then(|rest| rest.split_whitespace().next());
     match noted.and_then(|word| word.parse().ok()) {
         Some(count) => Ok(count),
-        None => FaceCells::read(mesh).map(|faces| faces.cell_count as u64),
+        None => FaceOwners::read(mesh).map(|own| own.cell_count as u64),
     }
 }
 
@@ -335,46 +347,6 @@ fn block_names(meshes: &[FolderMesh], region: &str, is_among_others: bool) -> Ve
     blocks
 }
 
-/// Blocks of a part's cells, and those that are read.
-struct CellSelection {
-    zones: CellZones,
-    /// Numbers of the zones' blocks.
-    blocks: Vec<usize>,
-    /// That of the block of cells in no zone.
-    rest: usize,
-    is_selected: Vec<bool>,
-}
-
-impl CellSelection {
-    /// Number of a cell's block; of cells in no zone the last.
-    fn block(&self, cell: usize) -> usize {
-        match self.zones.zone(cell) {
-            Some(zone) => self.blocks[zone],
-            None => self.rest,
-        }
-    }
-
-    fn contains(&self, cell: usize) -> bool {
-        self.is_selected.get(self.block(cell)).copied().unwrap_or(true)
-    }
-
-    fn is_all(&self) -> bool {
-        let blocks = self.blocks.iter().chain([&self.rest]);
-        !blocks.into_iter().any(|&block| self.is_selected.get(block) == Some(&false))
-    }
-
-    /// Number of selected cells.
-    fn count(&self, cell_count: u64) -> u64 {
-        if self.is_all() {
-            return cell_count;
-        }
-        let zones = self.blocks.iter().enumerate().filter(|&(_, &block)| self.is_selected[block]);
-        let rest =
-            if self.is_selected.get(self.rest) == Some(&true) { self.zones.rest(cell_count) } else { 0 };
-        zones.fold(rest, |sum, (zone, _)| sum + self.zones.count(zone))
-    }
-}
-
 fn piece(
     mesh: MeshPaths,
     [point_count, cell_count]: [u64; 2],
@@ -387,22 +359,17 @@ fn piece(
     let boundary = MeshBoundary::of_mesh(&mesh);
     let mut arrays = Vec::new();
     if let Some(folder) = folder {
-        let mut files: Vec<String> =
-            names(&folder).into_iter().filter(|name| folder.join(name).is_file()).collect();
-        files.dedup_by(|packed, plain| packed.strip_suffix(".gz") == Some(plain));
-        for file in files {
-            if let Some(field) = Field::of_file(&folder.join(file), mesh.part.as_ref())? {
-                *file_bytes += field.source.len();
-                arrays.push(match field.association {
-                    Association::Point => field.array(point_count, None),
-                    Association::Cell => {
-                        let at_boundary =
-                            boundary.clone().map(|own| field.at_boundary(own, &mesh, &selection));
-                        let selection = (!selection.is_all()).then(|| (selection.clone(), selected_count));
-                        PieceArray { boundary: at_boundary, ..field.array(cell_count, selection) }
-                    }
-                });
-            }
+        for field in Field::in_folder(&folder, mesh.part.as_ref()) {
+            let field = field?;
+            *file_bytes += field.source.len();
+            arrays.push(match field.association {
+                Association::Point => field.array(point_count, None),
+                Association::Cell => {
+                    let at_boundary = boundary.clone().map(|own| field.at_boundary(own, &mesh, &selection));
+                    let selection = (!selection.is_all()).then(|| (selection.clone(), selected_count));
+                    PieceArray { boundary: at_boundary, ..field.array(cell_count, selection) }
+                }
+            });
         }
     }
     for path in [&mesh.points, &mesh.faces, &mesh.owner, &mesh.neighbour]
@@ -446,112 +413,6 @@ fn read_mesh(
         boundary.keep(&faces);
     }
     Ok((points, faces.cells(|cell| selection.contains(cell))))
-}
-
-/// A field of a time, whose head was read.
-struct Field {
-    path: PathBuf,
-    part: Option<CollatedPart>,
-    source: Arc<Source>,
-    association: Association,
-    kind: &'static (&'static str, usize, &'static [&'static str]),
-    unit: Option<String>,
-    /// Number of tuples of an unpacked file that lie side by side, type and order of their numbers, and their place.
-    bytes_of_tuples: Option<(u64, NumberType, ByteOrder, u64)>,
-}
-
-impl Field {
-    /// The field of a file; `None` for other files, and for fields on faces.
-    fn of_file(path: &Path, part: Option<&CollatedPart>) -> Result<Option<Field>> {
-        if !has_head(path)? {
-            return Ok(None);
-        }
-        let mut file = FoamFile::open(path, part, true)?;
-        let class = file.class.strip_suffix("::Internal").unwrap_or(&file.class);
-        let Some(class) = class.strip_suffix("Field") else { return Ok(None) };
-        let is_cell = class.strip_prefix("vol").map(|kind| (Association::Cell, kind));
-        let is_point = || class.strip_prefix("point").map(|kind| (Association::Point, kind));
-        let Some((association, name)) = is_cell.or_else(is_point) else { return Ok(None) };
-        let Some(kind) = KINDS.iter().find(|kind| kind.0 == name) else { return Ok(None) };
-        let mut bytes_of_tuples = None;
-        // A field with other values, or without any, is an error once it is read.
-        let values = file.field_values(kind.1);
-        if let (Some(order), false, Ok(FieldValues::List(count))) = (file.binary, file.is_packed, values) {
-            bytes_of_tuples = Some((count, file.scalar, order, file.position()));
-        }
-        let unit = file.dimensions.as_deref().and_then(unit);
-        Ok(Some(Field {
-            path: path.to_owned(),
-            part: part.cloned(),
-            source: file.source.closed(),
-            association,
-            kind,
-            bytes_of_tuples,
-            unit,
-        }))
-    }
-
-    /// Its values on patches.
-    fn at_boundary(
-        &self,
-        boundary: Arc<MeshBoundary>,
-        mesh: &MeshPaths,
-        selection: &Arc<CellSelection>,
-    ) -> ComputeBoundary {
-        let (path, n, mesh, selection) = (self.path.clone(), self.kind.1, mesh.clone(), selection.clone());
-        Arc::new(move |_| boundary.values(&mesh, &path, n, |cell| selection.contains(cell)))
-    }
-
-    /// Its array, of all tuples or of the selected cells; bytes that lie side by side are read from the file as they are.
-    fn array(self, tuple_count: u64, selection: Option<(Arc<CellSelection>, u64)>) -> PieceArray {
-        let name = self.path.file_name().unwrap_or_default().to_string_lossy();
-        let name = name.strip_suffix(".gz").unwrap_or(&name).to_owned();
-        let (n, path, part) = (self.kind.1, self.path, self.part);
-        let selected_count = selection.as_ref().map_or(tuple_count, |selection| selection.1);
-        let is_whole = selection.is_none();
-        let load: Compute = Arc::new(move |meter| {
-            let values = load_field(&path, part.as_ref(), n, tuple_count, meter)?;
-            let Some((selection, _)) = &selection else { return Ok(values) };
-            let tuples = values.chunks(n).enumerate().filter(|&(cell, _)| selection.contains(cell));
-            Ok(tuples.flat_map(|(_, tuple)| tuple.iter().copied()).collect())
-        });
-        let mut stored = Stored::of_f64(&self.source, &name, n, selected_count, Encoding::Computed(load));
-        if let Some((_, number_type, order, place)) =
-            self.bytes_of_tuples.filter(|own| own.0 == tuple_count && is_whole)
-        {
-            stored = Stored { number_type, order, encoding: Encoding::Bytes(place), ..stored };
-        }
-        let component_names = self.kind.2.iter().map(|name| (*name).to_owned()).collect();
-        PieceArray { component_names, unit: self.unit, ..PieceArray::new(self.association, stored) }
-    }
-}
-
-/// A unit by its exponents of kilogram, metre, second, kelvin, mole, ampere and candela, of which the last may be left out.
-fn unit(exponents: &[f64]) -> Option<String> {
-    let factors: Vec<(&str, f64)> =
-        ["kg", "m", "s", "K", "mol", "A", "cd"].into_iter().zip(exponents.iter().copied()).collect();
-    units::product(&factors)
-}
-
-/// Values of a field within the mesh.
-fn load_field(
-    path: &Path,
-    part: Option<&CollatedPart>,
-    component_count: usize,
-    tuple_count: u64,
-    meter: &Meter,
-) -> Result<Vec<f64>> {
-    let mut file = FoamFile::open(path, part, false)?;
-    match file.field_values(component_count)? {
-        FieldValues::List(count) if count == tuple_count => file.scalars(count * component_count as u64),
-        FieldValues::List(count) => Err(misfit("values of the field", count as usize, tuple_count, path)),
-        FieldValues::Uniform(tuple) => {
-            let number_count = tuple_count.saturating_mul(component_count as u64);
-            let what = || counted(tuple_count, "uniform value");
-            refuse_beyond_memory(meter.progress(), what, number_count.saturating_mul(8))?;
-            Ok(tuple.iter().copied().cycle().take(number_count as usize).collect())
-        }
-    }
 }
 
 /// The files of a case that reading it opens, of every time or of that asked for; none for other paths.

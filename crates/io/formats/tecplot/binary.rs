@@ -5,12 +5,11 @@
 //! guide describes the newest version; before 108 zones say less about neighbours of cells, before 111 a file does not say
 //! whether it holds a grid or a solution, and until 111 the variables of a node may stand side by side.
 
-use super::zones::{ZoneHead, ZoneKind, arrays, axes, dataset};
+use super::zones::{ZoneHead, ZoneKind, arrays, axes, dataset, polyhedra};
 use crate::formats::contents::{
     CellBlocks, Dataset, Encoding, Gather, Geometry, Meter, Piece, Stored, StoredCells,
 };
 use crate::formats::cursor::Cursor;
-use crate::formats::lazy::GatheredCells;
 use crate::formats::numbers::{ByteOrder, NumberType};
 use crate::formats::request::{Format, Request};
 use crate::formats::source::Source;
@@ -371,13 +370,17 @@ impl BinaryCursor {
         // Least and greatest values.
         self.cursor.skip(16 * held.len() as u64)?;
         zone.values = vec![None; self.variable_count];
+        if !zone.is_block && held.iter().any(|&variable| types[variable] == NumberType::Bit) {
+            let error = self.cursor.error("a variable of bits stands side by side with others");
+            return Err(error.expected("all values of a variable in one run"));
+        }
         let size = |variable: usize| types[variable].size().unwrap_or(1) as u64;
         let stride: u64 = held.iter().map(|&variable| size(variable)).sum();
         let mut place = self.cursor.position();
         for &variable in &held {
             let distance = Some(stride).filter(|_| !zone.is_block);
             zone.values[variable] = Some((types[variable], place, distance));
-            let run = zone.stored_count(variable).saturating_mul(size(variable));
+            let run = types[variable].byte_count(zone.stored_count(variable)).unwrap_or(u64::MAX);
             place = place.saturating_add(if zone.is_block { run } else { size(variable) });
         }
         let own_bytes = match zone.is_block {
@@ -420,9 +423,10 @@ impl BinaryCursor {
             3 => NumberType::I32,
             4 => NumberType::I16,
             5 => NumberType::U8,
+            6 => NumberType::Bit,
             found => {
                 let error = self.cursor.error("variables of this type are not read").got(found);
-                return Err(error.expected("1 (float) to 5 (byte)"));
+                return Err(error.expected("1 (float) to 6 (bit)"));
             }
         })
     }
@@ -484,15 +488,26 @@ impl BinaryFile {
         while let Some(other) = holder.head.shared[variable] {
             holder = &self.zones[other];
         }
-        let (number_type, place, distance) = holder.values[variable].unwrap_or((NumberType::F32, 0, None));
+        let (mut number_type, place, distance) =
+            holder.values[variable].unwrap_or((NumberType::F32, 0, None));
         let size = number_type.size().unwrap_or(1);
         let source = self.source.clone();
         let encoding = match (distance, holder.head.kind) {
+            _ if number_type == NumberType::Bit => {
+                number_type = NumberType::U8;
+                let points = holder.points.filter(|_| own.at_cells[variable]);
+                Encoding::Gathered(bits(source, place, holder.stored_count(variable), points))
+            }
             (Some(distance), _) => {
                 Encoding::Gathered(scattered(source, place, size, distance, own.node_count))
             }
             (None, ZoneKind::Ordered(points)) if own.at_cells[variable] => {
-                Encoding::Gathered(without_last(source, place, size, points))
+                Encoding::Gathered(Arc::new(move || {
+                    let [i, j, k] = points;
+                    let count = i.saturating_mul(j).saturating_mul(k - 1);
+                    let bytes = source.read(place, count.saturating_mul(size as u64))?;
+                    Ok(without_last(&bytes, size, points))
+                }))
             }
             _ => Encoding::Bytes(place),
         };
@@ -533,7 +548,7 @@ impl BinaryFile {
         }
     }
 
-    /// Polyhedra by their faces: the first node of each, the nodes of all, the cell on the left of each, and on the right.
+    /// Polyhedra of a zone: the first node of each face, the nodes of all, the cell on the left of each, and on the right.
     fn polyhedra(&self, zone: &BinaryZone, meter: &Meter) -> Result<Cells> {
         let [face_count, node_count, _] = zone.faces;
         let place = |words: u64| zone.connectivity + 4 * words;
@@ -541,27 +556,7 @@ impl BinaryFile {
         let nodes: Vec<u32> =
             self.words("nodes of faces", place(face_count + 1), 1, node_count).load(meter)?;
         let sides = self.words("cells of faces", place(face_count + 1 + node_count), 1, 2 * face_count);
-        let mut cells: Vec<Vec<Vec<u32>>> = vec![Vec::new(); zone.head.cell_count as usize];
-        for (side, cell) in sides.load::<i64>(meter)?.into_iter().enumerate() {
-            let face = side % face_count as usize;
-            let points = nodes.get(firsts[face] as usize..firsts[face + 1] as usize).ok_or_else(|| {
-                let error = Error::run(format!("face {face} has nodes that are not there"));
-                error
-                    .got(firsts[face + 1])
-                    .expected(format_args!("at most {node_count}"))
-                    .at_item(&zone.head.name)
-            })?;
-            // Beyond some faces is no cell, or that of another zone.
-            let Ok(cell) = usize::try_from(cell) else { continue };
-            let own = cells.get_mut(cell).ok_or_else(|| {
-                let error = Error::run(format!("face {face} is of a cell that is not there")).got(cell);
-                error.expected(format_args!("0 to {}", zone.head.cell_count)).at_item(&zone.head.name)
-            })?;
-            own.push(points.to_vec());
-        }
-        let mut gathered = GatheredCells::default();
-        cells.into_iter().for_each(|faces| gathered.add_polyhedron(faces));
-        Ok(Cells::Mixed(gathered.into_set()))
+        polyhedra(&zone.head, &firsts, &nodes, &sides.load::<i64>(meter)?)
     }
 }
 
@@ -583,13 +578,22 @@ fn scattered(source: Arc<Source>, place: u64, size: usize, distance: u64, count:
     })
 }
 
-/// Values at cells of ordered points, without those that stand for the last point of a row, and the last row of a plane.
-fn without_last(source: Arc<Source>, place: u64, size: usize, [i, j, k]: [u64; 3]) -> Gather {
+/// Values at cells of ordered points, of `size` bytes each, without those that stand for the last point of a row, and the last row of a
+/// plane.
+fn without_last(bytes: &[u8], size: usize, [i, j, _]: [u64; 3]) -> Vec<u8> {
+    let (row, plane) = (i as usize * size, (i * j) as usize * size);
+    let rows = bytes.chunks(plane).flat_map(|plane| plane.chunks(row).take(j as usize - 1));
+    rows.flat_map(|values| &values[..row - size]).copied().collect()
+}
+
+/// Bits as bytes, the first in the lowest place of its byte; `points`: of cells of ordered points, their numbers along the axes.
+fn bits(source: Arc<Source>, place: u64, count: u64, points: Option<[u64; 3]>) -> Gather {
     Arc::new(move || {
-        let count = i.saturating_mul(j).saturating_mul(k - 1);
-        let bytes = source.read(place, count.saturating_mul(size as u64))?;
-        let (row, plane) = (i as usize * size, (i * j) as usize * size);
-        let rows = bytes.chunks(plane).flat_map(|plane| plane.chunks(row).take(j as usize - 1));
-        Ok(rows.flat_map(|values| &values[..row - size]).copied().collect())
+        let bytes = source.read(place, count.div_ceil(8))?;
+        let values: Vec<u8> = (0..count as usize).map(|value| bytes[value / 8] >> (value % 8) & 1).collect();
+        Ok(match points {
+            Some(points) => without_last(&values, 1, points),
+            None => values,
+        })
     })
 }

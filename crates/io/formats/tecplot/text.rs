@@ -2,7 +2,7 @@
 //!
 //! Source: Tecplot 360 data format guide, "ASCII data".
 
-use super::zones::{ZoneHead, ZoneKind, arrays, axes, dataset};
+use super::zones::{ZoneHead, ZoneKind, arrays, axes, dataset, polyhedra};
 use crate::formats::contents::{CellBlocks, Compute, Dataset, Encoding, Piece, Stored};
 use crate::formats::cursor::{Cursor, Place};
 use crate::formats::lazy::{GatheredCells, geometry};
@@ -40,6 +40,8 @@ struct TextZone {
     /// True if some number of the data stands for several.
     has_repeats: bool,
     connectivity: Place,
+    /// Faces of polyhedra or polygons, and their nodes.
+    faces: [u64; 2],
 }
 
 /// Zones of a file.
@@ -150,11 +152,13 @@ impl TecplotFile {
             "TRIANGLE" => ZoneKind::Flat(3),
             "QUADRILATERAL" => ZoneKind::Flat(4),
             "LINESEG" => ZoneKind::Flat(2),
+            "POLYHEDRON" => ZoneKind::Polyhedra,
+            "POLYGON" => ZoneKind::Flat(0),
             _ => {
                 let error = cursor.error("zones of this type are not read").got(format_args!("'{shape}'"));
-                return Err(
-                    error.expected("FETETRAHEDRON, FEBRICK, ORDERED, or surfaces and lines beside these")
-                );
+                return Err(error.expected(
+                    "FETETRAHEDRON, FEBRICK, FEPOLYHEDRON, ORDERED, or surfaces and lines beside these",
+                ));
             }
         };
         let (node_count, cell_count) = if is_ordered {
@@ -186,7 +190,13 @@ impl TecplotFile {
             },
         };
         // Of a zone that says neither, VTK and VisIt take each node's variables to stand side by side.
-        let is_block = value(&["DATAPACKING"]).eq_ignore_ascii_case("BLOCK") || form.ends_with("BLOCK");
+        // Those of faces are always blocks.
+        let is_of_faces = shape.contains("POLY");
+        let is_block =
+            value(&["DATAPACKING"]).eq_ignore_ascii_case("BLOCK") || form.ends_with("BLOCK") || is_of_faces;
+        let faces = [count(&["FACES"], 0)?, count(&["TOTALNUMFACENODES"], 0)?];
+        let with_others = count(&["NUMCONNECTEDBOUNDARYFACES"], 0)?;
+        let connections = count(&["TOTALNUMBOUNDARYCONNECTIONS"], 0)?;
         let lists = |key: &str| {
             lists(value(&[key]), self.variables.len()).map_err(|found| {
                 let error = cursor.error(format!("{key} of a zone is damaged"));
@@ -246,10 +256,17 @@ impl TecplotFile {
         let number_count = number_count.fold(0_u64, |sum, variable| sum.saturating_add(zone.len(variable)));
         let has_repeats = skip_numbers(cursor, number_count)?;
         let connectivity = cursor.place();
-        if zone.shared_cells.is_none() {
+        if is_of_faces && zone.shared_cells.is_none() {
+            let node_counts = if kind == ZoneKind::Polyhedra { faces[0] } else { 0 };
+            let others = if with_others > 0 { [with_others, connections, connections] } else { [0; 3] };
+            for count in [node_counts, faces[1], faces[0], faces[0]].into_iter().chain(others) {
+                skip_comments(cursor)?;
+                cursor.skip_numbers(count, 0)?;
+            }
+        } else if zone.shared_cells.is_none() {
             cursor.skip_numbers(zone.cell_count.saturating_mul(zone.kind.corners()), 0)?;
         }
-        Ok(TextZone { head: zone, is_block, data, has_repeats, connectivity })
+        Ok(TextZone { head: zone, is_block, data, has_repeats, connectivity, faces })
     }
 
     /// Values of a variable in a zone.
@@ -305,6 +322,9 @@ impl TecplotFile {
         let code = if own.kind == ZoneKind::Tetrahedra { code::TETRA } else { code::HEXAHEDRON };
         let (mut cursor, mut cells) =
             (Cursor::at(&self.source, holder.connectivity), GatheredCells::default());
+        if own.kind == ZoneKind::Polyhedra {
+            return Ok((points, read_polyhedra(&mut cursor, holder.faces, own)?));
+        }
         let mut left = own.cell_count;
         let corner_count = own.kind.corners();
         while left > 0 {
@@ -316,6 +336,39 @@ impl TecplotFile {
         }
         Ok((points, cells.into_cells()))
     }
+}
+
+/// Polyhedra by the numbers of nodes of their faces, these nodes, the cells on the left of the faces, and those on the right.
+fn read_polyhedra(cursor: &mut Cursor, [face_count, node_count]: [u64; 2], zone: &ZoneHead) -> Result<Cells> {
+    skip_comments(cursor)?;
+    let sizes: Vec<u64> = cursor.numbers(NumberType::U64, face_count, "the number of nodes of a face")?;
+    let mut bounds = vec![0];
+    bounds.extend(sizes.iter().scan(0_u64, |end, size| {
+        *end = end.saturating_add(*size);
+        Some(*end)
+    }));
+    if bounds.last() != Some(&node_count) {
+        let error = cursor.error("TOTALNUMFACENODES of a zone is wrong").got(node_count);
+        return Err(error.expected(format_args!("{}, as its faces say", bounds[bounds.len() - 1])));
+    }
+    skip_comments(cursor)?;
+    let nodes = cursor.node_numbers(node_count, zone.node_count, "a face")?;
+    let mut sides: Vec<i64> = Vec::new();
+    for _ in 0..2 {
+        skip_comments(cursor)?;
+        // 0 stands for no cell, numbers below for those of other zones.
+        let own: Vec<i64> = cursor.numbers(NumberType::I64, face_count, "the number of a cell")?;
+        sides.extend(own.iter().map(|&cell| cell.saturating_sub(1)));
+    }
+    polyhedra(zone, &bounds, &nodes, &sides)
+}
+
+/// Passes over lines of comment between the lists of faces.
+fn skip_comments(cursor: &mut Cursor) -> Result<()> {
+    while cursor.peek()? == Some(b'#') {
+        cursor.line()?;
+    }
+    Ok(())
 }
 
 /// Numbers of text, of which 3*0.5 stands for three.

@@ -2,9 +2,10 @@
 
 use crate::formats::blocks::selected;
 use crate::formats::contents::{Dataset, Piece, PieceArray, Stored};
+use crate::formats::lazy::GatheredCells;
 use crate::formats::request::Request;
 use crate::formats::source::Source;
-use voltet_core::grid::Association;
+use voltet_core::grid::{Association, Cells};
 use voltet_core::{Error, Result};
 
 /// Cells of a zone.
@@ -86,6 +87,32 @@ impl ZoneHead {
         self.shared[variable] = Some(number);
         Ok(())
     }
+}
+
+/// Polyhedra of a zone by their faces: the bounds of each face's nodes, the nodes of all, and the cells on the left of each face, then on
+/// the right, below 0 where there is none of the zone.
+pub(super) fn polyhedra(zone: &ZoneHead, bounds: &[u64], nodes: &[u32], sides: &[i64]) -> Result<Cells> {
+    let face_count = bounds.len().saturating_sub(1).max(1);
+    let mut cells: Vec<Vec<Vec<u32>>> = vec![Vec::new(); zone.cell_count as usize];
+    for (side, &cell) in sides.iter().enumerate() {
+        let face = side % face_count;
+        let points = bounds.get(face..face + 2).and_then(|own| nodes.get(own[0] as usize..own[1] as usize));
+        let points = points.ok_or_else(|| {
+            let error = Error::run(format!("face {face} has nodes that are not there"))
+                .got(format_args!("{:?}", bounds.get(face..face + 2)));
+            error.expected(format_args!("ascending, and at most {}", nodes.len())).at_item(&zone.name)
+        })?;
+        // Beyond some faces is no cell, or that of another zone.
+        let Ok(cell) = usize::try_from(cell) else { continue };
+        let own = cells.get_mut(cell).ok_or_else(|| {
+            let error = Error::run(format!("face {face} is of a cell that is not there")).got(cell);
+            error.expected(format_args!("below {}", zone.cell_count)).at_item(&zone.name)
+        })?;
+        own.push(points.to_vec());
+    }
+    let mut gathered = GatheredCells::default();
+    cells.into_iter().for_each(|faces| gathered.add_polyhedron(faces));
+    Ok(Cells::Mixed(gathered.into_set()))
 }
 
 /// Places of x, y and z among the variables.

@@ -6,18 +6,18 @@ use voltet_core::grid::{CellValues, Grid, Options};
 use voltet_core::progress::NoProgress;
 use voltet_io::formats::{Association, Request, TimeStep, files_beside, files_read_beside, inspect, read};
 
-fn sample(name: &str) -> PathBuf {
+pub fn sample(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/files/openfoam").join(name)
 }
 
 /// The request for cells that keep their values, at the time 10.
-fn request(scalar: &str) -> Request {
+pub fn request(scalar: &str) -> Request {
     let options = Options { cell_values: CellValues::Constant, ..Options::default() };
     let time_step = Some(TimeStep::Time(10.0));
     Request { scalar: Some(scalar.to_owned()), options, time_step, ..Request::default() }
 }
 
-fn grid(path: &Path, request: &Request) -> Grid {
+pub fn grid(path: &Path, request: &Request) -> Grid {
     read(path, request, &NoProgress).unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -42,7 +42,7 @@ fn tetrahedra(grid: &Grid) -> BTreeMap<Vec<[i64; 3]>, Vec<f64>> {
 
 /// Compares tetrahedra and their values.
 #[track_caller]
-fn same(found: &Grid, expected: &Grid, tolerance: f64, what: &str) {
+pub fn same(found: &Grid, expected: &Grid, tolerance: f64, what: &str) {
     let (found, expected) = (tetrahedra(found), tetrahedra(expected));
     assert!(found.keys().eq(expected.keys()), "{what}: {} and {} tetrahedra", found.len(), expected.len());
     for (values, others) in found.values().zip(expected.values()) {
@@ -152,7 +152,7 @@ fn cell_zones_are_blocks() {
     assert!(wrong.contains("no such block") && wrong.contains("'right'"), "{wrong}");
 }
 
-fn copy(from: &Path, to: &Path) {
+pub fn copy(from: &Path, to: &Path) {
     std::fs::create_dir_all(to).unwrap();
     for entry in std::fs::read_dir(from).unwrap() {
         let (entry, to) = (entry.as_ref().unwrap().path(), to.join(entry.as_ref().unwrap().file_name()));
@@ -189,23 +189,6 @@ fn a_case_is_named_by_its_folder_a_stub_or_its_control_file_and_may_move() {
         let moved = grid(&case, &Request { time_step: Some(TimeStep::Time(time)), ..request("T") });
         assert_eq!(moved.points.iter().map(|p| p.x).fold(f64::INFINITY, f64::min), x, "{time}");
     }
-}
-
-#[test]
-fn later_times_of_processors_are_read_with_a_warning() {
-    let folder = tempfile::tempdir().unwrap();
-    copy(&sample("decomposed"), folder.path());
-    copy(&sample("text/constant"), &folder.path().join("constant"));
-    copy(&sample("text/2"), &folder.path().join("2"));
-    let read = grid(folder.path(), &request("T"));
-    assert!(
-        read.origin.warnings.iter().any(|warning| warning.contains("later times")),
-        "{:?}",
-        read.origin.warnings
-    );
-    same(&read, &grid(&sample("text"), &request("T")), 1e-13, "decomposed");
-    copy(&sample("text/10"), &folder.path().join("10"));
-    assert!(grid(folder.path(), &request("T")).origin.warnings.is_empty());
 }
 
 #[test]
@@ -475,76 +458,6 @@ fn patches_that_processors_share_have_the_values_of_all() {
     same(&own("decomposed", &["processor0/10/T", "processor1/10/T"]), &whole, 1e-12, "decomposed");
 }
 
-#[test]
-fn regions_are_blocks_with_meshes_of_their_own() {
-    let folder = tempfile::tempdir().unwrap();
-    let (from, to) = (sample("text"), folder.path());
-    copy(&from.join("system"), &to.join("system"));
-    for region in ["fluid", "solid"] {
-        copy(&from.join("constant/polyMesh"), &to.join("constant").join(region).join("polyMesh"));
-        copy(&from.join("10"), &to.join("10").join(region));
-    }
-    // The solid has no zones, lies elsewhere, and has no T.
-    let solid = to.join("constant/solid/polyMesh");
-    std::fs::remove_file(solid.join("cellZones")).unwrap();
-    let points = std::fs::read_to_string(solid.join("points")).unwrap();
-    let begin = points.find("\n(\n").unwrap();
-    std::fs::write(
-        solid.join("points"),
-        points[..begin].to_owned() + &points[begin..].replace("\n(0 ", "\n(-1 "),
-    )
-    .unwrap();
-    std::fs::remove_file(to.join("10/solid/T")).unwrap();
-    let summary = inspect(to, &Request::default(), &NoProgress).unwrap();
-    let blocks: Vec<(&str, u64)> =
-        summary.blocks.iter().map(|block| (&*block.name, block.cell_count())).collect();
-    assert_eq!(blocks, [("fluid/left", 8), ("fluid/right", 8), ("solid", 16)]);
-    let displacement = grid(to, &request("D:0"));
-    assert!(displacement.points.iter().any(|p| p.x == -1.0));
-    let whole = grid(&from, &request("T"));
-    let own = grid(to, &request("T"));
-    same(&own, &whole, 0.0, "fluid");
-    assert!(
-        own.origin.warnings.iter().any(|own| own.contains("'T'") && own.contains("solid")),
-        "{:?}",
-        own.origin.warnings
-    );
-    let right = Request { blocks: vec!["fluid/right".to_owned()], ..request("T") };
-    let expected = Request { blocks: vec!["right".to_owned()], ..request("T") };
-    same(&grid(to, &right), &grid(&from, &expected), 0.0, "fluid/right");
-    // Five files of each mesh but one, and a boundary; T, D, S and C.
-    assert_eq!(files_read_beside(to, &request("T")).len(), 6 + 5 + 4 + 3);
-    // The case's own mesh beside them is a block, too.
-    copy(&from.join("constant/polyMesh"), &to.join("constant/polyMesh"));
-    std::fs::remove_file(to.join("constant/polyMesh/cellZones")).unwrap();
-    let names = inspect(to, &Request::default(), &NoProgress).unwrap();
-    assert_eq!(names.blocks[0].name, "region0");
-}
-
-#[test]
-fn mistakes_in_collated_files_say_what_and_where() {
-    let folder = tempfile::tempdir().unwrap();
-    copy(&sample("collated_ascii"), folder.path());
-    let own = folder.path().join("processors2/10/T");
-    let sound = std::fs::read_to_string(&own).unwrap();
-    let second = sound.find("// Processor1").unwrap();
-    let cut = |at: usize| sound[..at].to_owned();
-    for (text, words) in [
-        (cut(second), ["too few parts", "found 1", "2 or more"]),
-        (cut(second) + "x (", ["length of a part", "'x'", "10/T"]),
-        (cut(second) + "99999 (", ["ends early", "99999", "10/T"]),
-        (cut(second) + "1 (1 x", ["damaged", "'x'", "10/T"]),
-    ] {
-        std::fs::write(&own, text).unwrap();
-        let found = read(folder.path(), &request("T"), &NoProgress).unwrap_err().to_string();
-        assert!(words.iter().all(|word| found.contains(word)), "{found}");
-    }
-    // A folder with the range of its processors.
-    std::fs::write(&own, sound).unwrap();
-    std::fs::rename(folder.path().join("processors2"), folder.path().join("processors2_0-1")).unwrap();
-    same(&grid(folder.path(), &request("T")), &grid(&sample("text"), &request("T")), 1e-13, "0-1");
-}
-
 /// Warnings of a case with this boundary field of T, which is read with means of cells at points.
 fn read_with_patches(entries: &str, boundary: Option<(&str, &str)>) -> (Grid, Vec<String>) {
     let folder = tempfile::tempdir().unwrap();
@@ -612,30 +525,4 @@ fn patches_follow_each_other() {
         ["'defaultFaces'", "face 30", "faces 40 to 64"].iter().all(|word| found.contains(word)),
         "{found}"
     );
-}
-
-#[test]
-fn folders_of_processors_hold_each_once() {
-    let message = |name: &str, other: Option<&str>| {
-        let folder = tempfile::tempdir().unwrap();
-        copy(&sample("collated_ascii"), folder.path());
-        let own = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path());
-        let own: PathBuf =
-            own.into_iter().find(|path| path.to_string_lossy().contains("processors")).unwrap();
-        std::fs::rename(own, folder.path().join(name)).unwrap();
-        if let Some(other) = other {
-            copy(&folder.path().join(name), &folder.path().join(other));
-        }
-        read(folder.path(), &request("T"), &NoProgress).map(|_| ()).map_err(|error| error.to_string())
-    };
-    assert_eq!(message("processors2", Some("processors2_old")), Ok(()));
-    for (name, other, words) in [
-        ("processors2", Some("processors2_0-1"), ["each of them once", "processors2, processors2_0-1"]),
-        ("processors4_0-1", None, ["each of them once", "processors4_0-1"]),
-        ("processors1048576", None, ["too few parts", "found 2"]),
-        ("processors1", None, ["number of parts", "found 2"]),
-    ] {
-        let found = message(name, other).unwrap_err();
-        assert!(words.iter().all(|word| found.contains(word)), "{found}");
-    }
 }

@@ -73,7 +73,7 @@ fn zones_are_blocks_and_steps() {
 fn mistakes_say_what_and_where() {
     let folder = tempfile::tempdir().unwrap();
     for (from, to, words) in [
-        ("FETETRAHEDRON", "FEPOLYHEDRON", ["not read", "FEPOLYHEDRON", "a.dat:"]),
+        ("FETETRAHEDRON", "FEMIXED", ["not read", "FEMIXED", "FEPOLYHEDRON"]),
         ("N=5,", "N=five,", ["NODES of a zone", "'five'", "a.dat:"]),
         ("2 3 4 5", "2 3 4 6", ["does not exist", "found 6", "a.dat:15"]),
         ("0 0 1 0 1", "0 0 l 0 1", ["damaged", "'l'", "a.dat:10"]),
@@ -96,6 +96,101 @@ fn mistakes_say_what_and_where() {
         let found = found.map(|_| from).unwrap_err().to_string();
         assert!(words.iter().all(|word| found.contains(word)), "{found}");
     }
+}
+
+/// Two cubes side by side, by their eleven faces; then a polygon with a neighbour in another zone, and a tetrahedron.
+const FACES: &str = "VARIABLES = x y z f c\nZONE T=\"cubes\" NODES=12 FACES=11 ELEMENTS=2 ZONETYPE=FEPolyhedron DATAPACKING=BLOCK\n\
+    TOTALNUMFACENODES=44 NUMCONNECTEDBOUNDARYFACES=1 TOTALNUMBOUNDARYCONNECTIONS=1 VARLOCATION=([5]=CELLCENTERED)\n\
+    0 1 2 0 1 2 0 1 2 0 1 2\n3*0 3*1 3*0 3*1\n6*0 6*1\n1 2 3 3 4 5 5 6 7 7 8 9\n-1 2.5\n# nodes of each face\n4 4 4 4 4 4 4 4 4 4 4\n\
+    #their numbers\n1 2 5 4 2 3 6 5 7 8 11 10 8 9 12 11\n1 2 8 7 2 3 9 8 4 5 11 10 5 6 12 11\n1 4 10 7 2 5 11 8 3 6 12 9\n\
+    # on the left\n1 2 1 2 1 2 1 2 1 1 2\n# on the right\n0 0 0 0 0 0 0 0 0 2 -1\n# others\n1\n1\n2\n\
+    ZONE T=\"wall\" NODES=3 FACES=3 ELEMENTS=1 ZONETYPE=FEPOLYGON TOTALNUMFACENODES=6 VARLOCATION=([5]=CELLCENTERED)\n\
+    0 1 0\n0 0 1\n3*0\n1 2 3\n4\n1 2 2 3 3 1\n1 1 1\n0 0 0\n\
+    ZONE T=\"one\" NODES=4 ELEMENTS=1 ZONETYPE=FETETRAHEDRON DATAPACKING=POINT\n9 0 0 1 2\n8 0 0 1 2\n8 1 0 1 2\n8 0 1 1 2\n1 2 3 4\n";
+
+#[test]
+fn polyhedra_of_text_are_read_by_their_faces() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(&folder, "a.dat", FACES.as_bytes());
+    let summary = inspect(&path, &Request::default(), &NoProgress).unwrap();
+    let blocks: Vec<(&str, u64)> =
+        summary.blocks.iter().map(|block| (&*block.name, block.cell_count())).collect();
+    assert_eq!(blocks, [("cubes", 2), ("one", 1)]);
+    let cubes = |scalar: &str| grid(&path, &Request { blocks: vec!["cubes".into()], ..request(scalar) });
+    let own = cubes("f");
+    let volume = |i: usize| voltet_core::grid::tetrahedron_volume(own.corners(i));
+    // Thirds and sixths.
+    assert!(((0..own.tetrahedra.len()).map(volume).sum::<f64>() - 2.0).abs() < 1e-14);
+    for (p, &f) in own.points.iter().zip(own.scalar.as_ref().unwrap().iter()) {
+        assert!((f - (1.0 + p.x + 2.0 * p.y + 4.0 * p.z)).abs() < 1e-14, "{f} at {p}");
+    }
+    let of_cells = cubes("c");
+    for (i, tetrahedron) in of_cells.tetrahedra.iter().enumerate() {
+        let x: f64 = of_cells.corners(i).iter().map(|p| p.x / 4.0).sum();
+        let expected = if x < 1.0 { -1.0 } else { 2.5 };
+        assert!(tetrahedron.iter().all(|&p| of_cells.scalar.as_ref().unwrap()[p as usize] == expected));
+    }
+    for (from, to, words) in [
+        ("TOTALNUMFACENODES=44", "TOTALNUMFACENODES=43", ["no zone", "b.dat:18"]),
+        ("face\n4 4 4", "face\n5 4 4", ["TOTALNUMFACENODES", "45, as its faces say"]),
+        ("1 2 5 4 2", "1 2 5 13 2", ["does not exist", "1 to 12"]),
+        ("0 2 -1\n", "0 3 -1\n", ["cell that is not there", "below 2"]),
+        ("0 2 -1\n", "0 x -1\n", ["'x'", "b.dat:18"]),
+        ("FACES=11", "FACES=99999999999", ["ends early", "b.dat"]),
+    ] {
+        assert!(FACES.contains(from));
+        let path = file(&folder, "b.dat", FACES.replacen(from, to, 1).as_bytes());
+        let found = read(&path, &request("f"), &NoProgress).map(|_| to).unwrap_err().to_string();
+        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+    }
+}
+
+/// A binary file of ordered points, 2 by 2 by 3, with bits at the points and in the cells.
+fn bits_of(version: &str, is_big: bool) -> Vec<u8> {
+    let word = |value: i32| if is_big { value.to_be_bytes() } else { value.to_le_bytes() };
+    let single = |value: f32| word(value.to_bits() as i32);
+    let text =
+        |text: &str| text.bytes().chain([0]).flat_map(|letter| word(letter.into())).collect::<Vec<_>>();
+    let words = |values: &[i32]| values.iter().flat_map(|&value| word(value)).collect::<Vec<_>>();
+    let mut bytes = [format!("#!TDV{version}").into_bytes(), words(&[1, 0])].concat();
+    bytes.extend([text("bits"), words(&[5])].concat());
+    bytes.extend(["x", "y", "z", "b", "c"].iter().flat_map(|name| text(name)));
+    bytes.extend(
+        [single(299.0).to_vec(), text("zone"), words(&[-1, -1]), vec![0; 8], words(&[-1, 0])].concat(),
+    );
+    bytes.extend(words(&[1, 0, 0, 0, 0, 1, 0, 0, 2, 2, 3, 0]));
+    bytes.extend([single(357.0), single(299.0)].concat());
+    bytes.extend(words(&[1, 1, 1, 6, 6, 0, 0, -1]));
+    bytes.extend([0; 5 * 16]);
+    for axis in [|n| n % 2, |n| n / 2 % 2, |n| n / 4] as [fn(u16) -> u16; 3] {
+        bytes.extend((0..12).flat_map(|n| single(axis(n).into())));
+    }
+    // The first is in the lowest place: points 0, 3, 6 and 9; cells 4 and, beyond the rows, 1.
+    bytes.extend([0b0100_1001, 0b0000_0010, 0b0001_0010]);
+    bytes
+}
+
+#[test]
+fn bits_are_read_from_the_lowest_place_on() {
+    let folder = tempfile::tempdir().unwrap();
+    for is_big in [false, true] {
+        let path = file(&folder, "a.plt", &bits_of("112", is_big));
+        let own = grid(&path, &request("b"));
+        for (p, &b) in own.points.iter().zip(own.scalar.as_ref().unwrap().iter()) {
+            let number = p.x + 2.0 * p.y + 4.0 * p.z;
+            assert_eq!(b, f64::from(number % 3.0 == 0.0), "{p}");
+        }
+        let own = grid(&path, &request("c"));
+        for (i, tetrahedron) in own.tetrahedra.iter().enumerate() {
+            let z: f64 = own.corners(i).iter().map(|p| p.z / 4.0).sum();
+            let expected = f64::from(z > 1.0);
+            assert!(tetrahedron.iter().all(|&p| own.scalar.as_ref().unwrap()[p as usize] == expected));
+        }
+    }
+    let short = &bits_of("112", false);
+    let path = file(&folder, "b.plt", &short[..short.len() - 1]);
+    let found = read(&path, &request("b"), &NoProgress).unwrap_err().to_string();
+    assert!(found.contains("ends early"), "{found}");
 }
 
 fn whole(association: Option<Association>, scalar: &str) -> Request {
@@ -205,8 +300,8 @@ fn mistakes_in_binary_files_say_what_and_where() {
         ),
         (
             &[word(2), word(1), word(2)].concat(),
-            &[word(2), word(6), word(2)].concat(),
-            ["this type", "found 6", "byte"],
+            &[word(2), word(7), word(2)].concat(),
+            ["this type", "found 7", "byte"],
         ),
         (
             &[word(14), word(15)].concat(),
@@ -238,19 +333,12 @@ fn passive_variables_of_text_have_no_numbers() {
 }
 
 #[test]
-fn subzone_files_and_meshes_of_mfem_are_refused_with_a_remedy() {
+fn subzone_files_are_refused_with_a_remedy() {
     let folder = tempfile::tempdir().unwrap();
-    for (name, text, words) in [
-        ("a.szplt", "#!SZPLT 105BF $Revision:", ["subzone file of Tecplot", "Write Data", "a .plt file"]),
-        (
-            "a.mesh",
-            "MFEM mesh v1.0\n\ndimension\n3\n",
-            ["mesh of MFEM", "ParaViewDataCollection", "a .vtu file"],
-        ),
-    ] {
-        let found =
-            read(&file(&folder, name, text.as_bytes()), &request("s"), &NoProgress).unwrap_err().to_string();
-        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+    let path = file(&folder, "a.szplt", b"#!SZPLT 105BF $Revision:");
+    let found = read(&path, &request("s"), &NoProgress).unwrap_err().to_string();
+    for word in ["subzone file of Tecplot", "Write Data", "a .plt file"] {
+        assert!(found.contains(word), "{found}");
     }
 }
 

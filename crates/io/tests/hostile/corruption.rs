@@ -201,6 +201,19 @@ fn damaged_gmsh_files_are_errors_or_other_grids() {
 }
 
 #[test]
+fn damaged_results_of_mfem_are_errors_or_other_grids() {
+    for (name, scalar) in
+        [("straight", "quadratic"), ("curved", "linear"), ("curved", "by_nodes:1"), ("straight", "constant")]
+    {
+        let [root, mesh] = [format!("{name}_000003.mfem_root"), format!("{name}_000003/mesh.000000")];
+        let fields = ["linear", "quadratic", "by_nodes", "by_vdim", "constant"];
+        let fields = fields.map(|field| format!("{name}_000003/{field}.000000"));
+        let files: Vec<&str> = [&root, &mesh].into_iter().chain(&fields).map(String::as_str).collect();
+        corrupt_case(&format!("mfem/{name}"), &root, scalar, &files, case_count().max(300));
+    }
+}
+
+#[test]
 fn damaged_cases_of_openfoam_are_errors_or_other_grids() {
     let mesh = ["points", "faces", "owner", "neighbour", "cellZones"];
     let mesh = |ending: &str| mesh.map(|name| format!("constant/polyMesh/{name}{ending}"));
@@ -305,6 +318,9 @@ fn damaged_meshes_of_text_are_errors_or_other_grids() {
     corrupt("b.bdf", "block", include_bytes!("../files/systems.bdf"), case_count().max(200));
     corrupt("a.inp", "block", include_bytes!("../files/mesh.inp"), case_count().max(200));
     corrupt("a.dat", "f", include_bytes!("../files/mesh.dat"), case_count().max(200));
+    let faces = "VARIABLES = x y z f\nZONE NODES=4 FACES=4 ELEMENTS=1 ZONETYPE=FEPOLYHEDRON TOTALNUMFACENODES=12\n\
+        0 1 0 0\n0 0 1 0\n0 0 0 1\n1 2 3 4\n# nodes\n3 3 3 3\n1 2 3 1 2 4 2 3 4 1 3 4\n1 1 1 1\n0 0 0 0\n";
+    corrupt("b.dat", "f", faces.as_bytes(), case_count().max(400));
 }
 
 #[test]

@@ -176,7 +176,11 @@ fn what_is_no_data_file_says_what_would_be() {
     let missing = read(std::path::Path::new("no/such.vtu"), &Request::default(), &NoProgress).unwrap_err();
     expect(&missing.to_string(), &["no such file", "no/such.vtu"]);
     let folder = tempfile::tempdir().unwrap();
-    expect(&read(folder.path(), &Request::default(), &NoProgress).unwrap_err().to_string(), &["not a file"]);
+    let of_folder = || read(folder.path(), &Request::default(), &NoProgress).unwrap_err().to_string();
+    expect(&of_folder(), &["not a file"]);
+    file(&folder, "md.idx", b"ADIOS-BP v2.10");
+    expect(&of_folder(), &["data of ADIOS2", "ParaView"]);
+    expect(&message("a.bp", b"\0\0", &Request::default()), &["data of ADIOS2", "ParaView"]);
     expect(&message("a.vtu", b"", &Request::default()), &["empty"]);
 }
 
@@ -281,4 +285,21 @@ fn variables_of_no_size_and_blocks_by_name_alone_are_errors() {
     expect(&message("a.e", &records, &scalar("T")), &["ends early"]);
     let block = netcdf(0, 1, &[("coordx", 1, 64), ("connect16777216", 1, 64)]);
     expect(&message("a.e", &block, &scalar("T")), &["connect16777216", "65536"]);
+}
+
+#[test]
+fn counts_of_meshes_of_mfem_beyond_the_file_are_errors() {
+    let sound = "MFEM mesh v1.3\ndimension\n3\nelements\n1\n1 4 0 1 2 3\nattribute_sets\n1\n\"a\"\n1\n1\nboundary\n1\n1 2 0 1 2\n\
+        bdr_attribute_sets\n0\nvertices\n4\n3\n0 0 0\n1 0 0\n0 1 0\n0 0 1\nmfem_mesh_end\n";
+    for (from, to, words) in [
+        ("elements\n1", "elements\n4000000000", ["attribute_sets", "a.mesh:7"]),
+        ("sets\n1", "sets\n18446744073709551615", ["number is damaged", "a.mesh"]),
+        ("\"a\"\n1", "\"a\"\n4000000000", ["number is damaged", "a.mesh:12"]),
+        ("boundary\n1", "boundary\n4000000000", ["bdr_attribute_sets", "a.mesh"]),
+        ("vertices\n4", "vertices\n4000000000", ["ends early", "4000000000"]),
+        ("vertices\n4", "vertices\n30", ["ends early", "a.mesh"]),
+        ("0 1 2 3\n", "0 1 2 4000000000\n", ["does not exist", "below 4"]),
+    ] {
+        expect(&message("a.mesh", &replaced(sound.as_bytes(), from, to), &Request::default()), &words);
+    }
 }
