@@ -115,7 +115,6 @@ fn parts_of_files_of_several_formats_are_the_file() {
         }
         compared.push((path.file_name().unwrap().to_owned(), most));
     }
-    eprintln!("{compared:?}");
     assert!(compared.iter().filter(|file| file.1 > 1).count() > 5, "{compared:?}");
 }
 
