@@ -125,7 +125,7 @@ pub fn join_part(
         // Points that hang bring in others, which may be shared with further pieces.
         loop {
             others.par_iter_mut().for_each(|own| own.enter(&is_reached));
-            if !others.iter().fold(false, |is_more, own| own.leave(&mut is_reached) || is_more) {
+            if others.iter().map(|own| own.leave(&mut is_reached)).sum::<usize>() == 0 {
                 break;
             }
         }
@@ -258,12 +258,10 @@ impl<'a> HaloLayers<'a> {
         }
     }
 
-    /// Marks its points that are reached for the others; true where one was not yet.
-    fn leave(&self, is_reached: &mut [bool]) -> bool {
+    /// Marks its points that are reached for the others; gives the number of those that were not yet.
+    fn leave(&self, is_reached: &mut [bool]) -> usize {
         let own = self.shared.iter().filter(|shared| self.layers.is_reached[shared.point as usize]);
-        own.fold(false, |is_more, shared| {
-            !std::mem::replace(&mut is_reached[shared.rank as usize], true) || is_more
-        })
+        own.filter(|shared| !std::mem::replace(&mut is_reached[shared.rank as usize], true)).count()
     }
 
     /// The cells that are taken, and the points whose values count for the part.

@@ -109,8 +109,8 @@ pub struct ImportStats {
     pub units: BTreeMap<String, String>,
     /// Names of the blocks of the file, by the numbers in the cell array that holds them.
     pub blocks: Vec<String>,
-    /// Of a part of a grid: the first cell of each of its pieces, by its number in the part and in the whole grid, ascending. Empty for
-    /// all of a grid.
+    /// First cell of each piece of a part of a grid, by its number in the part and in the whole grid, ascending. Empty for all of a
+    /// grid.
     pub first_cells: Vec<[u64; 2]>,
     /// Warnings for the user, each a sentence.
     pub warnings: Vec<String>,
@@ -355,6 +355,11 @@ pub(super) fn is_ghost(flags: u8) -> bool {
 /// True if a cell with this `vtkGhostType` serves nothing.
 pub(super) fn is_left_out(flags: u8) -> bool {
     flags & (HIDDEN | OWNED) != 0
+}
+
+/// True if a cell with this `vtkGhostType` is another part's.
+pub(super) fn is_neighbour(flags: u8) -> bool {
+    flags & (DUPLICATE | NEIGHBOUR) == DUPLICATE | NEIGHBOUR
 }
 
 /// True if a cell with this `vtkGhostType` is drawn: it is no ghost, and not hidden.

@@ -35,9 +35,12 @@ impl PointKeys {
     pub fn of_ids(piece: &RawGrid, has_ghosts: bool) -> PointKeys {
         let owned = has_ghosts.then(|| {
             let mut owned = vec![false; piece.points.len()];
-            let own = |cell: &usize| piece.ghost.as_ref().is_none_or(|ghost| ghost[*cell] & DUPLICATE == 0);
-            let cells = (0..piece.cells.count()).filter(own);
-            cells.flat_map(|cell| corners(&piece.cells, cell)).for_each(|&c| owned[c as usize] = true);
+            // Lengths that do not fit are found when the piece is joined.
+            let flags = |cell: usize| piece.ghost.as_ref().and_then(|ghost| ghost.get(cell));
+            let own = |cell: &usize| flags(*cell).is_none_or(|flags| flags & DUPLICATE == 0);
+            for &corner in (0..piece.cells.count()).filter(own).flat_map(|cell| corners(&piece.cells, cell)) {
+                owned.get_mut(corner as usize).into_iter().for_each(|owned| *owned = true);
+            }
             owned
         });
         let ids = piece.global_ids.clone().unwrap_or_default();
@@ -49,8 +52,8 @@ impl PointKeys {
         let columns = columns_of_points(piece);
         let key = |(point, &at): (usize, &DVec3)| {
             others.iter().any(|&other| meet([at, at], other)).then(|| {
-                let values = columns.iter().flat_map(|&(values, n)| &values[point * n..][..n]);
-                let words = at.as_ref().iter().chain(values).map(|&x| bits(x));
+                let values = columns.iter().filter_map(|&(values, n)| values.get(point * n..(point + 1) * n));
+                let words = at.as_ref().iter().chain(values.flatten()).map(|&x| bits(x));
                 (words.fold([0, u64::MAX], |key, word| key.map(|key| mixed(key, word))), point as u32)
             })
         };
@@ -66,7 +69,7 @@ impl PointKeys {
     }
 
     fn is_owned(&self, point: u32) -> bool {
-        self.owned.as_ref().is_none_or(|owned| owned[point as usize])
+        self.owned.as_ref().and_then(|owned| owned.get(point as usize)).is_none_or(|owned| *owned)
     }
 }
 

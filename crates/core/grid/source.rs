@@ -2,7 +2,7 @@
 
 use super::cell_types::{CellType, code};
 use super::curved::{Curved, is_curved};
-use super::parts::{Cell, Cells, NEIGHBOUR, Polyhedron, is_left_out, structured_corners};
+use super::parts::{Cell, Cells, Polyhedron, is_left_out, is_neighbour, structured_corners};
 use super::polyhedra::{self, Added, Polyhedra};
 use super::split;
 use crate::{Error, Result};
@@ -142,7 +142,7 @@ impl Source<'_> {
 
     /// True for a cell of another part of the grid, which counts there.
     pub fn is_neighbour(&self, number: usize) -> bool {
-        self.ghost.is_some_and(|flags| flags[number] & NEIGHBOUR != 0)
+        self.ghost.is_some_and(|flags| is_neighbour(flags[number]))
     }
 
     /// Key of a curved cell's subdivision.
@@ -190,7 +190,7 @@ impl Source<'_> {
             let first_free = self.point_count + self.curved.origins.len();
             self.polyhedra.choose(set, points, &drawn, first_free)?;
             if let Some(flags) = self.ghost {
-                self.polyhedra.retain_left_out(|cell| flags[cell as usize] & NEIGHBOUR == 0);
+                self.polyhedra.retain_left_out(|cell| !is_neighbour(flags[cell as usize]));
             }
         }
         Ok(())

@@ -20,6 +20,8 @@ use voltet_core::{Error, Result, counted, grid, progress};
 /// Cell flags of ghosts and of hidden cells (vtkDataSetAttributes::DUPLICATECELL, HIDDENCELL).
 const DUPLICATE_CELL: u8 = 1;
 const HIDDEN_CELL: u8 = 32;
+/// Cell flags that have a meaning.
+const CELL_FLAGS: u64 = 63;
 /// Point flag that leaves out the cells of a point (vtkDataSetAttributes::HIDDENPOINT).
 const HIDDEN_POINT: u64 = 2;
 
@@ -516,7 +518,7 @@ fn ghosts(piece: &Piece, cells: &Cells, meter: &Meter) -> Result<Option<Vec<u8>>
         piece.array(association, name).map(|array| array.load(meter)).transpose()
     };
     let mut ghost: Option<Vec<u8>> = match of(Association::Cell, GHOST_TYPE)? {
-        Some(flags) => Some(flags.into_iter().map(|flags| flags as u8).collect()),
+        Some(flags) => Some(flags.into_iter().map(|flags| (flags & CELL_FLAGS) as u8).collect()),
         None => of(Association::Cell, GHOST_LEVELS)?
             .map(|levels| levels.into_iter().map(|level| u8::from(level > 0) * DUPLICATE_CELL).collect()),
     };

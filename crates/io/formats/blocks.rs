@@ -133,16 +133,19 @@ fn numbers_of(piece: &Piece, source: &Arc<Source>, compute: Compute) -> PieceArr
     PieceArray::new(Association::Cell, Stored { number_type: NumberType::U32, ..stored })
 }
 
+/// A piece with its cells, or with what is known of them.
+pub(super) type PieceWith<'a, T> = (NumberedPiece<'a>, T);
+
 /// Leaves out the pieces of a data set of blocks that no picture of volumes can show: those whose cells, by which `has_volume` decides,
 /// have no volume, and those without one of the arrays. Gives sentences that name them.
 ///
 /// Errors: none is left.
 pub(super) fn drawn_pieces<'a, T>(
     dataset: &Dataset,
-    pieces: Vec<(NumberedPiece<'a>, T)>,
+    pieces: Vec<PieceWith<'a, T>>,
     has_volume: impl Fn(&T) -> bool,
     choices: &[ArraySelection],
-) -> Result<(Vec<(NumberedPiece<'a>, T)>, Vec<String>)> {
+) -> Result<(Vec<PieceWith<'a, T>>, Vec<String>)> {
     if !dataset.has_blocks {
         return Ok((pieces, blocks_without_values(dataset, choices, OMISSION)));
     }
@@ -155,7 +158,7 @@ pub(super) fn drawn_pieces<'a, T>(
     let mut left = volumes;
     for choice in choices {
         let has_array =
-            |((_, piece), _): &(NumberedPiece, T)| piece.array(choice.association, &choice.name).is_some();
+            |((_, piece), _): &PieceWith<T>| piece.array(choice.association, &choice.name).is_some();
         let (with, without): (Vec<_>, Vec<_>) = left.into_iter().partition(has_array);
         let without: Vec<&Piece> = without.into_iter().map(|((_, piece), _)| piece).collect();
         if with.is_empty() {
