@@ -297,6 +297,13 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
         if !calculation.is_scalar && !call.demand.arrays.contains(&name) {
             return Ok(vec![Value::Grid(Arc::new(grid))]);
         }
+        if call.part().is_some() && calculation.cell_values == CellValues::Average {
+            let what = "means of cell values at points are found in whole grids";
+            let error = call.parameters.error("association", what).got("a grid in parts (--memory)");
+            return Err(
+                error.expected("association = \"point\", cell_values = \"constant\", or a larger --memory")
+            );
+        }
         add_from_cells(&mut grid, &name, array, calculation.cell_values)?;
     } else {
         grid.point_arrays.insert(name.clone(), Arc::new(array));

@@ -2,7 +2,7 @@
 
 use crate::drawing::{CLIP, clips};
 use crate::reader::blocks;
-use crate::relative::{DataScope, RELATIVE_TO, demand_for, known_of_series, note_numbers};
+use crate::relative::{DataScope, RELATIVE_TO, demand_for, known_of_series, note_numbers, refuse_part};
 use crate::surfacing::{self, QUANTITY, VolumeStatistics, quantity, range_message};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -101,6 +101,7 @@ pub const NODE: Node = Node {
     check: &|p| Condition::new(&with_placeholders(p)?).map(drop),
     demand: &demand,
     part_work: PartWork::Each,
+    drops_cells: true,
     run: &run,
     ..Node::BLANK
 };
@@ -233,6 +234,9 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
         Condition::Range(range) if p.flag("smooth")? => cut(call, &volume, range)?,
         condition => whole(call, volume.clone(), &condition)?,
     };
+    if kept.grid.tetrahedra.is_empty() && call.part().is_some() {
+        return Ok(Vec::new());
+    }
     if kept.grid.tetrahedra.is_empty() {
         return Err(nothing_kept(&own, &volume)?);
     }
@@ -246,6 +250,7 @@ fn known(call: &mut RunContext, volume: &Volume) -> Result<Parameters> {
     if p.relative_numbers().is_empty() {
         return Ok(p.clone());
     }
+    refuse_part(call)?;
     let array = p.text("array")?;
     let is_of_cells = p.text("association")? == "cell";
     let view = |volume: &Volume| is_of_cells.then(|| cells_as_points(p, volume)).transpose();
@@ -383,7 +388,11 @@ const MAX_LISTED: usize = 12;
 
 /// Says which of the listed values no point or cell has, and which there are.
 fn note_missing_values(call: &mut RunContext, volume: &Volume, condition: &Condition) -> Result<()> {
+    // Other parts may have them.
     let Condition::Values(wanted) = condition else { return Ok(()) };
+    if call.part().is_some() {
+        return Ok(());
+    }
     let (p, grid) = (call.parameters, &volume.grid);
     let mut known: Vec<f64> = match p.text("association")? {
         "cell" => {

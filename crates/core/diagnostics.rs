@@ -58,6 +58,9 @@ pub struct DataFinding {
     pub figures: serde_json::Value,
 }
 
+/// Counts of what each part of the data has alike: the whole has as many.
+const COUNTED_ONCE: [&str; 3] = ["arrays_decoded", "gradients_computed", "percentiles_computed"];
+
 /// Diagnostics of a node's work, or of an engine's.
 #[derive(Debug, Clone, Default)]
 pub struct Diagnostics {
@@ -115,7 +118,8 @@ impl Diagnostics {
     /// Adds the diagnostics of the same work on a part of the data: counts are added up, and each sentence stands once.
     pub fn add_part(&mut self, part: Diagnostics) {
         for (name, count) in part.counts {
-            *self.counts.entry(name).or_insert(0) += count;
+            let own = self.counts.entry(name).or_insert(0);
+            *own = if COUNTED_ONCE.contains(&name) { (*own).max(count) } else { *own + count };
         }
         for SkippedWork { what, why, saving, .. } in part.skipped {
             self.record_skipped(what, why, saving);

@@ -35,7 +35,7 @@ impl Volume {
 /// Extent of a volume in space and in its values.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct VolumeExtent {
-    /// Lowest and highest coordinates of the finite points; `None` where there is none.
+    /// Lowest and highest coordinates of the points of the cells that are drawn; `None` where there is none.
     pub bounds: Option<[DVec3; 2]>,
     /// Ranges of s and g at the points of the cells that are drawn; 0 of what there is not.
     pub ranges: [[f64; 2]; 2],
@@ -51,7 +51,7 @@ impl VolumeExtent {
         let of_points = |values: &SharedSlice<f64>| range(&values[..drawn.min(values.len())]);
         let gradient = volume.gradient.as_ref().map(|all| &all[..drawn.min(all.len())]);
         VolumeExtent {
-            bounds: extent::bounds(&volume.grid.points),
+            bounds: volume.grid.bounds(),
             ranges: [
                 of_points(&volume.scalar),
                 volume.gradient_magnitude.as_ref().map_or([0.0; 2], of_points),

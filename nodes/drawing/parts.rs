@@ -7,15 +7,19 @@ use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::camera::Camera;
 use voltet_core::picture::Picture;
+use voltet_core::progress::refuse_beyond_memory;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::VolumeExtent;
 use voltet_core::{Error, Result, counted};
 use voltet_graph::{Outputs, RunContext, Value};
-use voltet_optics::depth_image::VolumetricDepthImage;
+use voltet_optics::depth_image::{Supersegment, VolumetricDepthImage};
 use voltet_optics::engine::{AdapterRequest, EngineInfo, RenderOptions};
 use voltet_optics::ray_events::{RayEventSource, RayEvents};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Shading, VisibilityOrder};
+
+/// Memory of a stretch of a ray (bytes).
+const STRETCH_BYTES: u64 = size_of::<Supersegment>() as u64;
 
 /// Draws the grid at the input `volume`, of which parts are read one after the other.
 pub fn draw_parts(call: &mut RunContext) -> Result<Outputs> {
@@ -24,9 +28,10 @@ pub fn draw_parts(call: &mut RunContext) -> Result<Outputs> {
     let shading = shading(call.parameters)?;
     refuse(call, &look.transfer_function, &shading)?;
     let whole = extent_of_parts(call)?;
-    let diagonal = || voltet_graph::diagonal(&whole.bounds.map(Vec::from).unwrap_or_default());
-    let diagonal = if look.auto_unit_distance { diagonal() } else { 0.0 };
-    call.set_diagonal(diagonal);
+    let diagonal = voltet_graph::diagonal(whole.bounds);
+    if look.auto_unit_distance {
+        call.set_diagonal(diagonal);
+    }
     let transfer_function = Arc::new(look.for_diagonal(diagonal));
     let surfaces = call.surfaces("surfaces")?;
     let clips = clips(call.parameters)?;
@@ -35,7 +40,6 @@ pub fn draw_parts(call: &mut RunContext) -> Result<Outputs> {
     let mut image = VolumetricDepthImage::empty(size, camera.sample_offsets().len());
     let opened = call.keep_for_session(|| Ok(OpenEngines::default()))?;
     let engine = opened.open(NATIVE, &AdapterRequest::default())?;
-    let mut overlapping = 0;
     call.each_part(&mut |call| {
         let scene = Scene {
             volume: call.volume("volume")?,
@@ -54,16 +58,17 @@ pub fn draw_parts(call: &mut RunContext) -> Result<Outputs> {
         call.notes.add(drawn.notes);
         note(call, &drawn.counts);
         let own = drawn.depth_image.ok_or_else(|| Error::run("the engine drew no volumetric depth image"))?;
+        // Both and what they become.
+        let bytes = 2 * (image.stretch_count() + own.stretch_count()) * STRETCH_BYTES;
+        refuse_beyond_memory(call.progress(), || "the stretches of rays in parts of the grid".into(), bytes)?;
         image = call.stage("merge", |_| image.merged(&own, &events))?;
-        overlapping = overlapping.max(image.overlapping_pixels());
         Ok(())
     })?;
     call.notes.counts.insert("ray_stretches", image.stretch_count());
     call.notes.engine = Some((NATIVE.name.into(), "it draws grids in parts".into()));
     call.notes.adapter = Some(engine.adapter());
-    let (picture, found) = picture_of_all(call, &image, &events)?;
-    overlapping = overlapping.max(found);
-    if overlapping > 0 {
+    let (picture, overlapping) = picture_of_all(call, &image, &events)?;
+    if overlapping > 0 && call.ranks().rank() == 0 {
         call.notes.warnings.push(format!(
             "parts of the grid overlap in {}: what is there twice is drawn twice as dense. Are ghost cells marked by vtkGhostType?",
             counted(overlapping, "pixel")
@@ -149,10 +154,16 @@ fn picture_of_all(
 ) -> Result<(Picture, u64)> {
     let [width, height] = image.size;
     let count = call.ranks().count();
+    if count == 1 {
+        return Ok((image.picture(events), image.overlapping_pixels()));
+    }
     let rows = |rank: usize| height * rank / count..height * (rank + 1) / count;
-    let to_each =
-        (0..count).map(|rank| Ok(image.rows(rows(rank))?.to_bytes())).collect::<Result<Vec<_>>>()?;
     let own_rank = call.ranks().rank();
+    let message = |rank: usize| match rank == own_rank {
+        true => Ok(Vec::new()),
+        false => Ok(image.rows(rows(rank))?.to_bytes()),
+    };
+    let to_each = (0..count).map(message).collect::<Result<Vec<_>>>()?;
     let bytes = |all: &[Vec<u8>]| {
         let sent = all.iter().enumerate().filter(|(rank, _)| *rank != own_rank);
         sent.map(|(_, bytes)| bytes.len() as u64).sum::<u64>()
@@ -181,9 +192,7 @@ fn picture_of_all(
         };
         picture.rgba.extend(pixels.iter().map(pixel));
     }
-    if count > 1 {
-        call.notes.counts.insert("bytes_sent", sent);
-    }
+    call.notes.counts.insert("bytes_sent", sent);
     Ok((picture, overlapping))
 }
 

@@ -313,7 +313,7 @@ pub fn for_data(
     revision: Revision,
 ) -> Result<Arc<TransferFunction>> {
     let diagonal = match look.auto_unit_distance {
-        true => call.keep(revision, || Ok(Diagonal(diagonal(&volume.grid.points))))?.0,
+        true => call.keep(revision, || Ok(Diagonal(diagonal(volume.grid.bounds()))))?.0,
         false => 0.0,
     };
     Ok(Arc::new(look.for_diagonal(diagonal)))

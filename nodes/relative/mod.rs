@@ -270,6 +270,10 @@ fn found_in(
     demand: &Demand,
     view: &VolumeView,
 ) -> Result<FoundStatistics> {
+    refuse_part(call)?;
+    if call.is_in_parts() {
+        scope.refuse_series(call.parameters)?;
+    }
     let (of_sample, of_all);
     let kept: &Mutex<FoundStatistics> = match scope {
         DataScope::Sample => {
@@ -292,7 +296,6 @@ fn found_in(
         _ => scope.steps(call.step_count("volume")?),
     };
     let new = if call.is_in_parts() {
-        scope.refuse_series(call.parameters)?;
         measure_several(&missing, PART_ROUNDS, &mut GridParts(call))?
     } else if let Some(steps) = steps {
         let mut series = SeriesSteps { call, demand, steps: &steps, view, read: 0 };
@@ -301,7 +304,6 @@ fn found_in(
         call.notes.counts.insert("steps_read", read);
         new
     } else {
-        refuse_part(call)?;
         let volume = call.volume("volume")?;
         call.stage("range", |progress| measure(&volume, &missing, progress))?
     };
@@ -313,7 +315,10 @@ fn found_in(
 }
 
 /// Refuses numbers that a node would find from a part of a grid in place of the whole.
-fn refuse_part(call: &RunContext) -> Result<()> {
+///
+/// # Errors
+/// - a node that runs for a part.
+pub(crate) fn refuse_part(call: &RunContext) -> Result<()> {
     if call.part().is_none() {
         return Ok(());
     }
@@ -558,6 +563,18 @@ fn widest(intervals: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
     intervals.fold([f64::NAN; 2], |[low, high], [a, b]| [low.min(a), high.max(b)])
 }
 
+/// Statistics that a volume has: those of quantities with finite values.
+fn wanted_of_finite(volume: &Volume, wanted: &StatisticsRequest) -> Result<StatisticsRequest> {
+    let mut own = wanted.clone();
+    for quantity in wanted.quantities() {
+        if values(volume, quantity)?.iter().all(|value| !value.is_finite()) {
+            own.ranges.retain(|other| other != quantity);
+            own.percentiles.retain(|other, _| other != quantity);
+        }
+    }
+    Ok(own)
+}
+
 /// Statistics of several volumes together. They are looked at again for each round in which percentiles are narrowed down.
 fn measure_several(
     wanted: &StatisticsRequest,
@@ -574,7 +591,7 @@ fn measure_several(
     // Of each range and percentile the interval over all volumes.
     let mut intervals = vec![[f64::NAN; 2]; wanted.ranges.len() + percents.len()];
     volumes_of.each(&mut |volume, progress| {
-        let own = measure(volume, wanted, progress)?;
+        let own = measure(volume, &wanted_of_finite(volume, wanted)?, progress)?;
         let ranges = wanted.ranges.iter().map(|quantity| own.ranges.get(quantity).copied());
         let values = percents.iter().map(|key| own.percentiles.get(key).map(|value| [*value; 2]));
         for (known, own) in intervals.iter_mut().zip(ranges.chain(values)) {
@@ -585,6 +602,11 @@ fn measure_several(
     let of_all = volumes_of.gather(intervals.concat())?;
     let interval =
         |k: usize| widest(of_all.iter().filter_map(|own| Some([*own.get(2 * k)?, *own.get(2 * k + 1)?])));
+    let quantities = wanted.ranges.iter().chain(percents.iter().map(|(quantity, _)| quantity));
+    if let Some((_, quantity)) = quantities.enumerate().find(|(k, _)| interval(*k)[0].is_nan()) {
+        let error = Error::run("a field has no finite values, so nothing can be relative to them");
+        return Err(with_array_name(quantity, error));
+    }
     for (k, quantity) in wanted.ranges.iter().enumerate() {
         found.ranges.insert(quantity.clone(), interval(k));
     }
@@ -609,6 +631,9 @@ fn measure_several(
             for quantity in wanted.percentiles.keys() {
                 let mut own = sums.iter_mut().filter(|((array, _), _)| array == quantity).peekable();
                 if own.peek().is_none() {
+                    continue;
+                }
+                if values(volume, quantity)?.iter().all(|value| !value.is_finite()) {
                     continue;
                 }
                 let volumes = volumes(volume, quantity, progress)?;

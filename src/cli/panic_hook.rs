@@ -1,6 +1,6 @@
 //! Panics and the end of memory: one line on standard error, and exit code 1.
 
-use crate::cli::present::{name, say};
+use crate::cli::present::{hold_back, name, say};
 use crate::nodes::files;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -16,6 +16,7 @@ pub const FAILED: u8 = 1;
 pub fn install() {
     let usual = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
+        hold_back(false);
         say(&one_line(panic));
         if std::env::var_os("RUST_BACKTRACE").is_some_and(|value| value != "0") {
             usual(panic);

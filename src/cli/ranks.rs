@@ -4,14 +4,17 @@
 use crate::cli::present::{hold_back, say};
 use crate::core::{Error, Result};
 use crate::graph::ranks::{OneRank, Ranks};
+use std::cell::Cell;
 use std::sync::Arc;
 
-/// Variables by which launchers tell a process how many there are: Open MPI's, and MPICH's, Intel's and Slurm's.
-const COUNTS: [&str; 3] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MPI_LOCALNRANKS"];
+/// Variables by which launchers tell a process how many there are: Open MPI's, that of MPICH and Intel MPI, and Slurm's.
+const COUNTS: [&str; 3] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"];
 
 /// The processes of this run; MPI ends with it.
 pub struct Launch {
     pub ranks: Arc<dyn Ranks>,
+    /// True once the failure of this process was announced.
+    is_announced: Cell<bool>,
     #[cfg(feature = "mpi")]
     _universe: Option<mpi::environment::Universe>,
 }
@@ -27,6 +30,7 @@ impl Launch {
             Some(2..) => Launch::of_several(count.unwrap_or_default())?,
             _ => Launch {
                 ranks: Arc::new(OneRank),
+                is_announced: Cell::new(false),
                 #[cfg(feature = "mpi")]
                 _universe: None,
             },
@@ -43,16 +47,23 @@ impl Launch {
     }
 
     #[cfg(feature = "mpi")]
-    fn of_several(_count: usize) -> Result<Launch> {
+    fn of_several(count: usize) -> Result<Launch> {
         let (universe, _) = mpi::initialize_with_threading(mpi::Threading::Funneled)
             .ok_or_else(|| Error::run("MPI does not start: it was started before"))?;
-        Ok(Launch { ranks: Arc::new(by_mpi::MpiRanks::new()), _universe: Some(universe) })
+        let ranks = by_mpi::MpiRanks::new();
+        if ranks.count() != count {
+            let error =
+                Error::run("the launcher is of another MPI than the one that the program was built with");
+            let found = format!("{count} processes, of which MPI knows {}", ranks.count());
+            return Err(error.got(found).expected("mpirun of the same MPI as mpicc when it was built"));
+        }
+        Ok(Launch { ranks: Arc::new(ranks), is_announced: Cell::new(false), _universe: Some(universe) })
     }
 
-    /// Names the process that fails, before its error is shown. Where all fail alike the first one ends the others meanwhile.
+    /// Names the process that fails, before its error is shown, once. Where all fail alike the first one ends the others meanwhile.
     pub fn announce_failure(&self) {
         let (rank, count) = (self.ranks.rank(), self.ranks.count());
-        if count > 1 {
+        if count > 1 && !self.is_announced.replace(true) {
             std::thread::sleep(std::time::Duration::from_millis(300 * rank.min(10) as u64));
             hold_back(false);
             say(&format!("rank {rank} of {count}{} fails:\n", host()));

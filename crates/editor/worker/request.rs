@@ -328,6 +328,7 @@ fn describe(value: &Value) -> String {
         Value::PictureParts(parts) => size(&parts.picture),
         Value::Report(report) => format!("{} characters of JSON", report.len()),
         Value::Surface(surface) => counted(surface.triangles.len(), "triangle"),
+        Value::InParts(port_type) => format!("{} in parts", port_type.name()),
         Value::CellValues(values) => match values.arrays.keys().cloned().collect::<Vec<_>>().join(", ") {
             names if names.is_empty() => "no arrays asked for".into(),
             names => names,

@@ -99,6 +99,8 @@ pub struct Node {
     pub files_beside: &'static (dyn Fn(&Preparation, Steps) -> Vec<PathBuf> + Send + Sync),
     /// Work of the node where its grid is read part after part.
     pub part_work: PartWork,
+    /// True if it drops cells of its grid, and with them what surrounds a part.
+    pub drops_cells: bool,
     /// Memory that each piece of the file that it reads takes when it is drawn, bytes, from headers alone; none where it reads no file in pieces.
     pub piece_bytes: &'static (dyn Fn(&Preparation) -> Result<Vec<u64>> + Send + Sync),
     /// Finds out before any long work whether the run can succeed (files exist, folders can be written).
@@ -130,6 +132,7 @@ impl Node {
         steps: &|preparation| Ok(TimeSeries::of_one(preparation.parameters)),
         files_beside: &|_, _| Vec::new(),
         part_work: PartWork::None,
+        drops_cells: false,
         piece_bytes: &|_| Ok(Vec::new()),
         prepare: &|_| Ok(()),
         run: &|_| Ok(Vec::new()),

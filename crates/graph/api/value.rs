@@ -113,9 +113,9 @@ impl TransferFunctionSpec {
     }
 }
 
-/// Diagonal of the bounding box of the finite points; 100 where the box has no extent, which no picture shows.
-pub fn diagonal(points: &[DVec3]) -> f64 {
-    let diagonal = extent::bounds(points).map_or(0.0, extent::diagonal);
+/// Diagonal of the bounding box of a grid's points, [`Grid::bounds`]; 100 where it has no extent, which no picture shows.
+pub fn diagonal(bounds: Option<[DVec3; 2]>) -> f64 {
+    let diagonal = bounds.map_or(0.0, extent::diagonal);
     if diagonal > 0.0 && diagonal.is_finite() { diagonal } else { 100.0 }
 }
 
@@ -253,8 +253,8 @@ mod tests {
         };
         let look = TransferFunctionSpec { transfer_function, auto_unit_distance: true };
         for scale in [1.0, 1e-200, 1e200] {
-            let points = [DVec3::new(1.0, 1.0, 1.0) * scale, DVec3::new(4.0, 5.0, 13.0) * scale];
-            let unit = look.for_diagonal(diagonal(&points)).unit_distance;
+            let bounds = [DVec3::new(1.0, 1.0, 1.0) * scale, DVec3::new(4.0, 5.0, 13.0) * scale];
+            let unit = look.for_diagonal(diagonal(Some(bounds))).unit_distance;
             // Two roundings of the scaling and one of the root.
             assert!((unit / (0.13 * scale) - 1.0).abs() < 1e-14, "{unit} at {scale}");
         }

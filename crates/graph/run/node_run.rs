@@ -11,7 +11,7 @@ use crate::api::node::Steps;
 use crate::api::origins::{FileRead, FileStamp, Origins};
 use crate::api::parts::GridPart;
 use crate::api::ranks::Ranks;
-use crate::api::value::{PortType, Revision, Value, diagonal};
+use crate::api::value::{Edge, PortType, Revision, Value, diagonal};
 use crate::build::graph::{Graph, GraphNode};
 use std::any::TypeId;
 use std::cell::Cell;
@@ -77,15 +77,20 @@ impl<'a> NodeRun<'a> {
         }
     }
 
-    /// Runs the nodes that give parts for one of them; nothing where it has no cells.
+    /// Runs the nodes that give parts for one of them.
     fn run_part(&self, runs: &PartRuns, part: usize) -> Result<PartOutputs> {
         let (store, is_mapped) = (self.store.for_one_step(), &runs.division.is_mapped);
         let is_first = runs.is_first_run(part);
         let mut revision = 0;
-        let mut all_done: Vec<Option<Done>> = self.done.to_vec();
+        let whole = |(done, &is_mapped): (&Option<Done>, &bool)| done.clone().filter(|_| !is_mapped);
+        let mut all_done: Vec<Option<Done>> = self.done.iter().zip(is_mapped).map(whole).collect();
         for &place in self.graph.order.iter().filter(|&&place| is_mapped[place]) {
             self.progress().check_cancelled()?;
             let node = &self.graph.nodes[place];
+            // A node that leaves nothing of a part ends the way of those that look at what it gives.
+            if node.inputs.iter().any(|edge| is_mapped[edge.node] && all_done[edge.node].is_none()) {
+                continue;
+            }
             let grid_part = Some(&runs.division.parts[part]);
             let run = NodeRun { place, done: &all_done, store: &store, part: grid_part, ..*self };
             let inputs = inputs_of(node, &all_done);
@@ -95,7 +100,7 @@ impl<'a> NodeRun<'a> {
                 runs.add_notes(place, std::mem::take(&mut call.notes));
             }
             if values.is_empty() {
-                return Ok(None);
+                continue;
             }
             let outputs = values.into_iter().map(|value| {
                 revision += 1;
@@ -103,9 +108,8 @@ impl<'a> NodeRun<'a> {
             });
             all_done[place] = Some(Done { outputs: outputs.collect(), ..Done::default() });
         }
-        let of_parts =
-            all_done.into_iter().zip(is_mapped).map(|(done, &is_mapped)| done.filter(|_| is_mapped));
-        Ok(Some(of_parts.collect()))
+        let of_part = |(done, &is_mapped): (Option<Done>, &bool)| done.filter(|_| is_mapped);
+        Ok(all_done.into_iter().zip(is_mapped).map(of_part).collect())
     }
 
     fn progress(&self) -> NodeProgress<'a> {
@@ -266,12 +270,12 @@ impl RunServices for NodeRun<'_> {
                 outputs
             }
         };
-        let Some(of_parts) = outputs.as_ref() else { return Ok(()) };
-        let all: Vec<Option<Done>> = of_parts
-            .iter()
-            .zip(self.done)
-            .map(|(own, whole)| own.clone().or_else(|| whole.clone()))
-            .collect();
+        let is_missing = |edge: &Edge| runs.division.is_mapped[edge.node] && outputs[edge.node].is_none();
+        if self.node().inputs.iter().any(is_missing) {
+            return Ok(());
+        }
+        let all = outputs.iter().zip(self.done).map(|(own, whole)| own.clone().or_else(|| whole.clone()));
+        let all: Vec<Option<Done>> = all.collect();
         let store = self.store.for_one_step();
         let run = NodeRun { done: &all, store: &store, part: Some(&runs.division.parts[part]), ..*self };
         of_part(&run, inputs_of(self.node(), &all))
@@ -344,7 +348,7 @@ fn drawn_with(graph: &Graph, places: &[usize], look: usize, done: &[Option<Done>
         let port = |k: usize| node.node.all_inputs().nth(k).map(|port| port.port_type);
         let volume = node.inputs.iter().find(|edge| port(edge.port) == Some(PortType::Volume))?;
         let (value, _) = done[volume.node].as_ref()?.outputs.get(volume.output)?;
-        Some(diagonal(&value.volume()?.ok()?.grid.points))
+        Some(diagonal(value.volume()?.ok()?.grid.bounds()))
     })
 }
 

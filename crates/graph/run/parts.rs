@@ -7,7 +7,7 @@ use crate::api::demand::Demand;
 use crate::api::node::PartWork;
 use crate::api::parts::GridPart;
 use crate::api::ranks::Ranks;
-use crate::api::value::{PortType, Revision, Value};
+use crate::api::value::{Edge, PortType, Revision, Value};
 use crate::build::graph::Graph;
 use std::any::TypeId;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -38,7 +38,7 @@ impl Division {
     /// - a node that works on whole grids alone;
     /// - two files in pieces.
     pub fn new(graph: &Graph, memory: Option<u64>, ranks: &dyn Ranks) -> Result<Option<Division>> {
-        let mut source = None;
+        let mut source: Option<(usize, Vec<u64>)> = None;
         if memory.is_none() && ranks.count() == 1 {
             return Ok(None);
         }
@@ -48,6 +48,14 @@ impl Division {
             let preparation = Preparation { parameters: &node.parameters, folder: &graph.folder };
             let sizes = (node.node.piece_bytes)(&preparation).map_err(|error| node.locate(error))?;
             if sizes.len() < 2 || (sizes.iter().sum::<u64>() <= memory && ranks.count() == 1) {
+                continue;
+            }
+            // Several processes share out the largest, and read the others whole.
+            if let Some((_, larger)) = source.as_ref().filter(|_| memory == u64::MAX) {
+                let total = |sizes: &[u64]| sizes.iter().fold(0, |sum: u64, size| sum.saturating_add(*size));
+                if total(larger) < total(&sizes) {
+                    source = Some((place, sizes));
+                }
                 continue;
             }
             if let Some((other, _)) = source.replace((place, sizes)) {
@@ -60,6 +68,7 @@ impl Division {
         let Some((source, sizes)) = source else { return Ok(None) };
         let groups = grouped(&sizes, own_pieces(&sizes, ranks), memory);
         let mut is_mapped = vec![false; graph.nodes.len()];
+        let mut is_cut = vec![false; graph.nodes.len()];
         let mut layers = MEAN_LAYERS;
         for &place in &graph.order {
             let node = &graph.nodes[place];
@@ -69,8 +78,26 @@ impl Division {
             }
             match node.node.part_work {
                 PartWork::Each => {
+                    let is_whole = |edge: &Edge| !is_mapped[edge.node];
+                    if let Some(edge) = node.inputs.iter().find(|edge| place != source && is_whole(edge)) {
+                        let found = format!("'{}' at its input '{}'", graph.nodes[edge.node].name, edge.name);
+                        let error = Error::usage(
+                            "the node runs for each part of a grid, and an input is of a whole one",
+                        );
+                        let accepted = "inputs of one file, or a larger --memory and one process";
+                        return Err(node.locate(error.got(found).expected(accepted)));
+                    }
                     is_mapped[place] = true;
-                    layers += if node.node.method().is_some() { GRADIENT_LAYERS } else { 0 };
+                    let has_filter = node.node.method().is_some();
+                    is_cut[place] = node.node.drops_cells || node.inputs.iter().any(|edge| is_cut[edge.node]);
+                    if has_filter && is_cut[place] {
+                        let error =
+                            Error::usage("gradients after cells were dropped are found in whole grids");
+                        let accepted =
+                            "the gradient before the threshold, or a larger --memory and one process";
+                        return Err(node.locate(error.got("a grid in parts").expected(accepted)));
+                    }
+                    layers += if has_filter { GRADIENT_LAYERS } else { 0 };
                 }
                 PartWork::All => {}
                 PartWork::None => {
@@ -132,8 +159,8 @@ pub(super) struct PartRuns<'a> {
     state: Mutex<PartState>,
 }
 
-/// Outputs of the nodes that ran for a part; `None` where the part has no cells.
-pub(super) type PartOutputs = Option<Vec<Option<Done>>>;
+/// Outputs of the nodes that ran for a part; `None` of those to which nothing of it is left, and of nodes that run for the whole.
+pub(super) type PartOutputs = Vec<Option<Done>>;
 
 #[derive(Default)]
 struct PartState {
@@ -239,15 +266,11 @@ pub(super) fn gather_notes(notes: &mut BTreeMap<usize, Diagnostics>, ranks: &dyn
     for bytes in ranks.exchange(to_each)?.iter().filter(|bytes| !bytes.is_empty()) {
         let others: BTreeMap<usize, OtherNotes> = serde_json::from_slice(bytes).map_err(broken)?;
         for (place, (counts, warnings)) in others {
-            let own = notes.entry(place).or_default();
-            for (name, count) in counts {
-                // A name that this process does not count by lives as long as the run, as those in the program do.
-                let known = own.counts.keys().copied().find(|known| *known == name);
-                *own.counts.entry(known.unwrap_or_else(|| name.leak())).or_insert(0) += count;
-            }
-            let new =
-                warnings.into_iter().filter(|warning| !own.warnings.contains(warning)).collect::<Vec<_>>();
-            own.warnings.extend(new);
+            // A name that this process does not count by lives as long as the run, as those in the program do.
+            let counts = counts.into_iter().map(|(name, count)| (&*name.leak(), count)).collect();
+            let mut other = Diagnostics::default();
+            (other.counts, other.warnings) = (counts, warnings);
+            notes.entry(place).or_default().add_part(other);
         }
     }
     Ok(())

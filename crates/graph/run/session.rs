@@ -267,8 +267,9 @@ impl Session {
         if part_runs.is_some() {
             gather_notes(&mut of_parts, &*self.ranks)?;
         }
-        for (i, notes) in of_parts {
+        for (i, mut notes) in of_parts {
             let node = &graph.nodes[i];
+            notes.add(plan.notes[i].clone());
             report.add(&node.name, node.node.name, &Done { notes, ..Done::default() });
         }
         Ok((all_done, report))

@@ -143,6 +143,38 @@ fn processes_make_the_picture_of_one() {
     }
 }
 
+/// The pipeline with nodes between the gradient and what looks at it.
+fn with_nodes(nodes: &str, last: &str) -> String {
+    let text = PIPELINE.replace("volume = \"gradient\"", &format!("volume = \"{last}\""));
+    text.replace("[nodes.look]\n", &format!("{nodes}\n[nodes.look]\n"))
+}
+
+#[test]
+fn nodes_give_for_parts_what_they_give_for_the_whole() {
+    let folder = folder();
+    let threshold = "[nodes.kept]\ntype = \"threshold\"\narray = \"t\"\nrange = [0.9, 9.0]\ninputs = { volume = \"gradient\" }\n";
+    // It leaves nothing of the first slabs.
+    let clipped = "[nodes.kept]\ntype = \"threshold\"\nclip = [{ kind = \"plane\", origin = [0.6, 0.0, 0.0], normal = [1.0, 0.0, 0.0] }]\n\
+                   inputs = { volume = \"gradient\" }\n";
+    let scaled = "[nodes.twice]\ntype = \"calculator\"\nname = \"u\"\nexpression = \"2 * t + gradient_magnitude(t)\"\n\
+                  inputs = { grid = \"grid\" }\n\n[nodes.kept]\ntype = \"gradient-magnitude\"\nmethod = \"quadratic-fit\"\n\
+                  inputs = { grid = \"twice\" }\n";
+    for nodes in [threshold, clipped, scaled] {
+        let text = with_nodes(nodes, "kept");
+        let run = |path: &str, session: Session| {
+            let mut session = session;
+            let graph = graph(&text.replace("slabs.pvtu", path), folder.path()).unwrap();
+            session.run(&graph, &NoObserver).unwrap_or_else(|error| panic!("{path}: {error}\n{text}"))
+        };
+        let whole = run("whole.pvtu", session());
+        assert!(picture(&whole).rgba.iter().any(|pixel| pixel[3] > 0.1), "nothing is seen");
+        for grid in ["slabs", "blocks", "random"] {
+            let parts = run(&format!("{grid}.pvtu"), session().with_memory(1));
+            same(&format!("{grid}: {nodes}"), picture(&parts), picture(&whole));
+        }
+    }
+}
+
 #[test]
 fn what_needs_the_whole_grid_is_refused_by_name() {
     let folder = folder();
@@ -166,6 +198,29 @@ fn what_needs_the_whole_grid_is_refused_by_name() {
         "inputs = { volume = \"gradient\" }\nrelative_to = \"series\"",
         &["steps of a series"],
     );
+    let threshold = |further: &str| {
+        with_nodes(
+            &format!(
+                "[nodes.kept]\ntype = \"threshold\"\narray = \"t\"\n{further}\ninputs = {{ volume = \"gradient\" }}\n"
+            ),
+            "kept",
+        )
+    };
+    let multi = "range = [0.9, 9.0]\ninputs = { volume = \"gradient\" }\n\n[nodes.again]\ntype = \"multi-gradient\"\nfields = [\"t\"]";
+    for (text, wanted) in [
+        (threshold("range = [\"p50\", \"100%\"]"), "relative to the whole"),
+        (threshold("range = [\"p50\", \"100%\"]\nrelative_to = \"series\""), "relative to the whole"),
+        (
+            threshold(multi)
+                .replace("volume = \"gradient\" }\n\n[nodes.look]", "volume = \"kept\" }\n\n[nodes.look]")
+                .replace("volume = \"kept\", transfer", "volume = \"again\", transfer"),
+            "gradients after cells were dropped",
+        ),
+    ] {
+        let built = graph(&text, folder.path()).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        let error = session().with_memory(1).run(&built, &NoObserver).map(drop).unwrap_err().to_string();
+        assert!(error.contains(wanted), "{wanted}: {error}");
+    }
 }
 
 /// A process of a run as a thread, for tests without MPI.

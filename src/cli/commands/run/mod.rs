@@ -6,7 +6,7 @@ mod resume;
 mod runner;
 mod sheet;
 
-use super::shared::{DONE, Outcome, ShortOption, open_all, show};
+use super::shared::{DONE, FAILED, Outcome, ShortOption, open_all, show};
 use crate::Document;
 use crate::cli::arguments::Run;
 use crate::cli::ranks::Launch;
@@ -17,18 +17,27 @@ use crate::io::provenance::whole_report;
 use crate::nodes::files;
 use plan::Plan;
 use runner::Runner;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 pub fn run(arguments: &Run, registry: &Registry) -> Outcome {
     let launch = Launch::join()?;
-    match run_on(arguments, registry, &launch) {
-        Err(failure) if launch.ranks.count() > 1 => {
-            launch.announce_failure();
-            let exit_code = show(&failure);
-            launch.end_all(exit_code);
-            Ok(exit_code)
-        }
-        outcome => outcome,
+    if launch.ranks.count() == 1 {
+        return run_on(arguments, registry, &launch);
     }
+    // The other processes wait for this one: whatever ends it ends them all.
+    let exit_code = match catch_unwind(AssertUnwindSafe(|| run_on(arguments, registry, &launch))) {
+        Ok(Ok(DONE)) => return Ok(DONE),
+        Ok(Ok(exit_code)) => exit_code,
+        Ok(Err(failure)) => {
+            launch.announce_failure();
+            show(&failure)
+        }
+        // It was shown where it happened.
+        Err(_) => FAILED,
+    };
+    launch.announce_failure();
+    launch.end_all(exit_code);
+    Ok(exit_code)
 }
 
 /// Runs the files, as one of the processes of a launch.
