@@ -230,3 +230,40 @@ fn pieces_that_are_not_there_are_errors() {
     let error = read_part(&other, &request, &[1], &borders, &NoProgress).unwrap_err().to_string();
     assert!(error.contains("borders are those of another file") && error.contains("2 pieces"), "{error}");
 }
+
+#[test]
+fn damage_is_an_error_or_another_grid() {
+    let folder = tempfile::tempdir().unwrap();
+    let request = Request { scalar: Some("p".into()), ..Request::default() };
+    let mut state = 1_u64;
+    let mut random = |below: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % below
+    };
+    let (mut errors, mut grids) = (0, 0);
+    for case in 0..120 {
+        let mut bytes = box_in_pieces(|[i, _, _]| i / 2, case & 1 > 0, case & 2 > 0).into_bytes();
+        for _ in 0..1 + case % 3 {
+            // Half of it in the connectivity and other numbers, the rest anywhere.
+            let digits: Vec<usize> = (0..bytes.len()).filter(|&i| bytes[i].is_ascii_digit()).collect();
+            let place = if case & 4 > 0 { digits[random(digits.len())] } else { random(bytes.len()) };
+            bytes[place] = b"0123456789 -n<"[random(14)];
+        }
+        let path = file(&folder, "box.vtu", &bytes);
+        let of_parts = piece_borders(&path, &request, 2, &NoProgress).and_then(|borders| {
+            let count = piece_sizes(&path, &request)?.len();
+            let part = |piece| read_part(&path, &request, &[piece], &borders, &NoProgress);
+            (0..count).map(part).collect::<Result<Vec<_>, _>>()
+        });
+        match (read(&path, &request, &NoProgress), of_parts) {
+            (Ok(whole), Ok(parts)) => {
+                grids += 1;
+                let found: usize = parts.iter().flatten().map(|part| part.tetrahedra.len()).sum();
+                assert_eq!(found, whole.tetrahedra.len(), "case {case}");
+            }
+            (Err(_), parts) => errors += usize::from(parts.is_err()),
+            (Ok(_), Err(error)) => panic!("case {case}: {error}"),
+        }
+    }
+    assert!(errors > 5 && grids > 5, "{errors} errors and {grids} grids");
+}
