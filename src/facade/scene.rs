@@ -131,8 +131,8 @@ impl Scene {
     pub(super) fn compiled(&self, progress: &dyn Progress) -> Result<CompiledScene> {
         let camera = self.camera.place()?;
         let shading = self.shading.compiled()?;
-        let points = self.volume.built(false, false, progress)?.grid.points.clone();
-        let transfer_function = Arc::new(self.transfer_function.scaled(&points)?);
+        let bounds = self.volume.built(false, false, progress)?.grid.bounds();
+        let transfer_function = Arc::new(self.transfer_function.scaled(bounds)?);
         can_serve(&shading.integrator, &transfer_function)?;
         let needs_magnitude = transfer_function.uses_gradient_magnitude();
         let volume = self.volume.built(needs_magnitude, needs_gradient(&shading), progress)?;

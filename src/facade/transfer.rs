@@ -73,13 +73,13 @@ impl TransferFunction {
         TransferFunction { unit_distance: UnitDistance::Length(length), ..self }
     }
 
-    /// The transfer function for a grid with these points.
+    /// The transfer function for a grid with these bounds.
     ///
     /// # Errors
     /// - a number that is out of range or not finite.
-    pub(super) fn scaled(&self, points: &[glam::DVec3]) -> Result<ScaledTransferFunction> {
+    pub(super) fn scaled(&self, bounds: Option<[glam::DVec3; 2]>) -> Result<ScaledTransferFunction> {
         let unit_distance = match self.unit_distance {
-            UnitDistance::Auto => diagonal(points) / 100.0,
+            UnitDistance::Auto => diagonal(bounds) / 100.0,
             UnitDistance::Length(length) => length,
         };
         let widgets = self.widgets.clone();
@@ -281,8 +281,8 @@ mod tests {
 
     #[test]
     fn a_ramp_spans_its_range_from_transparent_to_its_extinction() {
-        let points = [DVec3::ZERO, DVec3::new(60.0, 0.0, 80.0)];
-        let scaled = TransferFunction::ramp(Colormap::Viridis, [2.0, 6.0], 3.0).scaled(&points).unwrap();
+        let bounds = [DVec3::ZERO, DVec3::new(60.0, 0.0, 80.0)];
+        let scaled = TransferFunction::ramp(Colormap::Viridis, [2.0, 6.0], 3.0).scaled(Some(bounds)).unwrap();
         assert_eq!(scaled.unit_distance, 1.0);
         let Profile::PiecewiseLinear { points } = &scaled.widgets[0].profile else { unreachable!() };
         let ends = [points[0], points[points.len() - 1]].map(|point| [point.s, point.extinction]);
@@ -293,13 +293,16 @@ mod tests {
     fn numbers_out_of_range_are_refused() {
         let gaussian = Gaussian::at(0.0, 0.0);
         for wrong in [gaussian.clone().sigma(0.0, 1.0), gaussian.extinction(-1.0)] {
-            TransferFunction::new().with(wrong).scaled(&[DVec3::ZERO, DVec3::ONE]).unwrap_err();
+            TransferFunction::new().with(wrong).scaled(Some([DVec3::ZERO, DVec3::ONE])).unwrap_err();
         }
-        TransferFunction::new().with(Piecewise::new()).scaled(&[DVec3::ZERO, DVec3::ONE]).unwrap_err();
-        TransferFunction::new().with(Uniform::range(0.0, 1.0)).scaled(&[DVec3::ZERO, DVec3::ONE]).unwrap();
+        TransferFunction::new().with(Piecewise::new()).scaled(Some([DVec3::ZERO, DVec3::ONE])).unwrap_err();
+        TransferFunction::new()
+            .with(Uniform::range(0.0, 1.0))
+            .scaled(Some([DVec3::ZERO, DVec3::ONE]))
+            .unwrap();
         for (count, is_right) in [(4, true), (3, false)] {
             let image = TableImage::new(2, vec![[1.0; 4]; count], [0.0, 1.0], [0.0, 2.0]).extinction(3.0);
-            let scaled = TransferFunction::new().with(image).scaled(&[DVec3::ZERO, DVec3::ONE]);
+            let scaled = TransferFunction::new().with(image).scaled(Some([DVec3::ZERO, DVec3::ONE]));
             assert_eq!(scaled.is_ok(), is_right);
         }
     }

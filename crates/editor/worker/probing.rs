@@ -41,7 +41,7 @@ impl ProbeQuery {
     fn walk(&self, call: &RunContext) -> Result<PixelProbe> {
         let (volume, look) = (call.volume("volume")?, call.look("transfer-function")?);
         let camera = call.camera("camera")?;
-        let transfer_function = look.for_diagonal(diagonal(&volume.grid.points));
+        let transfer_function = look.for_diagonal(diagonal(volume.grid.bounds()));
         let camera = Camera { samples: 1, ..*camera };
         // What is seen, as the values count: light and silhouettes change colours.
         let shading = Shading::default();

@@ -282,7 +282,7 @@ impl Subject {
         let (scene, order_node) = match inputs.as_slice() {
             [volume, Value::TransferFunction(look), Value::Camera(camera), surfaces @ ..] => {
                 let volume = volume.volume().ok_or_else(unknown)?.map_err(blame)?;
-                let diagonal = if look.auto_unit_distance { diagonal(&volume.grid.points) } else { 0.0 };
+                let diagonal = if look.auto_unit_distance { diagonal(volume.grid.bounds()) } else { 0.0 };
                 let transfer_function = Arc::new(look.for_diagonal(diagonal));
                 let order = drawing::order(&node.parameters).map_err(blame)?;
                 let mut scene = Scene::new(volume, transfer_function, **camera, shading, order);
