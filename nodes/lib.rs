@@ -110,5 +110,9 @@ pub fn session() -> Session {
 
 fn stamp(path: &Path) -> Stamp {
     let metadata = std::fs::metadata(path).ok()?;
+    // A pipe changes as it is read, and can be read once.
+    if !(metadata.is_file() || metadata.is_dir()) {
+        return None;
+    }
     Some((metadata.len(), metadata.modified().ok()?))
 }

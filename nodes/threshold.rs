@@ -2,7 +2,7 @@
 
 use crate::drawing::{CLIP, clips};
 use crate::reader::blocks;
-use crate::relative::{DataScope, RELATIVE_TO, demand_for, known_of_series, note_numbers};
+use crate::relative::{self, DataScope, RELATIVE_TO, demand_for, known_of_series, note_numbers};
 use crate::surfacing::{self, QUANTITY, VolumeStatistics, quantity, range_message};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -100,6 +100,7 @@ pub const NODE: Node = Node {
     example: include_str!("examples/threshold.toml"),
     check: &|p| Condition::new(&with_placeholders(p)?).map(drop),
     demand: &demand,
+    other_steps: &relative::other_steps,
     run: &run,
     ..Node::BLANK
 };

@@ -30,6 +30,7 @@ pub use api::node::{NamedStub, Node, PlanningStub, Steps, TimeSeries};
 pub use api::origins::{FileRead, FileStamp, Origins, ResolvedPipeline, Stamp, relative_path};
 pub use api::value::{
     CellValues, Edge, Port, PortType, Revision, StagePayload, TransferFunctionSpec, Value, diagonal,
+    diagonal_of,
 };
 pub use build::entry::{Diagnostic, DiagnosticTarget, LinkEntry, NodeEntry, unknown_node};
 pub use build::graph::{Graph, GraphNode, NodeOverride};

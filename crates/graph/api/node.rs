@@ -86,6 +86,9 @@ pub struct Node {
     /// The files that it reads beside those that its parameters name, from headers alone: where one of them changes it runs again,
     /// and pictures say what they were. Of a series the files of the step that is read, or of all. What cannot be read names none.
     pub files_beside: &'static (dyn Fn(&Preparation, Steps) -> Vec<PathBuf> + Send + Sync),
+    /// Numbers of the steps of the time series at its inputs, of so many, that it looks at beside the one that is read: its outputs
+    /// depend on their files.
+    pub other_steps: &'static (dyn Fn(&Parameters, usize) -> Vec<usize> + Send + Sync),
     /// Finds out before any long work whether the run can succeed (files exist, folders can be written).
     pub prepare: &'static (dyn Fn(&Preparation) -> Result<()> + Send + Sync),
     /// Does the work: one value for each output, in their order.
@@ -114,6 +117,7 @@ impl Node {
         foresee: &|_| Ok(()),
         steps: &|preparation| Ok(TimeSeries::of_one(preparation.parameters)),
         files_beside: &|_, _| Vec::new(),
+        other_steps: &|_, _| Vec::new(),
         prepare: &|_| Ok(()),
         run: &|_| Ok(Vec::new()),
     };

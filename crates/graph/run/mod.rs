@@ -4,3 +4,4 @@ mod cache;
 mod node_run;
 pub(crate) mod plan;
 pub(crate) mod session;
+mod shared;
