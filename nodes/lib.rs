@@ -2,6 +2,7 @@
 //!
 //! | folder | what |
 //! | --- | --- |
+//! | [`between_steps`] | values between two steps of a series |
 //! | [`color_scale`] | the scale of a transfer function's colours, for pictures |
 //! | [`external_formats`] | nodes of formats that come from outside |
 //! | [`drawing`] | what the nodes that draw share |
@@ -12,6 +13,7 @@
 
 mod annotation;
 mod bands;
+mod between_steps;
 mod boundary;
 mod calculator;
 mod camera;

@@ -80,3 +80,37 @@ fn a_probe_finds_one_widget_for_the_whole_series() {
     assert_eq!(own.matches("found: s ").count(), 3, "{own}");
     assert!(own.contains("s 0.500 ± 0.289"), "{own}");
 }
+
+/// T of step k is (k + 1) x at the time k / 10: in the middle of the steps 1 and 2 it is 2.5 x.
+#[test]
+fn values_between_steps_lie_on_a_straight_line_where_that_is_asked_for() {
+    let folder = series(4);
+    let linear = ["--set", "grid.between_steps=linear"];
+    let run = |arguments: &[&str]| folder.voltet(&[&["run", "p.toml"][..], arguments].concat());
+    let said = run(&[&linear[..], &["--times", "0.1:0.2:0.05", "-o", "t{time}.exr"]].concat()).ok().stdout;
+    assert!(said.contains("grid: between the steps 1 and 2: 0."), "{said}");
+    folder.write("middle.vtu", cube_of(2, "T", |x| 2.5 * x));
+    run(&["--set", "grid.path=middle.vtu", "-o", "middle.exr"]).ok();
+    // 0.15 lies half way up to rounding, which 32 bits of the picture may show in the last place.
+    let ((_, middle), (_, between)) = (folder.floats("middle.exr"), folder.floats("t0.15.exr"));
+    let pairs = middle.iter().flatten().zip(between.iter().flatten());
+    let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    assert!(off < 1e-6, "{off}");
+    // At the steps themselves, and without the word, it is the step.
+    for (step, time) in [("1", "t0.1.exr"), ("2", "t0.2.exr")] {
+        run(&["--steps", step, "-o", "own.exr"]).ok();
+        assert_eq!(folder.floats("own.exr"), folder.floats(time), "{step}");
+    }
+    run(&["--times", "0.16", "-o", "nearest.exr"]).ok();
+    assert_eq!(folder.floats("nearest.exr"), folder.floats("t0.2.exr"));
+    // The picture says how it was made, of which files, and draws itself again.
+    let carried = folder.voltet(&["info", "t0.15.exr"]).ok().stdout;
+    for wanted in ["between_steps = \"linear\"", "time = 0.15", "s1.vtu, s2.vtu"] {
+        assert!(carried.contains(wanted), "{wanted}: {carried}");
+    }
+    folder.voltet(&["run", "t0.15.exr", "-o", "again.exr"]).ok();
+    assert_eq!(folder.floats("again.exr").1, between);
+    // Meshes that differ have nothing between them.
+    folder.write("s2.vtu", cube_of(3, "T", |x| x));
+    run(&[&linear[..], &["--times", "0.15"]].concat()).fails(2, &["meshes of the steps around", "nearest"]);
+}
