@@ -1,6 +1,6 @@
 //! `boundary`: the outer faces of the cells.
 
-use crate::relative::RELATIVE_TO;
+use crate::relative::{self, RELATIVE_TO};
 use crate::surfacing::{self, SMOOTH, Shape, with_paint};
 use voltet_core::Result;
 use voltet_core::grid::boundary;
@@ -25,6 +25,7 @@ pub const NODE: Node = Node {
         let p = asking.parameters;
         surfacing::ask(asking, [surfacing::color_by(p, None), None])
     },
+    other_steps: &relative::other_steps,
     run: &run,
     ..Node::BLANK
 };

@@ -1,9 +1,9 @@
 //! `camera`: where the picture is seen from.
 
 use crate::probe::SpatialRegion;
-use crate::relative::{DataScope, RELATIVE_TO};
+use crate::relative::{self, RELATIVE_TO};
 use glam::DVec3;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use voltet_core::arithmetic::unit_vector;
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::camera_path::{CameraKey, camera_on_way, points_on_orbit};
@@ -192,6 +192,7 @@ pub const NODE: Node = Node {
     // Bounds need points alone.
     demand: &|asking| asking.ask("volume", &Demand::default()),
     part_work: PartWork::All,
+    other_steps: &relative::other_steps,
     run: &run,
     ..Node::BLANK
 };
@@ -207,7 +208,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
                 let error = p.error(if is_relative { "fit" } else { view }, what);
                 return Err(error.expected("inputs = { volume = \"NODE\" } at the camera, or numbers in fit"));
             }
-            let bounds = bounds(call)?;
+            let bounds = relative::bounds(call)?;
             let none = || Error::run("the data have no points, so no view of them can be fitted");
             let region = SpatialRegion::from_bounds(bounds.ok_or_else(none)?);
             camera(&resolved(p, &region)?, bounds)?
@@ -216,58 +217,6 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     };
     Ok(vec![Value::Camera(Arc::new(camera))])
 }
-
-/// Bounds of the data at the input `volume`, or of all steps of their series that count.
-fn bounds(call: &mut RunContext) -> Result<Option<[DVec3; 2]>> {
-    let scope = DataScope::from_parameters(call.parameters)?;
-    if call.is_in_parts() {
-        scope.refuse_series(call.parameters)?;
-        return bounds_of_parts(call);
-    }
-    let Some(steps) = scope.steps(call.step_count("volume")?) else {
-        return Ok(call.volume("volume")?.grid.bounds());
-    };
-    let demand = Demand::default();
-    let kept = call.keep_over_steps("volume", &demand, || Ok(KeptBounds::default()))?;
-    let mut kept = kept.0.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(SeriesBounds(_, bounds)) = kept.iter().find(|SeriesBounds(of, _)| *of == steps) {
-        return Ok(*bounds);
-    }
-    let mut bounds: Option<[DVec3; 2]> = None;
-    call.each_step("volume", &demand, Some(&steps), &mut |_, value| {
-        let Some(volume) = value.volume().transpose()? else { return Ok(()) };
-        if let Some([low, high]) = volume.grid.bounds() {
-            let [a, b] = bounds.unwrap_or([low, high]);
-            bounds = Some([a.min(low), b.max(high)]);
-        }
-        Ok(())
-    })?;
-    kept.push(SeriesBounds(steps, bounds));
-    Ok(bounds)
-}
-
-/// Bounds of a grid in parts.
-fn bounds_of_parts(call: &mut RunContext) -> Result<Option<[DVec3; 2]>> {
-    let mut bounds: Option<[DVec3; 2]> = None;
-    call.each_part(&mut |call| {
-        if let Some([low, high]) = call.volume("volume")?.grid.bounds() {
-            let [a, b] = bounds.unwrap_or([low, high]);
-            bounds = Some([a.min(low), b.max(high)]);
-        }
-        Ok(())
-    })?;
-    let own = bounds.map_or(Vec::new(), |bounds| bounds.map(|place| place.to_array()).concat());
-    let of_all = call.gather(&own)?;
-    let of_all = of_all.iter().filter_map(|own| Some([own.get(..3)?, own.get(3..)?].map(DVec3::from_slice)));
-    Ok(of_all.reduce(|[a, b], [low, high]| [a.min(low), b.max(high)]))
-}
-
-/// Bounds of some steps of a series, which a session keeps.
-#[derive(Default)]
-struct KeptBounds(Mutex<Vec<SeriesBounds>>);
-
-/// Numbers of steps, and the bounds of their data.
-struct SeriesBounds(Vec<usize>, Option<[DVec3; 2]>);
 
 /// The camera that the parameters state; its axes are known to be sound. `bounds`: those of the data, where a view is fitted to them.
 fn camera(p: &Parameters, bounds: Option<[DVec3; 2]>) -> Result<Camera> {

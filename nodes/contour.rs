@@ -1,6 +1,6 @@
 //! `contour`: surfaces of constant value.
 
-use crate::relative::RELATIVE_TO;
+use crate::relative::{self, RELATIVE_TO};
 use crate::surfacing::{self, QUANTITY, SMOOTH, Shape, with_paint};
 use voltet_core::Result;
 use voltet_core::grid::{GridSurface, contour};
@@ -28,6 +28,7 @@ pub const NODE: Node = Node {
         let array = p.text("array")?;
         surfacing::ask(asking, [Some(array), surfacing::color_by(p, None)])
     },
+    other_steps: &relative::other_steps,
     run: &run,
     ..Node::BLANK
 };

@@ -1,6 +1,6 @@
 //! `edges`: the edges of cells on the boundary, those of the boundary's features, or those of the box of the data, as tubes.
 
-use crate::relative::RELATIVE_TO;
+use crate::relative::{self, RELATIVE_TO};
 use crate::surfacing::tubing::{self, tube_parameters};
 use crate::surfacing::{self, Shape, with_paint};
 use glam::DVec3;
@@ -25,6 +25,7 @@ pub const NODE: Node = Node {
         asking.ask("volume", &Demand { file_cells, ..Demand::default() })?;
         surfacing::ask(asking, [surfacing::color_by(p, None), None])
     },
+    other_steps: &relative::other_steps,
     run: &run,
     ..Node::BLANK
 };

@@ -2,6 +2,7 @@
 //!
 //! | folder | what |
 //! | --- | --- |
+//! | [`between_steps`] | values between two steps of a series |
 //! | [`color_scale`] | the scale of a transfer function's colours, for pictures |
 //! | [`external_formats`] | nodes of formats that come from outside |
 //! | [`drawing`] | what the nodes that draw share |
@@ -12,6 +13,7 @@
 
 mod annotation;
 mod bands;
+mod between_steps;
 mod boundary;
 mod calculator;
 mod camera;
@@ -110,5 +112,9 @@ pub fn session() -> Session {
 
 fn stamp(path: &Path) -> Stamp {
     let metadata = std::fs::metadata(path).ok()?;
+    // A pipe changes as it is read, and can be read once.
+    if !(metadata.is_file() || metadata.is_dir()) {
+        return None;
+    }
     Some((metadata.len(), metadata.modified().ok()?))
 }

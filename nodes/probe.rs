@@ -1,13 +1,14 @@
 //! `probe`: the statistics of the data of a region, as a Gaussian widget.
 
-use crate::relative;
+use crate::relative::{self, DataScope, RELATIVE_TO};
 use glam::DVec3;
 use serde_json::json;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::error::ErrorKind;
 use voltet_core::grid::{Grid, extent};
 use voltet_core::parameters::suggest;
-use voltet_core::probing::{ProbeRegion, ProbeResult, kernel, probe};
+use voltet_core::probing::{ProbeRegion, ProbeResult, kernel, probe, value_range};
+use voltet_core::progress::Progress;
 use voltet_core::transfer::{
     DataStatistics, OpticalModel, Profile, TransferFunction, Widget, resolved, with_placeholders,
 };
@@ -38,55 +39,150 @@ pub const NODE: Node = Node {
     outline: &|parameters, _| {
         let names = fields(parameters)?;
         let n = names.as_ref().map_or(2, Vec::len);
-        look(parameters, names, vec![0.0; n], vec![vec![1.0; n]; n])
+        let look = look(parameters, names, vec![0.0; n], vec![vec![1.0; n]; n])?;
+        Ok(vec![Value::TransferFunction(Arc::new(look))])
     },
     demand: &demand,
+    other_steps: &relative::other_steps,
     run: &run,
     ..Node::BLANK
 };
 
 fn demand(asking: &mut DemandContext) -> Result<()> {
-    let names = fields(asking.parameters)?;
-    let mask =
-        asking.parameters.table("mask")?.map(|mask| mask.text("array").map(str::to_string)).transpose()?;
-    let demand = Demand {
+    let of_step = DataScope::from_parameters(asking.parameters)? == DataScope::Step;
+    asking.ask("volume", &if of_step { demand_of(asking.parameters)? } else { Demand::default() })
+}
+
+/// Demand on a volume that is probed.
+fn demand_of(p: &Parameters) -> Result<Demand> {
+    let names = fields(p)?;
+    let mask = p.table("mask")?.map(|mask| mask.text("array").map(str::to_string)).transpose()?;
+    Ok(Demand {
         gradient_magnitude: names.is_none(),
         arrays: names.into_iter().flatten().collect(),
         cell_arrays: mask.into_iter().collect(),
         ..Demand::default()
-    };
-    asking.ask("volume", &demand)
+    })
 }
 
 fn run(call: &mut RunContext) -> Result<Outputs> {
     let p = call.parameters;
-    let volume = call.volume("volume")?;
     let names = fields(p)?;
-    let values = values(&volume, names.as_deref()).map_err(|error| p.locate("fields", error))?;
-    let own = placed(p, &volume.grid)?;
-    let region = region(&own)?;
-    if own != *p {
-        relative::note_numbers(&mut call.notes, "region", "over the bounds", p, &own);
-    }
-    let mask = mask(p, &volume)?;
-    let found = call
-        .stage("probe", |progress| probe(&volume.grid, &values, &region, mask.as_deref(), progress))
-        .map_err(|error| locate(p, error))?;
-    if let ProbeRegion::Points(points) = &region
-        && found.point_count < points.len() as u64
-    {
-        let outside = points.len() as u64 - found.point_count;
-        let (of, lie) = (counted(points.len(), "point"), agreeing(&outside, "lies", "lie"));
-        call.notes.warnings.push(format!("{outside} of {of} {lie} in no cell that counts"));
-    }
+    let scope = DataScope::from_parameters(p)?;
+    let found = match scope {
+        DataScope::Step => of_volume(call)?,
+        _ => of_series(call, scope)?,
+    };
     let matrix = kernel(&found, p.number("least_sigma")?, p.number("sigma_scale")?, p.flag("correlated")?);
     let names_shown = names.clone().unwrap_or_else(|| vec!["s".into(), "g".into()]);
     for (name, _) in names_shown.iter().zip(&found.extent).filter(|(_, extent)| **extent == 0.0) {
         let what = format!("{name} is constant over the whole grid: the widget does not look at it");
         call.notes.warnings.push(what);
     }
-    call.notes.find(sentence(&found, &names_shown), figures(&found, &names_shown, &matrix));
-    look(p, names, found.mean, matrix)
+    let over = match scope {
+        DataScope::Step => String::new(),
+        _ => format!(" ({})", scope.phrase(call)?),
+    };
+    call.notes.find(sentence(&found, &names_shown) + &over, figures(&found, &names_shown, &matrix));
+    let mut look = look(p, names, found.mean, matrix)?;
+    look.series_diagonal = relative::series_diagonal(call)?;
+    Ok(vec![Value::TransferFunction(Arc::new(look))])
+}
+
+/// The probe of the volume at the input.
+fn of_volume(call: &mut RunContext) -> Result<ProbeResult> {
+    let (p, volume) = (call.parameters, call.volume("volume")?);
+    let own = placed(p, &volume.grid)?;
+    if own != *p {
+        relative::note_numbers(&mut call.notes, "region", "over the bounds", p, &own);
+    }
+    let found = call.stage("probe", |progress| probed(p, &volume, progress))?;
+    if let ProbeRegion::Points(points) = region(&own)?
+        && found.point_count < points.len() as u64
+    {
+        let outside = points.len() as u64 - found.point_count;
+        let (of, lie) = (counted(points.len(), "point"), agreeing(&outside, "lies", "lie"));
+        call.notes.warnings.push(format!("{outside} of {of} {lie} in no cell that counts"));
+    }
+    Ok(found)
+}
+
+/// The probe of a volume.
+fn probed(p: &Parameters, volume: &Volume, progress: &dyn Progress) -> Result<ProbeResult> {
+    let names = fields(p)?;
+    let values = values(volume, names.as_deref()).map_err(|error| p.locate("fields", error))?;
+    let (region, mask) = (region(&placed(p, &volume.grid)?)?, mask(p, volume)?);
+    probe(&volume.grid, &values, &region, mask.as_deref(), progress).map_err(|error| locate(p, error))
+}
+
+/// The probe of steps of the series together, each with the weight of its region.
+fn of_series(call: &mut RunContext, scope: DataScope) -> Result<ProbeResult> {
+    let (p, demand) = (call.parameters, demand_of(call.parameters)?);
+    let kept = call.keep_over_steps("volume", &demand, || Ok(KeptProbes::default()))?;
+    let mut kept = kept.0.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, found)) = kept.iter().find(|(known, _)| known == p) {
+        return Ok(found.clone());
+    }
+    let steps = scope.steps(call.step_count("volume")?);
+    let mut found: Option<PooledProbe> = None;
+    call.each_step("volume", &demand, steps.as_deref(), &mut |_, value| {
+        let Some(volume) = value.volume().transpose()? else { return Ok(()) };
+        let names = fields(p)?;
+        let ranges =
+            values(&volume, names.as_deref())?.into_iter().map(value_range).collect::<Result<_>>()?;
+        let own = PooledProbe { found: probed(p, &volume, call.progress())?, ranges };
+        found = Some(match found.take() {
+            Some(before) => before.with(own),
+            None => own,
+        });
+        Ok(())
+    })?;
+    let none = || Error::run("the series has no steps that could be probed");
+    let found = found.ok_or_else(none)?.found;
+    kept.push((p.clone(), found.clone()));
+    Ok(found)
+}
+
+/// Probes over steps of a series, by their parameters; a session keeps them.
+#[derive(Default)]
+struct KeptProbes(Mutex<Vec<(Parameters, ProbeResult)>>);
+
+/// Moments of several steps together, with the range of each field.
+struct PooledProbe {
+    found: ProbeResult,
+    ranges: Vec<[f64; 2]>,
+}
+
+impl PooledProbe {
+    /// Both together. Moments of parts are merged about their own means (Chan, Golub and LeVeque 1979).
+    fn with(self, other: PooledProbe) -> PooledProbe {
+        let parts = [&self.found, &other.found];
+        let weights =
+            parts.map(|part| if part.point_count > 0 { part.point_count as f64 } else { part.volume });
+        let shares = weights.map(|weight| weight / (weights[0] + weights[1]));
+        let ranges: Vec<[f64; 2]> =
+            self.ranges.iter().zip(&other.ranges).map(|(a, b)| [a[0].min(b[0]), a[1].max(b[1])]).collect();
+        let extent: Vec<f64> = ranges.iter().map(|[low, high]| high - low).collect();
+        let fields = 0..extent.len();
+        let mean = |i: usize| parts[0].mean[i] * shares[0] + parts[1].mean[i] * shares[1];
+        let between = |i: usize| parts[1].mean[i] - parts[0].mean[i];
+        let covariance = |i: usize, j: usize| {
+            let unit = extent[i] * extent[j];
+            let within = |part: &ProbeResult| part.covariance[i][j] * part.extent[i] * part.extent[j];
+            let sum = shares[0] * within(parts[0]) + shares[1] * within(parts[1]);
+            let all = sum + shares[0] * shares[1] * between(i) * between(j);
+            if unit > 0.0 { all / unit } else { 0.0 }
+        };
+        let found = ProbeResult {
+            mean: fields.clone().map(mean).collect(),
+            covariance: fields.clone().map(|i| fields.clone().map(|j| covariance(i, j)).collect()).collect(),
+            extent: extent.clone(),
+            cell_count: parts[0].cell_count + parts[1].cell_count,
+            volume: parts[0].volume + parts[1].volume,
+            point_count: parts[0].point_count + parts[1].point_count,
+        };
+        PooledProbe { found, ranges }
+    }
 }
 
 /// Adds the place of the parameter that names the region.
@@ -115,7 +211,7 @@ fn look(
     names: Option<Vec<String>>,
     centre: Vec<f64>,
     matrix: Vec<Vec<f64>>,
-) -> Result<Outputs> {
+) -> Result<TransferFunctionSpec> {
     let profile = match names {
         Some(fields) => Profile::GaussianNd { fields, centre, matrix },
         None => Profile::Gaussian {
@@ -128,10 +224,7 @@ fn look(
     let model = OpticalModel::DensityEmitter;
     let transfer_function =
         TransferFunction { model, unit_distance: 1.0, widgets: vec![widget], axes: Default::default() };
-    Ok(vec![Value::TransferFunction(Arc::new(TransferFunctionSpec {
-        transfer_function,
-        auto_unit_distance: true,
-    }))])
+    Ok(TransferFunctionSpec::new(transfer_function, true))
 }
 
 /// The parameters, for the declaration.
@@ -230,6 +323,10 @@ pub const PARAMETERS: &[Parameter] = &[
         unit: "",
         default: DefaultValue::Boolean(true),
         help: "true: a full matrix, tilted as the fields vary together; false: along the axes",
+    },
+    Parameter {
+        help: "the data that are probed: each step's own, or steps of the series together",
+        ..RELATIVE_TO
     },
 ];
 

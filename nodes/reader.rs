@@ -1,5 +1,7 @@
 //! `reader`: a data file to a grid of tetrahedra with the arrays that nodes downstream use.
 
+use crate::between_steps::{StepPair, around, interpolated};
+use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::grid::Grid;
@@ -76,6 +78,19 @@ pub const NODE: Node = Node {
             help: "time within a time series, in place of time_step: the nearest step is read",
         },
         Parameter {
+            name: "between_steps",
+            parameter_type: ParameterType::Choice(&[
+                (NEAREST, "the nearest step"),
+                (
+                    "linear",
+                    "values on a straight line from the step before to the step after, whose meshes must be equal",
+                ),
+            ]),
+            unit: "",
+            default: DefaultValue::Text(NEAREST),
+            help: "what is read at a time between two steps",
+        },
+        Parameter {
             name: "subdivision",
             parameter_type: ParameterType::Integer(Range::within(1.0, 64.0)),
             unit: "pieces",
@@ -107,6 +122,9 @@ pub const NODE: Node = Node {
 
 /// The word for every step of a series in place of one's number.
 const ALL_STEPS: &str = "all";
+
+/// The word for the nearest step at a time between two.
+const NEAREST: &str = "nearest";
 
 /// The scalar that is drawn.
 pub const SCALAR: Parameter = Parameter {
@@ -153,12 +171,28 @@ pub(crate) fn run(call: &mut RunContext, chosen: Option<SelectedArrays>) -> Resu
         let what = "time_step = \"all\" is for `voltet run`; the first step alone is read here";
         call.notes.warnings.push(what.into());
     }
-    let grid = match call.part() {
-        None => formats::read(&path, &request, call.progress()).map_err(with_file_named)?,
-        Some(part) => match read_part(call, part, &path, &request).map_err(with_file_named)? {
+    let read = |request: &Request| formats::read(&path, request, call.progress()).map_err(with_file_named);
+    let steps = step_pair(call.parameters, &path, &request)?;
+    let grid = match (call.part(), steps) {
+        (Some(_), Some(_)) => {
+            let what = "values between steps are found of whole grids";
+            let error = call.parameters.error("between_steps", what).got("a grid in parts (--memory)");
+            return Err(error.expected("between_steps = \"nearest\", or a larger --memory"));
+        }
+        (Some(part), None) => match read_part(call, part, &path, &request).map_err(with_file_named)? {
             Some(grid) => grid,
             None => return Ok(Vec::new()),
         },
+        (None, None) => read(&request)?,
+        (None, Some(StepPair { steps, share })) => {
+            let at = |step: usize| Request { time_step: Some(TimeStep::Index(step)), ..request.clone() };
+            let [first, second] = [read(&at(steps[0]))?, read(&at(steps[1]))?];
+            let grid = interpolated(first, &second, share)
+                .map_err(|error| call.parameters.locate("between_steps", error))?;
+            let what = format!("between the steps {} and {}: {share:?} of the second", steps[0], steps[1]);
+            call.notes.find(what, json!({ "between_steps": { "steps": steps, "share": share } }));
+            grid
+        }
     };
     let origin = &grid.origin;
     call.notes.warnings.extend(origin.warnings.iter().cloned());
@@ -210,6 +244,15 @@ fn piece_bytes(preparation: &Preparation) -> Result<Vec<u64>> {
     Ok(sizes.into_iter().map(bytes).collect())
 }
 
+/// The steps around the time that the parameters name, where values between them are asked for.
+fn step_pair(p: &Parameters, path: &Path, request: &Request) -> Result<Option<StepPair>> {
+    let time =
+        p.optional_number("time").filter(|_| p.text("between_steps").is_ok_and(|word| word != NEAREST));
+    let Some(time) = time else { return Ok(None) };
+    let (times, _) = formats::steps(path, request).map_err(with_file_named)?;
+    Ok(around(&times, time))
+}
+
 /// Pieces, the files of the step, a solution that no parameter names. Mistakes are reported when it runs.
 fn files_beside(preparation: &Preparation, steps: Steps) -> Vec<PathBuf> {
     let (Ok(path), Ok(mut request)) = (preparation.path("path"), request(preparation.parameters, None))
@@ -220,7 +263,13 @@ fn files_beside(preparation: &Preparation, steps: Steps) -> Vec<PathBuf> {
         request.solution = preparation.path("solution").ok();
     }
     match steps {
-        Steps::Read => formats::files_read_beside(&path, &request),
+        Steps::Read => match step_pair(preparation.parameters, &path, &request) {
+            Ok(Some(StepPair { steps, .. })) => {
+                let at = |step: usize| Request { time_step: Some(TimeStep::Index(step)), ..request.clone() };
+                steps.iter().flat_map(|&step| formats::files_read_beside(&path, &at(step))).collect()
+            }
+            _ => formats::files_read_beside(&path, &request),
+        },
         Steps::All => formats::files_beside(&path),
     }
 }

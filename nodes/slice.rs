@@ -1,7 +1,7 @@
 //! `slice`: a plane, a sphere or a cylinder through the cells, coloured by what they hold there.
 
 use crate::probe::{POSITION, RADIUS};
-use crate::relative::RELATIVE_TO;
+use crate::relative::{self, RELATIVE_TO};
 use crate::surfacing::{self, Shape, with_paint};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -29,6 +29,7 @@ pub const NODE: Node = Node {
         let p = asking.parameters;
         surfacing::ask(asking, [surfacing::color_by(p, Some("s")), None])
     },
+    other_steps: &relative::other_steps,
     run: &run,
     ..Node::BLANK
 };

@@ -43,6 +43,7 @@ pub const NODE: Node = Node {
         range(&p).map(drop)
     },
     demand: &demand,
+    other_steps: &relative::other_steps,
     run: &run,
     ..Node::BLANK
 };

@@ -2,7 +2,7 @@
 
 use crate::drawing::{CLIP, clips};
 use crate::reader::blocks;
-use crate::relative::{DataScope, RELATIVE_TO, demand_for, known_of_series, note_numbers, refuse_part};
+use crate::relative::{self, DataScope, RELATIVE_TO, demand_for, known_of_series, note_numbers, refuse_part};
 use crate::surfacing::{self, QUANTITY, VolumeStatistics, quantity, range_message};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -102,6 +102,7 @@ pub const NODE: Node = Node {
     demand: &demand,
     part_work: PartWork::Each,
     drops_cells: true,
+    other_steps: &relative::other_steps,
     run: &run,
     ..Node::BLANK
 };

@@ -57,7 +57,7 @@ pub const NODE: Node = Node {
             parameter_type: ParameterType::NumberOr(Range::above(0.0), "auto"),
             unit: "world units",
             default: DefaultValue::Text("auto"),
-            help: "the length over which extinction is stated; \"auto\": a hundredth of the data's diagonal",
+            help: "the length over which extinction is stated; \"auto\": a hundredth of the diagonal of the data, or of the series",
         },
         relative::RELATIVE_TO,
         Parameter {
@@ -87,9 +87,13 @@ pub const NODE: Node = Node {
     demand: &|asking| {
         let asked = asking.asked.clone();
         asking.ask("widgets", &asked)?;
+        if asking.parameters.optional_number("unit_distance").is_none() {
+            relative::ask_for_series(asking)?;
+        }
         relative::ask(asking)
     },
     part_work: PartWork::All,
+    other_steps: &relative::other_steps,
     run: &run,
     ..Node::BLANK
 };
@@ -186,6 +190,9 @@ fn add(p: &Parameters, look: &mut TransferFunctionSpec, other: &TransferFunction
 fn run(call: &mut RunContext) -> Result<Outputs> {
     let widgets = relative::known(call, &axes(call.parameters)?)?;
     let mut look = look(call.parameters, &widgets, &FilesFrom(&|path| call.resolve(path)))?;
+    if look.auto_unit_distance {
+        look.series_diagonal = relative::series_diagonal(call)?;
+    }
     for other in call.looks("widgets")? {
         add(call.parameters, &mut look, &other)?;
     }
@@ -215,7 +222,7 @@ fn look(p: &Parameters, widgets: &relative::Widgets, files: &dyn LoadFiles) -> R
     let widgets = widgets.iter().map(|(kind, keys)| read(kind, keys, files)).collect::<Result<_>>()?;
     let transfer_function = TransferFunction { model, unit_distance: unit.unwrap_or(1.0), widgets, axes };
     transfer_function.check_axes().map_err(|error| p.locate("widgets", error))?;
-    Ok(TransferFunctionSpec { transfer_function, auto_unit_distance: unit.is_none() })
+    Ok(TransferFunctionSpec::new(transfer_function, unit.is_none()))
 }
 
 /// Largest side of a table's picture: far finer than any data, and a gigabyte of texels at most.

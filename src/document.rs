@@ -9,7 +9,8 @@ use voltet_core::{Error, Result};
 use voltet_document::{Document as DocumentText, Edit, Path as KeyPath};
 use voltet_graph::pipeline::{Pipeline, locate, value};
 use voltet_graph::{
-    Graph, GraphNode, NamedPath, ParameterValue, Registry, ResolvedPipeline, SourceSpan, unknown_node,
+    Graph, GraphNode, LinkEntry, NamedPath, ParameterValue, Registry, ResolvedPipeline, SourceSpan,
+    unknown_node,
 };
 use voltet_io::formats::files_beside;
 use voltet_io::provenance::{DataFile, PluginRecord, Provenance};
@@ -55,10 +56,18 @@ pub struct Change {
     pub value: Option<ParameterValue>,
 }
 
+/// Begin of the name of an input in a change, in place of a parameter.
+const INPUTS: &str = "inputs.";
+
 impl Change {
     /// The change that sets a parameter.
     pub fn set(node: &str, parameter: &str, value: ParameterValue) -> Change {
         Change { node: node.into(), parameter: parameter.into(), value: Some(value) }
+    }
+
+    /// The change that lets an output (`"node"` or `"node.port"`) feed an input.
+    pub fn wire(node: &str, port: &str, source: &str) -> Change {
+        Change::set(node, &format!("{INPUTS}{port}"), ParameterValue::Text(source.into()))
     }
 
     /// The change that takes a parameter away.
@@ -72,6 +81,12 @@ impl Change {
             return Err(unknown_node(&self.node, names()));
         };
         let entry = &mut pipeline.nodes[place];
+        if let (Some(port), Some(source)) = (self.parameter.strip_prefix(INPUTS), &self.value) {
+            entry.inputs.retain(|link| link.port != port);
+            let (origin, source) = (SourceSpan::Nowhere, source.clone().into());
+            entry.inputs.push(LinkEntry { port: port.into(), origin, source });
+            return Ok(());
+        }
         let keys: Vec<&str> = self.parameter.split('.').collect();
         match &self.value {
             Some(value) => entry.set(keys[0], &keys[1..], value.clone().into()),
@@ -84,6 +99,11 @@ impl Change {
 
     fn edit(&self) -> Edit {
         let (node, path) = (self.node.clone(), KeyPath::from(self.parameter.as_str()));
+        if let (Some(port), Some(ParameterValue::Text(source))) =
+            (self.parameter.strip_prefix(INPUTS), &self.value)
+        {
+            return Edit::Connect { node, port: port.into(), source: source.clone(), beside: false };
+        }
         match self.value.clone() {
             Some(value) => Edit::Set { node, path, value },
             None => Edit::Unset { node, path },
@@ -214,12 +234,6 @@ impl Document {
     pub(crate) fn named_inputs(&self) -> Vec<PathBuf> {
         let named = self.graph.nodes.iter().flat_map(|node| node.parameters.paths());
         named.filter(|named| !named.written).map(|named| named.from(&self.graph.folder)).collect()
-    }
-
-    /// Data files that nodes name, and the files of all steps beside them.
-    #[cfg(feature = "cli")]
-    pub(crate) fn data_files(&self) -> impl Iterator<Item = PathBuf> {
-        self.inputs().skip(1)
     }
 
     /// The files that its nodes write.

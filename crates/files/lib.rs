@@ -14,6 +14,11 @@ pub use write::{
 
 use std::path::{Path, PathBuf};
 
+/// A file without a name, for what need not stay in memory: it goes when it is dropped.
+pub fn nameless() -> std::io::Result<std::fs::File> {
+    tempfile::tempfile()
+}
+
 /// The program's folder within the user's cache folder: what can be made again. It need not exist.
 pub fn cache_folder() -> PathBuf {
     user_folder("XDG_CACHE_HOME", ".cache", "Library/Caches")

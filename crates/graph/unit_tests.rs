@@ -8,6 +8,7 @@ mod methods;
 mod optional_inputs;
 mod places;
 mod preview;
+mod shared;
 
 use super::*;
 use crate::pipeline::Pipeline;
@@ -101,10 +102,7 @@ const LOOK: Node = Node {
         let model = OpticalModel::DensityEmitter;
         let transfer_function =
             TransferFunction { model, unit_distance, widgets: Vec::new(), axes: Default::default() };
-        Ok(vec![Value::TransferFunction(Arc::new(TransferFunctionSpec {
-            transfer_function,
-            auto_unit_distance: false,
-        }))])
+        Ok(vec![Value::TransferFunction(Arc::new(TransferFunctionSpec::new(transfer_function, false)))])
     },
     ..Node::BLANK
 };

@@ -6,10 +6,10 @@ use serde_json::{Value, json as object};
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 use voltet_core::camera::{Camera, Projection};
-use voltet_core::field::Plugin;
+use voltet_core::field::{Plugin, fingerprint};
 use voltet_files as files;
 use voltet_graph::pipeline::FORMAT;
-use voltet_graph::{FileRead, Origins, ResolvedPipeline, RunContext, RunReport};
+use voltet_graph::{FileRead, Origins, ResolvedPipeline, RunContext, RunReport, Stamp};
 
 /// The name of the text that holds the pipeline.
 pub const PIPELINE: &str = "voltet:pipeline";
@@ -59,6 +59,9 @@ pub struct DataFile {
     /// Files read beside it: pieces, the files of a series' step.
     #[serde(rename = "beside", skip_serializing_if = "Option::is_none")]
     pub sidecars: Option<SidecarFiles>,
+    /// Files of other steps of its series that values depend on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub other_steps: Option<SidecarFiles>,
 }
 
 /// A plug-in whose gradient filter was used.
@@ -91,6 +94,8 @@ pub struct SidecarFiles {
     pub bytes: u64,
     /// Modification time of the last of them: UTC, RFC 3339.
     pub modified: Option<String>,
+    /// A number made of all their names, sizes and times, hexadecimal.
+    pub fingerprint: String,
     /// The first of them, at most [`MAX_NAMED`], relative to the folder of the file that names them.
     pub names: Vec<String>,
 }
@@ -245,7 +250,8 @@ fn data_file(file: &FileRead) -> DataFile {
         path: file.named.path.clone(),
         bytes: file.stamp.map(|(bytes, _)| bytes),
         modified: file.stamp.map(|(_, time)| iso_date(time)),
-        sidecars: (!file.beside.is_empty()).then(|| sidecar_files(file)),
+        sidecars: sidecar_files(&file.path, &file.beside),
+        other_steps: sidecar_files(&file.path, &file.other_steps),
     }
 }
 
@@ -261,16 +267,23 @@ fn plugin_record(node: &str, plugin: &Plugin) -> PluginRecord {
     }
 }
 
-fn sidecar_files(file: &FileRead) -> SidecarFiles {
-    let folder = files::folder(&file.path);
+/// Files that belong to the file at `path`; `None` where there are none.
+fn sidecar_files(path: &Path, all: &[(PathBuf, Stamp)]) -> Option<SidecarFiles> {
+    let folder = files::folder(path);
     let name = |path: &PathBuf| path.strip_prefix(folder).unwrap_or(path).to_string_lossy().into_owned();
-    let there = file.beside.iter().filter_map(|(_, stamp)| *stamp);
-    SidecarFiles {
-        files: file.beside.len() as u64,
+    let there = all.iter().filter_map(|(_, stamp)| *stamp);
+    let state = |(path, stamp): &(PathBuf, Stamp)| {
+        let state = stamp.map(|(bytes, time)| format!("{bytes} {}", iso_date(time)));
+        format!("{}\0{}\0", name(path), state.unwrap_or_default())
+    };
+    let states: String = all.iter().map(state).collect();
+    (!all.is_empty()).then(|| SidecarFiles {
+        files: all.len() as u64,
         bytes: there.clone().map(|(bytes, _)| bytes).sum(),
         modified: there.map(|(_, time)| time).max().map(iso_date),
-        names: file.beside.iter().take(MAX_NAMED).map(|(path, _)| name(path)).collect(),
-    }
+        fingerprint: format!("{:016x}", fingerprint(states.as_bytes())),
+        names: all.iter().take(MAX_NAMED).map(|(path, _)| name(path)).collect(),
+    })
 }
 
 fn camera_record(node: &str, camera: &Camera) -> CameraRecord {
@@ -344,17 +357,19 @@ pub fn run_report(file: &str, report: &RunReport, stated: &ResolvedPipeline) -> 
     })
 }
 
-/// A time in UTC to the second, as RFC 3339 writes it: 2026-11-22T14:51:03Z.
+/// A time in UTC, as RFC 3339 writes it: 2026-11-22T14:51:03Z, with its nanoseconds where there are some.
 pub fn iso_date(time: SystemTime) -> String {
-    let seconds = match time.duration_since(UNIX_EPOCH) {
-        Ok(after) => i64::try_from(after.as_secs()).unwrap_or(i64::MAX),
-        // Down to the second before.
-        Err(before) => -i64::try_from(before.duration().as_secs_f64().ceil() as u64).unwrap_or(i64::MAX),
+    let nanoseconds = match time.duration_since(UNIX_EPOCH) {
+        Ok(after) => i128::try_from(after.as_nanos()).unwrap_or(i128::MAX),
+        Err(before) => i128::try_from(before.duration().as_nanos()).map_or(i128::MIN, |before| -before),
     };
+    let (seconds, fraction) = (nanoseconds.div_euclid(1_000_000_000), nanoseconds.rem_euclid(1_000_000_000));
+    let seconds = i64::try_from(seconds).unwrap_or(i64::MAX);
     let (days, second) = (seconds.div_euclid(86_400), seconds.rem_euclid(86_400));
     let (year, month, day) = civil(days);
     let (hour, minute, second) = (second / 3600, second / 60 % 60, second % 60);
-    format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}Z")
+    let fraction = if fraction > 0 { format!(".{fraction:09}") } else { String::new() };
+    format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}{fraction}Z")
 }
 
 /// Year, month and day of a number of days since 1970-01-01 (Howard Hinnant, "chrono-Compatible Low-Level Date Algorithms",
@@ -387,6 +402,10 @@ mod tests {
         ] {
             assert_eq!(iso_date(UNIX_EPOCH + Duration::from_secs(seconds)), text);
         }
-        assert_eq!(iso_date(UNIX_EPOCH - Duration::from_millis(500)), "1969-12-31T23:59:59Z");
+        assert_eq!(iso_date(UNIX_EPOCH - Duration::from_millis(500)), "1969-12-31T23:59:59.500000000Z");
+        assert_eq!(
+            iso_date(UNIX_EPOCH + Duration::from_nanos(86_400_000_000_001)),
+            "1970-01-02T00:00:00.000000001Z"
+        );
     }
 }

@@ -16,7 +16,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use voltet_core::field::Plugin;
+use voltet_core::field::{Plugin, fingerprint};
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result, counted};
 
@@ -231,17 +231,6 @@ fn join_lines(text: &str) -> String {
 #[cfg(not(target_os = "linux"))]
 fn check_file(_: &[u8]) -> CheckResult<()> {
     Ok(())
-}
-
-/// Hash of all bytes. Each step is a bijection, so that a change in one word of 8 bytes always shows; a change in several, except
-/// for a chance of 2⁻⁶⁴.
-pub(crate) fn fingerprint(bytes: &[u8]) -> u64 {
-    let mix = |sum: u64, word: u64| (sum.rotate_left(29) ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    let (words, rest) = bytes.as_chunks::<8>();
-    let mut last = [0; 8];
-    last[..rest.len()].copy_from_slice(rest);
-    let all = words.iter().chain([&last]).map(|word| u64::from_le_bytes(*word));
-    all.fold(bytes.len() as u64, mix)
 }
 
 /// The ELF header and the program headers (System V ABI, chapters 4 and 5).

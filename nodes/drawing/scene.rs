@@ -333,7 +333,7 @@ mod tests {
         let model = OpticalModel::DensityEmitter;
         let transfer_function =
             TransferFunction { model, unit_distance: 1.0, widgets, axes: Default::default() };
-        TransferFunctionSpec { transfer_function, auto_unit_distance: false }
+        TransferFunctionSpec::new(transfer_function, false)
     }
 
     fn shading(diffuse: Option<f64>, silhouette: Option<f64>) -> Shading {

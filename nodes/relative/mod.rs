@@ -5,6 +5,7 @@
 //! that interval the volumes below [`EDGES`] values are summed over all steps (which reads them a second time), and the percentile
 //! is found between two of them by a straight line: off by a 4,096th of the interval at most.
 
+use glam::DVec3;
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Mutex, PoisonError};
@@ -17,7 +18,7 @@ use voltet_core::volume::Volume;
 use voltet_core::{Error, Result, counted};
 use voltet_graph::{
     ArrayRef, DefaultValue, Demand, DemandContext, Diagnostics, Parameter, ParameterType, ParameterValue,
-    Parameters, RunContext,
+    Parameters, RunContext, diagonal,
 };
 
 /// Data that relative numbers refer to.
@@ -92,7 +93,7 @@ impl DataScope {
     }
 
     /// "over the volume", or "over 8 of 365 time steps".
-    fn phrase(self, call: &RunContext) -> Result<String> {
+    pub(crate) fn phrase(self, call: &RunContext) -> Result<String> {
         if self == DataScope::Step {
             return Ok("over the volume".to_string());
         }
@@ -103,6 +104,77 @@ impl DataScope {
             false => format!("over {own} of {}", counted(count, "time step")),
         })
     }
+}
+
+/// Steps that a node with the parameter [`RELATIVE_TO`] looks at beside the one that is read ([`voltet_graph::Node::other_steps`]).
+pub(crate) fn other_steps(p: &Parameters, count: usize) -> Vec<usize> {
+    DataScope::from_parameters(p).ok().and_then(|scope| scope.steps(count)).unwrap_or_default()
+}
+
+/// Bounds of the data at the input `volume`, or of all steps of their series that count.
+pub(crate) fn bounds(call: &mut RunContext) -> Result<Option<[DVec3; 2]>> {
+    let scope = DataScope::from_parameters(call.parameters)?;
+    if call.is_in_parts() {
+        scope.refuse_series(call.parameters)?;
+        return bounds_of_parts(call);
+    }
+    let Some(steps) = scope.steps(call.step_count("volume")?) else {
+        return Ok(call.volume("volume")?.grid.bounds());
+    };
+    let demand = Demand::default();
+    let kept = call.keep_over_steps("volume", &demand, || Ok(KeptBounds::default()))?;
+    let mut kept = kept.0.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(SeriesBounds(_, bounds)) = kept.iter().find(|SeriesBounds(of, _)| *of == steps) {
+        return Ok(*bounds);
+    }
+    let mut bounds: Option<[DVec3; 2]> = None;
+    call.each_step("volume", &demand, Some(&steps), &mut |_, value| {
+        let Some(volume) = value.volume().transpose()? else { return Ok(()) };
+        if let Some([low, high]) = volume.grid.bounds() {
+            let [a, b] = bounds.unwrap_or([low, high]);
+            bounds = Some([a.min(low), b.max(high)]);
+        }
+        Ok(())
+    })?;
+    kept.push(SeriesBounds(steps, bounds));
+    Ok(bounds)
+}
+
+/// Bounds of a grid in parts.
+fn bounds_of_parts(call: &mut RunContext) -> Result<Option<[DVec3; 2]>> {
+    let mut bounds: Option<[DVec3; 2]> = None;
+    call.each_part(&mut |call| {
+        if let Some([low, high]) = call.volume("volume")?.grid.bounds() {
+            let [a, b] = bounds.unwrap_or([low, high]);
+            bounds = Some([a.min(low), b.max(high)]);
+        }
+        Ok(())
+    })?;
+    let own = bounds.map_or(Vec::new(), |bounds| bounds.map(|place| place.to_array()).concat());
+    let of_all = call.gather(&own)?;
+    let of_all = of_all.iter().filter_map(|own| Some([own.get(..3)?, own.get(3..)?].map(DVec3::from_slice)));
+    Ok(of_all.reduce(|[a, b], [low, high]| [a.min(low), b.max(high)]))
+}
+
+/// Bounds of some steps of a series, which a session keeps.
+#[derive(Default)]
+struct KeptBounds(Mutex<Vec<SeriesBounds>>);
+
+/// Numbers of steps, and the bounds of their data.
+struct SeriesBounds(Vec<usize>, Option<[DVec3; 2]>);
+
+/// Diagonal of the bounds of the steps that a node's numbers are relative to, for unit distances: noted, and `None` where they are
+/// relative to the volume at its input alone, or nothing is wired in.
+pub(crate) fn series_diagonal(call: &mut RunContext) -> Result<Option<f64>> {
+    let scope = DataScope::from_parameters(call.parameters)?;
+    if scope == DataScope::Step || !call.is_wired("volume")? {
+        return Ok(None);
+    }
+    let diagonal = diagonal(bounds(call)?);
+    let (unit, over) = (diagonal / 100.0, scope.phrase(call)?);
+    let figures = json!({ "unit_distance": { "over": over, "length": unit } });
+    call.notes.find(format!("unit_distance = {unit:?} ({over})"), figures);
+    Ok(Some(diagonal))
 }
 
 /// Widgets: their kinds and keys.
@@ -139,6 +211,15 @@ pub(crate) fn ask(asking: &mut DemandContext) -> Result<()> {
     }
     let of_step = DataScope::from_parameters(asking.parameters)? == DataScope::Step;
     asking.ask("volume", &if of_step { demand(&request) } else { Demand::default() })
+}
+
+/// Demand for the steps that a node looks at by itself, where its numbers are relative to a series.
+pub(crate) fn ask_for_series(asking: &mut DemandContext) -> Result<()> {
+    let of_step = DataScope::from_parameters(asking.parameters)? == DataScope::Step;
+    if of_step || asking.fed_by("volume")?.is_none() {
+        return Ok(());
+    }
+    asking.ask("volume", &Demand::default())
 }
 
 /// The error where nothing is wired in that numbers could be relative to.

@@ -24,6 +24,7 @@ def reader(
     displacement_factor: float | None = None,
     time_step: int | str | None = None,
     time: float | None = None,
+    between_steps: Literal["nearest", "linear"] | None = None,
     subdivision: int | None = None,
     solution: str | PathLike[str] | None = None,
 ) -> Node:
@@ -114,6 +115,7 @@ def probe(
     sigma_scale: float | None = None,
     least_sigma: float | None = None,
     correlated: bool | None = None,
+    relative_to: Literal["step", "sample", "series"] | None = None,
 ) -> Node:
     """Places a Gaussian widget on the data of a region: their mean, deviations and correlation there."""
 def histogram(

@@ -22,13 +22,27 @@ use std::path::{Path, PathBuf};
 use steps::StepSelection;
 use voltet_core::parameters::Parameters;
 use voltet_core::{Error, Result};
-use voltet_graph::{Graph, GraphNode, NamedPath, ParameterType, ParameterValue, Registry};
+use voltet_graph::{
+    Edge, Graph, GraphNode, NamedPath, ParameterType, ParameterValue, Port, PortType, Registry,
+};
 use voltet_nodes::files::relative_to;
 use voltet_nodes::relative::RELATIVE_TO;
 
 /// Parameters of a reader that name its step.
 const TIME_STEP: &str = "time_step";
 const TIME: &str = "time";
+
+/// Parameter of a reader that says what is read between steps.
+const BETWEEN: &str = "between_steps";
+
+/// The input to whose data numbers are relative.
+const VOLUME: &str = "volume";
+
+/// Parameter of a transfer function that may be left to the data.
+const UNIT: &str = "unit_distance";
+
+/// Type of the node that finds a widget in data.
+const PROBE: &str = "probe";
 
 /// Parameter of a camera that is its place on its way.
 const PHASE: &str = "phase";
@@ -74,6 +88,8 @@ struct Series {
     readers: Vec<SeriesReader>,
     /// True if some reader of a series stays at the step that it names, while others go on.
     has_fixed: bool,
+    /// True if some reader has values between steps.
+    is_interpolated: bool,
     /// Number of the step that the pipeline names.
     own: usize,
     times: Vec<f64>,
@@ -86,6 +102,8 @@ struct SeriesReader {
     names_time: bool,
     /// True if the file names its step.
     names_step: bool,
+    /// True if the file has the parameter for a step, which may be all.
+    has_step: bool,
     own: usize,
     times: Vec<f64>,
 }
@@ -109,9 +127,10 @@ impl Series {
             let names_time = p.is_set(TIME);
             let is_number = p.optional(TIME_STEP).is_some_and(|step| step.text().is_none());
             let (own, times) = (found.own, found.times);
-            let names_step = names_time || is_number;
+            let (names_step, has_step) = (names_time || is_number, p.is_set(TIME_STEP));
+            let node_name = node.name.clone();
             readers
-                .push((node, SeriesReader { node: node.name.clone(), names_time, names_step, own, times }));
+                .push((node, SeriesReader { node: node_name, names_time, names_step, has_step, own, times }));
         }
         let is_mixed = readers.iter().any(|(_, reader)| !reader.names_step);
         series.has_fixed = is_mixed && readers.iter().any(|(_, reader)| reader.names_step);
@@ -128,6 +147,8 @@ impl Series {
                 }
                 Some(_) => {}
             }
+            series.is_interpolated |=
+                node.parameters.optional(BETWEEN).is_some_and(|word| word.text() == Some("linear"));
             series.readers.push(reader);
         }
         Ok(series)
@@ -136,6 +157,15 @@ impl Series {
     /// Number of steps, 1 where there is no series.
     fn count(&self) -> usize {
         if self.readers.is_empty() { 1 } else { self.times.len() }
+    }
+
+    /// Changes that let every reader read at a time.
+    fn at_time(&self, time: f64) -> Vec<Change> {
+        let of_reader = |SeriesReader { node, has_step, .. }: &SeriesReader| {
+            let step = has_step.then(|| Change::unset(node, TIME_STEP));
+            step.into_iter().chain([Change::set(node, TIME, ParameterValue::Number(time))])
+        };
+        self.readers.iter().flat_map(of_reader).collect()
     }
 
     /// Changes that let every reader read a step.
@@ -224,10 +254,15 @@ fn step_frames(graph: &Graph, selection: &FrameSelection) -> Result<Vec<Frame>> 
         true => Series::from_graph(graph)?,
         false => Series::default(),
     };
-    let numbers = match &steps {
-        Some(selection::Steps::Numbers(steps)) => steps.numbers(series.count())?,
-        Some(selection::Steps::Times(times)) => times.numbers(&series.times)?,
-        None => vec![series.own],
+    // Each step with the time where values lie between steps.
+    let at_step = |numbers: Vec<usize>| numbers.into_iter().map(|step| (step, None)).collect();
+    let numbers: Vec<(usize, Option<f64>)> = match &steps {
+        Some(selection::Steps::Numbers(steps)) => at_step(steps.numbers(series.count())?),
+        Some(selection::Steps::Times(times)) if series.is_interpolated => {
+            times.times(&series.times)?.into_iter().map(|(step, time)| (step, Some(time))).collect()
+        }
+        Some(selection::Steps::Times(times)) => at_step(times.numbers(&series.times)?),
+        None => vec![(series.own, None)],
     };
     let ranges = match (selection.ranges, &steps) {
         (Some(ranges), _) => range_changes(graph, ranges.word(), true),
@@ -236,9 +271,13 @@ fn step_frames(graph: &Graph, selection: &FrameSelection) -> Result<Vec<Frame>> 
         }
         _ => Vec::new(),
     };
-    let frame = |step: usize| {
-        let time = series.times.get(step).copied();
-        let mut changes = if steps.is_some() { series.at(step) } else { Vec::new() };
+    let frame = |(step, between): (usize, Option<f64>)| {
+        let time = between.or(series.times.get(step).copied());
+        let mut changes = match between {
+            Some(time) => series.at_time(time),
+            None if steps.is_some() => series.at(step),
+            None => Vec::new(),
+        };
         changes.extend(ranges.iter().cloned());
         Frame {
             marks: MarkValues { step, time, stem: stem(graph), ..MarkValues::default() },
@@ -252,19 +291,50 @@ fn step_frames(graph: &Graph, selection: &FrameSelection) -> Result<Vec<Frame>> 
 /// Changes that let numbers be relative to steps of the series, at the nodes whose numbers depend on data. `all`: also at those
 /// whose file says to what they are.
 fn range_changes(graph: &Graph, word: &str, all: bool) -> Vec<Change> {
-    let depends_on_data = |node: &&GraphNode| {
+    let mut changes = Vec::new();
+    for &place in &graph.order {
+        let node = &graph.nodes[place];
+        if node.node.parameter(RELATIVE_TO.name).is_none() || !all && node.parameters.is_set(RELATIVE_TO.name)
+        {
+            continue;
+        }
+        let is_wired =
+            node.inputs.iter().any(|edge| input_of(node, edge).is_some_and(|port| port.name == VOLUME));
         let is_view = ["view", "direction"].iter().any(|name| node.parameters.is_set(name));
-        let port = |edge: &voltet_graph::Edge| node.node.all_inputs().nth(edge.port).map(|port| port.name);
-        let is_wired = node.inputs.iter().any(|edge| port(edge) == Some("volume"));
-        node.node.parameter(RELATIVE_TO.name).is_some()
-            && is_wired
-            && (is_view || has_relative_numbers(&node.parameters))
+        let depends = is_view || has_relative_numbers(&node.parameters) || node.node.name == PROBE;
+        let is_unit_auto =
+            node.node.parameter(UNIT).is_some() && node.parameters.optional_number(UNIT).is_none();
+        // A unit distance of the series is that of what is drawn.
+        let drawn = if is_unit_auto && !is_wired && word != "step" { drawn_with(graph, place) } else { None };
+        changes.extend(drawn.iter().map(|source| Change::wire(&node.name, VOLUME, source)));
+        if drawn.is_some() || is_wired && (depends || is_unit_auto) {
+            let word = ParameterValue::Text(word.into());
+            changes.push(Change::set(&node.name, RELATIVE_TO.name, word));
+        }
+    }
+    changes
+}
+
+/// The input port of a wire.
+fn input_of(node: &GraphNode, edge: &Edge) -> Option<&'static Port> {
+    node.node.all_inputs().nth(edge.port)
+}
+
+/// The output whose volume is drawn with the transfer function of a node, as a wire names it.
+fn drawn_with(graph: &Graph, look: usize) -> Option<String> {
+    let uses = |node: &&GraphNode| node.inputs.iter().any(|edge| edge.node == look);
+    let is_volume = |node: &GraphNode, edge: &&Edge| {
+        input_of(node, edge).is_some_and(|port| port.port_type == PortType::Volume)
     };
-    let nodes = graph.order.iter().map(|&place| &graph.nodes[place]).filter(depends_on_data);
-    nodes
-        .filter(|node| all || !node.parameters.is_set(RELATIVE_TO.name))
-        .map(|node| Change::set(&node.name, RELATIVE_TO.name, ParameterValue::Text(word.into())))
-        .collect()
+    graph.order.iter().map(|&place| &graph.nodes[place]).filter(uses).find_map(|node| {
+        let edge = node.inputs.iter().find(|edge| is_volume(node, edge))?;
+        let source = &graph.nodes[edge.node];
+        let outputs = source.node.outputs;
+        Some(match outputs.len() {
+            1 => source.name.clone(),
+            _ => format!("{}.{}", source.name, outputs[edge.output].name),
+        })
+    })
 }
 
 /// True if some number is relative to data, also within widgets.

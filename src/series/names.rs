@@ -85,7 +85,7 @@ impl Varying {
     pub fn differs(self, a: &MarkValues, b: &MarkValues) -> bool {
         match self {
             Varying::File => a.stem != b.stem,
-            Varying::Step => a.step != b.step,
+            Varying::Step => a.step != b.step || a.time != b.time,
             Varying::Sweep => a.sweep != b.sweep,
             Varying::Turn => a.turn != b.turn,
         }

@@ -1,5 +1,6 @@
 //! Selections of time steps: by their numbers, or by their times.
 
+use std::collections::HashSet;
 use std::str::FromStr;
 use voltet_core::{Error, Result};
 
@@ -97,7 +98,8 @@ fn step_range(text: &str) -> Option<StepRange> {
     })
 }
 
-/// Selection of steps by their times: `0.1:0.5` are those from one time to another, `0.3` is the step nearest to it.
+/// Selection of steps by their times: `0.1:0.5` are those from one time to another, `0.3` is the step nearest to it, and `0:1:0.1` are those
+/// nearest to 0, 0.1, … and 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimeSelection(Vec<TimeRange>);
 
@@ -105,7 +107,12 @@ pub struct TimeSelection(Vec<TimeRange>);
 enum TimeRange {
     Nearest(f64),
     Within(f64, f64),
+    /// From one time to another, by a stride above 0.
+    Every(f64, f64, f64),
 }
+
+/// Most times of a selection: more are a mistake.
+const MAX_TIMES: f64 = 1e6;
 
 impl TimeSelection {
     /// The numbers of the steps in a series of these times, each once.
@@ -113,27 +120,60 @@ impl TimeSelection {
     /// # Errors
     /// - a time outside the series, a range without a step.
     pub fn numbers(&self, times: &[f64]) -> Result<Vec<usize>> {
+        Ok(each_once(self.all(times)?.into_iter().map(|(step, _)| step).collect(), times.len()))
+    }
+
+    /// The times themselves, each once and with the number of the step nearest to it; of a range the times of its steps.
+    ///
+    /// # Errors
+    /// - a time outside the series, a range without a step.
+    pub fn times(&self, times: &[f64]) -> Result<Vec<(usize, f64)>> {
+        let mut all = self.all(times)?;
+        let mut known = HashSet::new();
+        all.retain(|(_, time)| known.insert(time.to_bits()));
+        Ok(all)
+    }
+
+    fn all(&self, times: &[f64]) -> Result<Vec<(usize, f64)>> {
         let [low, high] = ends(times);
         // Times were rounded when they were written, by both who wrote the file and who typed them.
         let margin = 1e-6 * (high - low).abs().max(high.abs());
-        let mut numbers = Vec::new();
+        let nearest = |time: f64| {
+            let distance = |step: &usize| (times[*step] - time).abs();
+            let is_inside = (low - margin..=high + margin).contains(&time);
+            let nearest = (0..times.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            let at = |step: usize| {
+                let own = times[step];
+                (step, if (own - time).abs() <= margin { own } else { time })
+            };
+            nearest.filter(|_| is_inside).map(at)
+        };
+        let mut all = Vec::new();
         for range in &self.0 {
-            let own: Vec<usize> = match range {
-                TimeRange::Nearest(time) => {
-                    let distance = |step: &usize| (times[*step] - time).abs();
-                    let is_inside = (low - margin..=high + margin).contains(time);
-                    let nearest = (0..times.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-                    nearest.filter(|_| is_inside).into_iter().collect()
-                }
+            let own: Vec<(usize, f64)> = match *range {
+                TimeRange::Nearest(time) => nearest(time).into_iter().collect(),
                 TimeRange::Within(from, to) => {
                     let range = from - margin..=to + margin;
-                    (0..times.len()).filter(|step| range.contains(&times[*step])).collect()
+                    let within = (0..times.len()).filter(|step| range.contains(&times[*step]));
+                    within.map(|step| (step, times[step])).collect()
+                }
+                TimeRange::Every(from, to, stride) => {
+                    let (from, to) = (from.max(low), to.min(high) + margin);
+                    let count = ((to - from) / stride).floor();
+                    if count > MAX_TIMES {
+                        let error = Error::usage("these are too many times").got(count);
+                        return Err(error.expected(format!("a stride with up to {MAX_TIMES} times")));
+                    }
+                    // Below 0 there is none.
+                    let count = if count >= 0.0 { count as usize + 1 } else { 0 };
+                    (0..count).filter_map(|k| nearest(rounded(from + k as f64 * stride))).collect()
                 }
             };
             if own.is_empty() {
                 let found = match range {
                     TimeRange::Nearest(time) => time.to_string(),
                     TimeRange::Within(from, to) => format!("{from}:{to}"),
+                    TimeRange::Every(from, to, stride) => format!("{from}:{to}:{stride}"),
                 };
                 let error = Error::usage("the series has no step at these times").got(found);
                 return Err(error.expected(match times {
@@ -141,10 +181,15 @@ impl TimeSelection {
                     _ => format!("times from {low} to {high}"),
                 }));
             }
-            numbers.extend(own);
+            all.extend(own);
         }
-        Ok(each_once(numbers, times.len()))
+        Ok(all)
     }
+}
+
+/// A sum without the last digits, which rounding makes: 0.15 for 0.1 + 0.05.
+fn rounded(time: f64) -> f64 {
+    format!("{time:.14e}").parse().unwrap_or(time)
 }
 
 /// The least and the largest time.
@@ -161,16 +206,25 @@ impl FromStr for TimeSelection {
             "" => Some(otherwise),
             text => text.parse::<f64>().ok().filter(|time| time.is_finite()),
         };
-        let range = |part: &str| match part.split_once(':') {
-            Some((from, to)) => {
+        let range = |part: &str| {
+            let parts: Vec<&str> = part.split(':').collect();
+            let ends = |from: &str, to: &str| {
                 let (from, to) = (number(from, f64::NEG_INFINITY)?, number(to, f64::INFINITY)?);
-                (from <= to).then_some(TimeRange::Within(from, to))
+                (from <= to).then_some((from, to))
+            };
+            match parts[..] {
+                [time] => number(time, f64::NAN).filter(|time| !time.is_nan()).map(TimeRange::Nearest),
+                [from, to] => ends(from, to).map(|(from, to)| TimeRange::Within(from, to)),
+                [from, to, stride] => {
+                    let stride = number(stride, f64::NAN).filter(|stride| *stride > 0.0)?;
+                    ends(from, to).map(|(from, to)| TimeRange::Every(from, to, stride))
+                }
+                _ => None,
             }
-            None => number(part, f64::NAN).filter(|time| !time.is_nan()).map(TimeRange::Nearest),
         };
         let ranges: Option<Vec<TimeRange>> = text.split(',').map(range).collect();
         ranges.map(TimeSelection).ok_or_else(|| {
-            "times are numbers and ranges FROM:TO with commas between them, such as 0.1:0.5".to_string()
+            "times are numbers and ranges FROM:TO or FROM:TO:STRIDE with commas between them, such as 0.1:0.5".to_string()
         })
     }
 }
@@ -215,9 +269,17 @@ mod tests {
         assert_eq!(numbers("0.1:0.3").unwrap(), [1, 2, 3]);
         assert_eq!(numbers("0.26").unwrap(), [3]);
         assert_eq!(numbers(":0.1,0.4").unwrap(), [0, 1, 4]);
+        assert_eq!(numbers("0:0.4:0.2").unwrap(), [0, 2, 4]);
+        assert_eq!(numbers("::0.04").unwrap(), [0, 1, 2, 3, 4], "each step once");
+        let own = |text: &str| text.parse::<TimeSelection>().unwrap().times(&times).unwrap();
+        assert_eq!(
+            own("0.375:0.4:0.0125,0.3875,0.1:0.2"),
+            [(4, 0.375), (4, 0.3875), (4, 0.4), (1, 0.1), (2, 0.2)]
+        );
+        assert!(numbers("0:0.4:1e-9").unwrap_err().to_string().contains("too many"));
         assert!(numbers("0.5").unwrap_err().to_string().contains("times from 0 to 0.4"));
         assert!(numbers("0.11:0.19").is_err());
-        for text in ["", "a", "2:1", "nan", "inf:"] {
+        for text in ["", "a", "2:1", "nan", "inf:", "0:1:0", "0:1:-1", "0:1:a", "0:1:1:1"] {
             assert!(text.parse::<TimeSelection>().is_err(), "{text}");
         }
     }

@@ -76,7 +76,12 @@ const KEYS: &[(&str, &str, &str)] = &[
     (
         "runs[].provenance.data[].beside",
         "object",
-        "files read because this one names them: `files`, `bytes`, `modified`, and `names` of the first 16",
+        "files read because this one names them: `files`, `bytes`, `modified`, `fingerprint` (made of all names, sizes and times), and `names` of the first 16",
+    ),
+    (
+        "runs[].provenance.data[].other_steps",
+        "object",
+        "files of the steps that numbers are relative to, in the same form",
     ),
     (
         "runs[].provenance.plugins[]",

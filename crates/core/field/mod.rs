@@ -11,7 +11,7 @@ mod quadratic_fit;
 
 pub use cell_mean::{CellAverage, FromArray, VolumeWeighted};
 pub use derivative::Derivative;
-pub use filter::{Fallback, Gradient, GradientFilter, Method, Plugin, check_scalar, for_points};
+pub use filter::{Fallback, Gradient, GradientFilter, Method, Plugin, check_scalar, fingerprint, for_points};
 pub use least_squares::LeastSquares;
 pub use quadratic_fit::QuadraticFit;
 

@@ -103,6 +103,9 @@ pub struct Node {
     pub drops_cells: bool,
     /// Memory that each piece of the file that it reads takes when it is drawn, bytes, from headers alone; none where it reads no file in pieces.
     pub piece_bytes: &'static (dyn Fn(&Preparation) -> Result<Vec<u64>> + Send + Sync),
+    /// Numbers of the steps of the time series at its inputs, of so many, that it looks at beside the one that is read: its outputs
+    /// depend on their files.
+    pub other_steps: &'static (dyn Fn(&Parameters, usize) -> Vec<usize> + Send + Sync),
     /// Finds out before any long work whether the run can succeed (files exist, folders can be written).
     pub prepare: &'static (dyn Fn(&Preparation) -> Result<()> + Send + Sync),
     /// Does the work: one value for each output, in their order.
@@ -134,6 +137,7 @@ impl Node {
         part_work: PartWork::None,
         drops_cells: false,
         piece_bytes: &|_| Ok(Vec::new()),
+        other_steps: &|_, _| Vec::new(),
         prepare: &|_| Ok(()),
         run: &|_| Ok(Vec::new()),
     };

@@ -36,10 +36,12 @@ pub struct FileRead {
     pub named: NamedPath,
     /// The path from where the program runs.
     pub path: PathBuf,
-    /// Its state.
+    /// Its state before it was read.
     pub stamp: Stamp,
     /// The files that were read beside it: pieces, the file of a step.
     pub beside: Vec<(PathBuf, Stamp)>,
+    /// The files of other steps of its series that values depend on: numbers relative to a series.
+    pub other_steps: Vec<(PathBuf, Stamp)>,
 }
 
 /// The text of a pipeline file with every option carried out: it makes the same graph again.

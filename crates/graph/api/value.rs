@@ -100,14 +100,21 @@ pub struct TransferFunctionSpec {
     pub transfer_function: TransferFunction,
     /// `unit_distance = "auto"`: a hundredth of the diagonal of the data's bounding box.
     pub auto_unit_distance: bool,
+    /// Diagonal of the bounding box of a time series, in place of that of the data at hand.
+    pub series_diagonal: Option<f64>,
 }
 
 impl TransferFunctionSpec {
+    /// A transfer function whose unit distance is stated, or left to the data at hand.
+    pub fn new(transfer_function: TransferFunction, auto_unit_distance: bool) -> TransferFunctionSpec {
+        TransferFunctionSpec { transfer_function, auto_unit_distance, series_diagonal: None }
+    }
+
     /// The transfer function for data whose bounding box has this [`diagonal`].
     pub fn for_diagonal(&self, diagonal: f64) -> TransferFunction {
         let mut transfer_function = self.transfer_function.clone();
         if self.auto_unit_distance {
-            transfer_function.unit_distance = diagonal / 100.0;
+            transfer_function.unit_distance = self.series_diagonal.unwrap_or(diagonal) / 100.0;
         }
         transfer_function
     }
@@ -251,7 +258,7 @@ mod tests {
             widgets: Vec::new(),
             axes: Default::default(),
         };
-        let look = TransferFunctionSpec { transfer_function, auto_unit_distance: true };
+        let look = TransferFunctionSpec::new(transfer_function, true);
         for scale in [1.0, 1e-200, 1e200] {
             let bounds = [DVec3::new(1.0, 1.0, 1.0) * scale, DVec3::new(4.0, 5.0, 13.0) * scale];
             let unit = look.for_diagonal(diagonal(Some(bounds))).unit_distance;

@@ -5,3 +5,4 @@ mod node_run;
 mod parts;
 pub(crate) mod plan;
 pub(crate) mod session;
+mod shared;

@@ -1,6 +1,6 @@
 //! Services of a session to one running node: the origins of values, and the steps of the time series that feed it.
 
-use super::cache::{Key, Store, files_of, stamped};
+use super::cache::{Key, Store, stamped};
 use super::parts::{PartOutputs, PartRuns};
 use super::plan::{Done, asks_of, inputs_of};
 use crate::api::context::{
@@ -8,13 +8,15 @@ use crate::api::context::{
 };
 use crate::api::demand::Demand;
 use crate::api::node::Steps;
-use crate::api::origins::{FileRead, FileStamp, Origins};
+use crate::api::origins::{FileRead, FileStamp, Origins, Stamp};
 use crate::api::parts::GridPart;
 use crate::api::ranks::Ranks;
 use crate::api::value::{Edge, PortType, Revision, Value, diagonal};
 use crate::build::graph::{Graph, GraphNode};
 use std::any::TypeId;
 use std::cell::Cell;
+use std::collections::{BTreeSet, HashMap};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::diagnostics::Diagnostics;
 use voltet_core::parameters::Parameters;
@@ -198,7 +200,13 @@ impl<'a> NodeRun<'a> {
         let of = |FeedingNode { place: i, parameters, demand }: FeedingNode| {
             let node = &self.graph.nodes[i];
             let edges = node.inputs.iter().map(|edge| (edge.port, place(edge.node), edge.output)).collect();
-            let files = files_of(self.graph, node, Steps::All, self.file_stamp);
+            let files = self.store.listed_files(
+                self.graph,
+                node,
+                &node.parameters,
+                (Steps::All, parameters.len()),
+                self.file_stamp,
+            );
             let (plugin, given) = (node.plugin().cloned(), node.given.clone());
             (node.node.name, parameters, edges, files, plugin, given, demand)
         };
@@ -209,8 +217,8 @@ impl<'a> NodeRun<'a> {
 
 impl RunServices for NodeRun<'_> {
     fn origins(&self) -> Origins {
-        let diagonal = self.part_runs.and_then(PartRuns::diagonal);
-        origins(self.graph, &upstream(self.graph, self.place), self.done, diagonal, self.file_stamp)
+        let known = (self.store, self.part_runs.and_then(PartRuns::diagonal));
+        origins(self.graph, &upstream(self.graph, self.place), self.done, known, self.file_stamp)
     }
 
     fn get_or_make(&self, key: (Revision, TypeId), make: Make) -> Result<RetainedValue> {
@@ -299,15 +307,28 @@ impl RunServices for NodeRun<'_> {
     }
 }
 
-/// Origins of the values of these nodes, which ran. `diagonal`: that of a grid in parts.
+/// Origins of the values of these nodes, which ran. States of files are those before the nodes ran, or those now where they did not.
+/// `diagonal_of_parts`: that of a grid in parts.
 pub(super) fn origins(
     graph: &Graph,
     places: &[usize],
     done: &[Option<Done>],
-    diagonal: Option<f64>,
-    stamp: FileStamp,
+    (store, diagonal_of_parts): (&Store, Option<f64>),
+    now: FileStamp,
 ) -> Origins {
     let mut origins = Origins::default();
+    let mut before: HashMap<&Path, Stamp> = HashMap::new();
+    for (path, state) in places.iter().filter_map(|&place| done[place].as_ref()).flat_map(|done| &done.files)
+    {
+        // Of a file that changed between two nodes the first state: the values are not those of the last alone.
+        before.entry(path).or_insert(*state);
+    }
+    let stamp = |path: &Path| before.get(path).copied().unwrap_or_else(|| now(path));
+    let mut other_steps: BTreeSet<(usize, PathBuf)> = BTreeSet::new();
+    for &place in places {
+        let files = files_of_other_steps(graph, place, store, now);
+        other_steps.extend(files.into_iter().map(|(reader, (path, _))| (reader, path)));
+    }
     for &place in places {
         let node = &graph.nodes[place];
         let outputs = done[place].iter().flat_map(|done| &done.outputs);
@@ -318,7 +339,8 @@ pub(super) fn origins(
             if let Value::TransferFunction(look) = value {
                 let by_data = || {
                     Some(
-                        look.for_diagonal(drawn_with(graph, places, place, done).or(diagonal)?).unit_distance,
+                        look.for_diagonal(drawn_with(graph, places, place, done).or(diagonal_of_parts)?)
+                            .unit_distance,
                     )
                 };
                 let stated = look.transfer_function.unit_distance;
@@ -331,13 +353,47 @@ pub(super) fn origins(
         // The first names the others.
         let preparation = Preparation { parameters: &node.parameters, folder: &graph.folder };
         let mut beside = stamped((node.node.files_beside)(&preparation, Steps::Read), stamp);
+        let is_named = |path: &PathBuf| read.clone().any(|named| named.from(&graph.folder) == *path);
+        let own_steps = other_steps.iter().filter(|(reader, path)| *reader == place && !is_named(path));
+        let mut own_steps = stamped(own_steps.map(|(_, path)| path.clone()), stamp);
         origins.files.extend(read.map(|named| {
             let path = named.from(&graph.folder);
-            let beside = std::mem::take(&mut beside);
-            FileRead { node: node.name.clone(), stamp: stamp(&path), named, path, beside }
+            let (beside, other_steps) = (std::mem::take(&mut beside), std::mem::take(&mut own_steps));
+            FileRead { node: node.name.clone(), stamp: stamp(&path), named, path, beside, other_steps }
         }));
     }
     origins
+}
+
+/// The files of the other steps that a node (its place) looks at, each with the place of the node that reads it. None where
+/// headers do not tell: the run says why.
+pub(super) fn files_of_other_steps(
+    graph: &Graph,
+    place: usize,
+    store: &Store,
+    stamp: FileStamp,
+) -> Vec<(usize, (PathBuf, Stamp))> {
+    let node = &graph.nodes[place];
+    let steps = |count: usize| (node.node.other_steps)(&node.parameters, count);
+    let mut files = Vec::new();
+    // Without need no file is opened.
+    if steps(2).is_empty() {
+        return files;
+    }
+    for reader in upstream(graph, place) {
+        let Ok(series) = graph.time_series(reader) else { continue };
+        let (count, own) = (series.steps.len(), &graph.nodes[reader]);
+        let wanted = if count > 1 { steps(count) } else { Vec::new() };
+        let listed = |parameters, steps| store.listed_files(graph, own, parameters, (steps, count), stamp);
+        let all: Vec<(PathBuf, Stamp)> = match wanted.len() == count {
+            true => listed(&own.parameters, Steps::All),
+            false => wanted.iter().flat_map(|&k| listed(&series.steps[k], Steps::Read)).collect(),
+        };
+        files.extend(all.into_iter().map(|file| (reader, file)));
+    }
+    files.sort();
+    files.dedup();
+    files
 }
 
 /// The diagonal of the volume that is drawn with the transfer function of a node.

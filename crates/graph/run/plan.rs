@@ -2,11 +2,12 @@
 
 use crate::api::context::{DemandContext, PlanContext};
 use crate::api::demand::{Arrays, Demand};
-use crate::api::origins::Origins;
+use crate::api::origins::{Origins, Stamp};
 use crate::api::value::{Edge, PortType, Revision, Value};
 use crate::build::graph::{Graph, GraphNode};
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 use voltet_core::diagnostics::{DataFinding, Diagnostics, SkippedWork};
 use voltet_core::picture::Picture;
@@ -50,6 +51,8 @@ impl Plan {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Done {
     pub(super) outputs: Vec<(Value, Revision)>,
+    /// The files that it depends on, as they were before it ran.
+    pub(super) files: Vec<(PathBuf, Stamp)>,
     pub(super) notes: Diagnostics,
     pub(super) seconds: f64,
     /// Seconds that the former run took, where its outputs were used.
@@ -196,7 +199,7 @@ pub struct RunReport {
 impl RunReport {
     /// Adds a node that ran, or whose former outputs were used.
     pub(super) fn add(&mut self, name: &str, node_type: &str, done: &Done) {
-        let Done { notes, seconds, reused, outputs, is_preview } = done;
+        let Done { notes, seconds, reused, outputs, is_preview, files: _ } = done;
         self.is_preview |= is_preview;
         let pictures =
             outputs.iter().filter_map(|(value, _)| Some((name.to_string(), value.picture()?.clone())));

@@ -1,9 +1,10 @@
 //! Sessions run graphs: the demand pass from the sinks up, then the nodes from the sources down, with a cache between runs.
 
-use super::cache::{Cache, Entry, Store, files_of, stamped};
-use super::node_run::{NodeRun, origins, upstream};
+use super::cache::{Entry, files_of};
+use super::node_run::{NodeRun, files_of_other_steps, origins, upstream};
 use super::parts::{Division, PartRuns, gather_notes, in_parts};
 use super::plan::{Done, Plan, RunReport, asks_of, everything_of, inputs_of};
+use super::shared::{Claim, NodeCall, Share};
 use crate::api::context::{NoObserver, Observer, Preparation, RunContext};
 use crate::api::demand::Demand;
 use crate::api::node::{NamedStub, Steps};
@@ -20,15 +21,15 @@ use voltet_core::{Error, Result};
 
 /// Session: former outputs and values made from them, kept between runs.
 pub struct Session {
-    cache: Cache,
-    store: Store,
-    last_revision: u64,
+    outputs: Share,
     file_stamp: FileStamp,
     exhaustive: bool,
     /// True if a user will move the widgets from run to run.
     widgets_move: bool,
     /// True while outputs may be of a preview.
     allows_preview: bool,
+    /// True while nodes run for a run to come.
+    reads_ahead: bool,
     /// Memory that a grid may take, bytes; `None`: grids are read whole.
     memory: Option<u64>,
     ranks: Arc<dyn Ranks>,
@@ -37,20 +38,20 @@ pub struct Session {
 impl Session {
     /// A session without former runs. `file_stamp` finds the state of the files that parameters name.
     pub fn new(file_stamp: FileStamp) -> Self {
-        let (cache, store) = (Cache::default(), Store::default());
-        let (exhaustive, widgets_move, allows_preview) = (false, false, false);
-        let (last_revision, memory, ranks) = (0, None, Arc::new(OneRank));
-        Session {
-            cache,
-            store,
-            last_revision,
-            file_stamp,
-            exhaustive,
-            widgets_move,
-            allows_preview,
-            memory,
-            ranks,
-        }
+        let (exhaustive, widgets_move, allows_preview, reads_ahead) = (false, false, false, false);
+        let (outputs, memory, ranks) = (Share::new(Arc::default()), None, Arc::new(OneRank));
+        Session { outputs, file_stamp, exhaustive, widgets_move, allows_preview, reads_ahead, memory, ranks }
+    }
+
+    /// A session for another thread that shares the former outputs of this one: what both need is made once.
+    pub fn beside(&self) -> Self {
+        Session { outputs: self.outputs.another(), ranks: self.ranks.clone(), ..*self }
+    }
+
+    /// Tells the graphs that will be run, by this session or those that share its outputs: grids and volumes that they can use are
+    /// held from one to the other while there is memory for them.
+    pub fn expect<'g>(&self, graphs: impl Iterator<Item = &'g Graph>) {
+        self.outputs.expect(graphs);
     }
 
     /// Makes it one of several processes that run each graph together: a grid in pieces is shared out among them, and the first alone
@@ -79,25 +80,25 @@ impl Session {
 
     /// Drops all former outputs and values made from them; values of the session, such as open devices, stay.
     pub fn forget(&mut self) {
-        self.cache.forget_all_but(&Graph::default());
-        self.store.forget_all_but(&self.cache.revisions());
+        self.outputs.forget();
     }
 
     /// Drops the former runs that gave this picture, so that its owner may modify it.
     pub fn release(&mut self, picture: &Arc<Picture>) {
         let is_it = |value: &Value| value.picture().is_some_and(|known| Arc::ptr_eq(known, picture));
-        self.cache.entries.retain(|entry| !entry.done.outputs.iter().any(|(value, _)| is_it(value)));
+        self.outputs.drop_runs(|entry| entry.done.outputs.iter().any(|(value, _)| is_it(value)));
     }
 
     /// Number of former outputs that are held, and of values made from them.
     pub fn held_counts(&self) -> [usize; 2] {
-        [self.cache.entries.len(), self.store.count()]
+        self.outputs.held_counts()
     }
 
     /// Origins of what a node (its place in [`Graph::nodes`]) is made from, as far as they are known without a run: files and
     /// plug-ins.
     pub fn origins_before_run(&self, graph: &Graph, place: usize) -> Origins {
-        origins(graph, &upstream(graph, place), &vec![None; graph.nodes.len()], None, self.file_stamp)
+        let nothing = vec![None; graph.nodes.len()];
+        origins(graph, &upstream(graph, place), &nothing, (&self.outputs.store, None), self.file_stamp)
     }
 
     /// Runs the demand pass, and the early nodes only.
@@ -160,8 +161,7 @@ impl Session {
     /// Both passes. Every node finds out first whether it can succeed.
     pub fn run(&mut self, graph: &Graph, observer: &dyn Observer) -> Result<RunReport> {
         let start = Instant::now();
-        self.cache.forget_all_but(graph);
-        self.store.forget_all_but(&self.cache.revisions());
+        self.outputs.begin(graph, observer);
         let plan = self.plan(graph)?;
         for &i in &graph.order {
             let node = &graph.nodes[i];
@@ -170,11 +170,32 @@ impl Session {
         }
         let division = Division::new(graph, self.memory, &*self.ranks)?;
         let part_runs = division.as_ref().map(|division| PartRuns::new(&plan.demands, division));
-        let worked = self.work_through(graph, &plan, &graph.order, part_runs.as_ref(), observer)?;
-        let ((all_done, mut report), diagonal) = (worked, part_runs.as_ref().and_then(PartRuns::diagonal));
-        report.origins = origins(graph, &graph.order, &all_done, diagonal, self.file_stamp);
+        let (all_done, mut report) =
+            self.work_through(graph, &plan, &graph.order, part_runs.as_ref(), observer)?;
+        let known = (&self.outputs.store, part_runs.as_ref().and_then(PartRuns::diagonal));
+        report.origins = origins(graph, &graph.order, &all_done, known, self.file_stamp);
         report.seconds = start.elapsed().as_secs_f64();
         Ok(report)
+    }
+
+    /// Runs the nodes without inputs, which read files, of a graph that another session of the same outputs will run next. That run
+    /// uses what they give as its own.
+    ///
+    /// # Errors
+    /// - those of the nodes; the run to come meets them, too.
+    pub fn read_ahead(&mut self, graph: &Graph, observer: &dyn Observer) -> Result<()> {
+        // Parts are read when they are drawn, and processes read together.
+        if self.memory.is_some() || self.ranks.count() > 1 {
+            return Ok(());
+        }
+        self.outputs.begin_ahead(graph);
+        self.reads_ahead = true;
+        let sources = |&&i: &&usize| graph.nodes[i].inputs.is_empty() && !graph.nodes[i].node.early;
+        let sources: Vec<usize> = graph.order.iter().filter(sources).copied().collect();
+        let plan = self.plan(graph);
+        let read = plan.and_then(|plan| self.work_through(graph, &plan, &sources, None, observer).map(drop));
+        self.reads_ahead = false;
+        read
     }
 
     /// Runs what feeds a node (its place in [`Graph::nodes`]) and gives the values at its inputs, in the order of
@@ -205,7 +226,7 @@ impl Session {
         let feeding: Vec<usize> = upstream(graph, place).into_iter().filter(|&i| i != place).collect();
         let (all_done, report) = self.work_through(graph, &plan, &feeding, None, observer)?;
         let (node, nothing) = (&graph.nodes[place], Demand::default());
-        let (store, file_stamp) = (&self.store, self.file_stamp);
+        let (store, file_stamp) = (&self.outputs.store, self.file_stamp);
         let (part_runs, part, ranks) = (None, None, &*self.ranks);
         let run =
             NodeRun { graph, place, done: &all_done, store, file_stamp, observer, part_runs, part, ranks };
@@ -234,7 +255,7 @@ impl Session {
             let node = &graph.nodes[i];
             if is_mapped(i) {
                 let outputs = node.node.outputs.iter().map(|port| port.port_type);
-                all_done[i] = Some(in_parts(outputs, || self.next_revision()));
+                all_done[i] = Some(in_parts(outputs, || self.outputs.next_revision()));
                 continue;
             }
             if node.node.outputs.is_empty() && self.ranks.rank() > 0 {
@@ -289,16 +310,18 @@ impl Session {
         let node = &graph.nodes[i];
         let revisions: Vec<(usize, Revision)> =
             node.inputs.iter().zip(&inputs).map(|(edge, input)| (edge.port, input.1)).collect();
-        let files = files_of(graph, node, Steps::Read, self.file_stamp);
-        let former = self.cache.find(node, &revisions, |former| former.covers(demand), &files, &graph.stated);
-        if let Some(entry) = former.filter(|_| !self.exhaustive) {
-            return Ok(Done { seconds: 0.0, reused: Some(entry.done.seconds), ..entry.done.clone() });
-        }
+        let mut files = files_of(graph, node, Steps::Read, self.file_stamp);
+        let other_steps = files_of_other_steps(graph, i, &self.outputs.store, self.file_stamp);
+        files.extend(other_steps.into_iter().map(|(_, file)| file));
+        let work = NodeCall::new(node, &revisions, &files);
+        let (claim, was_elsewhere) =
+            match self.outputs.claim(node, work, demand, &graph.stated, self.exhaustive) {
+                Claim::Former(done) => return Ok(*done),
+                Claim::Own { claim, was_elsewhere } => (claim, was_elsewhere),
+            };
         // A gradient that is asked for in other places than before will be so again: it is asked for everywhere.
-        let elsewhere = |former: &Demand| former.everywhere().covers(demand);
-        let moves = self.cache.find(node, &revisions, elsewhere, &files, &graph.stated).is_some();
-        let demand = &if moves { demand.everywhere() } else { demand.clone() };
-        let (store, file_stamp) = (&self.store, self.file_stamp);
+        let demand = &if was_elsewhere { demand.everywhere() } else { demand.clone() };
+        let (store, file_stamp) = (&self.outputs.store, self.file_stamp);
         let (part, ranks) = (None, &*self.ranks);
         let run = NodeRun { graph, place: i, done, store, file_stamp, observer, part_runs, part, ranks };
         let mut call = run.context(&node.parameters, demand, inputs, (self.exhaustive, self.allows_preview));
@@ -312,28 +335,30 @@ impl Session {
             return Err(node.locate(Error::run("the node gave other outputs than it declares")));
         }
         let outputs: Vec<(Value, Revision)> =
-            values.into_iter().map(|value| (value, self.next_revision())).collect();
+            values.into_iter().map(|value| (value, self.outputs.next_revision())).collect();
         let seconds = start.elapsed().as_secs_f64();
-        let done = Done { outputs, notes, seconds, reused: None, is_preview };
+        let done = Done { outputs, files: files.clone(), notes, seconds, reused: None, is_preview };
         if !is_preview {
-            self.cache.add(Entry {
+            for named in node.parameters.paths().into_iter().filter(|named| named.written) {
+                let path = named.from(&graph.folder);
+                let written = files.iter_mut().filter(|(file, _)| *file == path);
+                written.for_each(|(file, state)| *state = (self.file_stamp)(file));
+            }
+            self.outputs.add(Entry {
                 node: node.node,
                 parameters: node.parameters.clone(),
                 plugin: node.plugin().cloned(),
                 given: node.given.clone(),
                 inputs: revisions,
                 demand: demand.clone(),
-                files: stamped(files.into_iter().map(|(path, _)| path), self.file_stamp),
+                files,
+                is_ahead: self.reads_ahead,
                 carried,
                 done: done.clone(),
             });
         }
+        drop(claim);
         Ok(done)
-    }
-
-    fn next_revision(&mut self) -> Revision {
-        self.last_revision += 1;
-        Revision(self.last_revision)
     }
 }
 

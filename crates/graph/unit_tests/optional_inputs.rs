@@ -65,7 +65,7 @@ fn look(unit_distance: f64) -> Value {
     let model = OpticalModel::DensityEmitter;
     let transfer_function =
         TransferFunction { model, unit_distance, widgets: Vec::new(), axes: Default::default() };
-    Value::TransferFunction(Arc::new(TransferFunctionSpec { transfer_function, auto_unit_distance: false }))
+    Value::TransferFunction(Arc::new(TransferFunctionSpec::new(transfer_function, false)))
 }
 
 const MORE: &str = "[nodes.a]\ntype = \"found\"\npromise = 0.5\ninputs = { volume = \"gradient\" }\n\

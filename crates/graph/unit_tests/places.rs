@@ -7,7 +7,7 @@ fn look(unit_distance: f64) -> Arc<TransferFunctionSpec> {
     let model = OpticalModel::DensityEmitter;
     let transfer_function =
         TransferFunction { model, unit_distance, widgets: Vec::new(), axes: Default::default() };
-    Arc::new(TransferFunctionSpec { transfer_function, auto_unit_distance: false })
+    Arc::new(TransferFunctionSpec::new(transfer_function, false))
 }
 
 fn of(looks: Option<&[f64]>) -> Demand {

@@ -90,6 +90,11 @@ impl<'a> From<&'a PictureParts> for PictureContent<'a> {
 pub(super) type EncodePicture = fn(PictureContent, SampleForm, Option<&Provenance>) -> Result<Vec<u8>>;
 
 impl PictureFormat {
+    /// True if its files carry the provenance.
+    pub fn carries_provenance(&self) -> bool {
+        self.embedded_texts.is_some()
+    }
+
     /// The file of a picture, with a sentence for each thing that the format cannot hold.
     ///
     /// # Errors

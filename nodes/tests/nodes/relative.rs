@@ -2,10 +2,11 @@
 
 use super::graph;
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use voltet_core::Error;
 use voltet_core::error::ErrorKind;
-use voltet_graph::{NoObserver, RunReport, Session};
+use voltet_graph::pipeline::Pipeline;
+use voltet_graph::{NoObserver, Node, ParameterValue, RunReport, Session};
 use voltet_nodes::session;
 
 /// A function of the place.
@@ -427,4 +428,26 @@ fn mistakes_are_shown_where_they_are() {
         + "[nodes.probe]\ntype = \"probe\"\ninputs = { volume = \"gradient\" }\npoints = [[\"p5\", 1, 1]]\n";
     let error = self::refused(&text, folder.path());
     assert!(error.to_string().contains("a percentile is a value of a field"), "{error}");
+}
+
+/// Pictures are drawn again where a file changed that their numbers come from: each node with such numbers says which steps these are.
+#[test]
+fn nodes_whose_numbers_are_relative_to_a_series_say_which_steps_they_look_at() {
+    let registry = voltet_nodes::registry().unwrap();
+    let has_scope = |node: &Node| node.parameter("relative_to").is_some();
+    let mut left: Vec<&str> =
+        voltet_nodes::NODES.iter().filter(|node| has_scope(node)).map(|node| node.name).collect();
+    assert!(left.len() > 8, "{left:?}");
+    for node in voltet_nodes::NODES {
+        let graph = Pipeline::parse(node.example).unwrap().graph(&registry, PathBuf::new()).unwrap();
+        for own in graph.nodes.iter().filter(|own| has_scope(own.node)) {
+            let steps = |word: &str| {
+                let scope = ParameterValue::Text(word.into());
+                (own.node.other_steps)(&own.parameters.with("relative_to", Some(scope)), 10).len()
+            };
+            assert_eq!(["step", "sample", "series"].map(steps), [0, 8, 10], "{}", own.node.name);
+            left.retain(|name| *name != own.node.name);
+        }
+    }
+    assert_eq!(left, [""; 0], "no example has them");
 }

@@ -19,6 +19,7 @@ Examples:
   voltet run scene.toml --for 'run_*.vtu'                a picture of each of these files
   voltet run scene.toml --sweep 'look.widgets.0.extinction=[1, 2, 4]'
                                                          a picture for each value, and a sheet of them
+  voltet run *.toml --jobs 4                             the pictures of many files, 4 at a time
 
 Exit codes: 0 done, 1 a picture failed, 2 the command or a pipeline file is wrong.";
 
@@ -50,6 +51,12 @@ pub struct Run {
     /// nothing again. Compares the faster of each: how much longer the whole takes, and by how much the pictures differ.
     #[arg(long, alias = "no-leave-out")]
     pub exhaustive: bool,
+    /// Draw so many pictures at a time: of several pipelines, time steps, files or values.
+    ///
+    /// They share the cores, and the grids that several of them need are read once. Worth it where pictures are small: a large one
+    /// keeps all cores busy by itself.
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=1024), default_value = "1", conflicts_with = "exhaustive")]
+    pub jobs: u16,
     /// Write times, counts and what was left out to this file, as JSON.
     #[arg(long, value_name = "R.json")]
     pub report: Option<PathBuf>,
@@ -68,7 +75,9 @@ pub struct FrameOptions {
     /// none of {step}, {time} and {frame}, _0007 is added before its ending.
     #[arg(long, value_name = "STEPS", allow_hyphen_values = true)]
     pub steps: Option<StepSelection>,
-    /// Draw the time steps at these times: FROM:TO, or a time, of which the nearest step; several with commas.
+    /// Draw the time steps at these times: FROM:TO, or a time or FROM:TO:STRIDE, of which the nearest steps; several with commas.
+    ///
+    /// With between_steps = "linear" of the reader the times themselves, with values between the steps around them.
     #[arg(long, value_name = "TIMES", allow_hyphen_values = true, conflicts_with = "steps")]
     pub times: Option<TimeSelection>,
     /// Data that numbers such as "25 %" and "p90" are relative to, and that views are fitted to; sample where steps are chosen.

@@ -414,21 +414,23 @@ fn known(text: &str) -> &str {
 }
 
 fn of_data(file: &DataFile) -> String {
-    let DataFile { node, path, bytes, modified, sidecars: beside, .. } = file;
+    let DataFile { node, path, bytes, modified, sidecars, other_steps, .. } = file;
     let bytes = bytes.map(|bytes| format!(", {}", grouped(bytes, "byte"))).unwrap_or_default();
     let date = modified.as_ref().map(|date| format!(", of {date}")).unwrap_or_default();
-    let beside = beside.iter().map(|beside| {
-        let SidecarFiles { files, bytes, modified, names } = beside;
+    let of_files = |all: &SidecarFiles, what: &str| {
+        let SidecarFiles { files, bytes, modified, names, .. } = all;
         let date = modified.as_ref().map(|date| format!(", the last of {date}")).unwrap_or_default();
         let more = if names.len() as u64 == *files { "" } else { ", …" };
         format!(
-            "  and {} beside it, {}{date}: {}{more}\n",
+            "  and {} {what}, {}{date}: {}{more}\n",
             grouped(*files, "file"),
             grouped(*bytes, "byte"),
             names.join(", ")
         )
-    });
-    format!("data ({node}): {path}{bytes}{date}\n{}", beside.collect::<String>())
+    };
+    let beside = sidecars.iter().map(|files| of_files(files, "beside it"));
+    let steps = other_steps.iter().map(|files| of_files(files, "of the steps that numbers are relative to"));
+    format!("data ({node}): {path}{bytes}{date}\n{}", beside.chain(steps).collect::<String>())
 }
 
 fn of_plugin(plugin: &PluginRecord) -> String {

@@ -1,23 +1,26 @@
 //! `voltet run`: runs pipeline files headless, each for one picture or for the frames of a series.
 
 mod film;
+mod jobs;
+mod messages;
 mod plan;
+mod report;
 mod resume;
 mod runner;
 mod sheet;
+mod task;
 
 use super::shared::{DONE, FAILED, Outcome, ShortOption, open_all, show};
-use crate::Document;
 use crate::cli::arguments::Run;
 use crate::cli::ranks::Launch;
 use crate::core::{Error, Result, counted};
 use crate::document;
 use crate::graph::{ParameterValue, Registry};
-use crate::io::provenance::whole_report;
 use crate::nodes::files;
 use plan::Plan;
 use runner::Runner;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
 
 pub fn run(arguments: &Run, registry: &Registry) -> Outcome {
     let launch = Launch::join()?;
@@ -42,14 +45,28 @@ pub fn run(arguments: &Run, registry: &Registry) -> Outcome {
 
 /// Runs the files, as one of the processes of a launch.
 fn run_on(arguments: &Run, registry: &Registry, launch: &Launch) -> Outcome {
-    // Every file is checked before the first one runs.
-    let (documents, wrong) = open_all(&arguments.files, &shorts(arguments), registry);
-    if wrong != DONE {
+    let (documents, mut wrong) = open_all(&arguments.files, &shorts(arguments), registry);
+    let is_one_of_many = arguments.files.files.len() > 1;
+    if documents.is_empty() || wrong != DONE && !is_one_of_many {
         return Ok(wrong);
     }
-    documents.iter().try_for_each(Document::refuse_missing_data)?;
     film::check(arguments, &documents)?;
-    let plans = plan::plans(&documents, arguments, registry)?;
+    // A file that is wrong is named, and the others are drawn.
+    let (selection, mut plans) = (plan::selection(arguments)?, Vec::new());
+    let is_open = |file: &&PathBuf| documents.iter().any(|document| document.path == **file);
+    let unopened = arguments.files.files.iter().filter(|file| !is_open(file));
+    let mut failures: Vec<String> = unopened.map(|file| file.display().to_string()).collect();
+    for document in &documents {
+        let planned = document.refuse_missing_data().map_err(Into::into);
+        match planned.and_then(|()| plan::plan(document, &selection, arguments, registry)) {
+            Ok(plan) => plans.extend(plan),
+            Err(failure) if is_one_of_many => {
+                wrong = wrong.max(show(&failure));
+                failures.push(document.path.display().to_string());
+            }
+            Err(failure) => return Err(failure),
+        }
+    }
     film::refuse_frame(arguments, plans.iter().flat_map(|plan| &plan.outputs))?;
     let report = arguments.report.as_deref().map(|path| ("--report", path));
     let first = plans.iter().map(|plan| &plan.first);
@@ -60,27 +77,20 @@ fn run_on(arguments: &Run, registry: &Registry, launch: &Launch) -> Outcome {
     let streams = outputs.into_iter().any(|path| files::is_standard_output(path));
     refuse_exhaustive(arguments, &plans, streams)?;
     refuse_several(arguments, launch)?;
-    let is_first = launch.ranks.rank() == 0;
-    let mut runner = Runner::new(arguments, registry, streams, launch);
-    for plan in &plans {
-        let goes_on = match &plan.frames {
-            None => runner.run_picture(&plan.first)?,
-            Some(frames) => runner.run_frames(plan, frames)?,
-        };
-        if !goes_on {
-            return Ok(runner.worst);
-        }
+    if arguments.jobs > 1 && streams {
+        let error = Error::usage("the standard output takes one picture at a time");
+        return Err(error.got(format!("--jobs {}", arguments.jobs)).expected("the path of a file").into());
     }
-    let is_series = plans.iter().any(|plan| plan.frames.is_some());
-    if let (Some(path), true) = (&arguments.report, is_first && (runner.worst == DONE || is_series)) {
-        files::write_whole(path, format!("{:#}\n", whole_report(runner.reports)).as_bytes())?;
-    }
-    Ok(runner.worst)
+    Runner::new(arguments, registry, streams, (wrong, failures), launch)?.run(&plans)
 }
 
 /// Refuses what several processes do not do together.
 fn refuse_several(arguments: &Run, launch: &Launch) -> Result<()> {
-    let options = [("--exhaustive", arguments.exhaustive), ("--resume", arguments.frames.resume)];
+    let options = [
+        ("--exhaustive", arguments.exhaustive),
+        ("--resume", arguments.frames.resume),
+        ("--jobs", arguments.jobs > 1),
+    ];
     match options.into_iter().find(|(_, is_given)| *is_given && launch.ranks.count() > 1) {
         None => Ok(()),
         Some((option, _)) => {

@@ -35,21 +35,8 @@ pub(super) struct Frames {
     pub is_part_of_sweep: bool,
 }
 
-/// The plans of pipelines; those of which the part has no frame are left out.
-pub(super) fn plans(
-    documents: &[Document],
-    arguments: &Run,
-    registry: &Registry,
-) -> std::result::Result<Vec<Plan>, LocatedError> {
-    let selection = selection(arguments)?;
-    let mut plans = Vec::new();
-    for document in documents {
-        plans.extend(plan(document, &selection, arguments, registry)?);
-    }
-    Ok(plans)
-}
-
-fn selection(arguments: &Run) -> Result<FrameSelection> {
+/// The frames that options select.
+pub(super) fn selection(arguments: &Run) -> Result<FrameSelection> {
     let options = &arguments.frames;
     let by_number = options.steps.clone().map(Steps::Numbers);
     let mut data_files = Vec::new();
@@ -73,7 +60,8 @@ fn selection(arguments: &Run) -> Result<FrameSelection> {
     })
 }
 
-fn plan(
+/// The plan of a pipeline; `None` where the part has no frame of it.
+pub(super) fn plan(
     document: &Document,
     selection: &FrameSelection,
     arguments: &Run,
