@@ -137,7 +137,7 @@ pub(crate) struct GradientTask {
 wire!(fields of GradientTask { grid, scalar, values, arrays });
 
 /// Starts and items of the rows of a compressed table.
-type Rows64 = (Vec<u64>, Vec<u32>);
+pub(crate) type Rows64 = (Vec<u64>, Vec<u32>);
 
 fn rows_64(Csr { starts, items }: Csr) -> Rows64 {
     // The same memory where both are of 64 bits.
@@ -170,11 +170,11 @@ impl GradientTask {
         let mut inputs = self.values.inputs();
         inputs.add("the points", &self.grid.points);
         inputs.add("the cells", &self.grid.tetrahedra);
-        inputs.add("the values of the scalar", &self.scalar);
+        inputs.add_own("the values of the scalar", &self.scalar);
         for (name, rows) in [("the neighbours of points", &neighbours), ("the cells of points", &cells)] {
             let Some((starts, items)) = rows else { continue };
-            inputs.add(name, starts);
-            inputs.add(name, items);
+            inputs.add_own(name, starts);
+            inputs.add_own(name, items);
         }
         add_arrays(&mut inputs, &self.arrays);
         let call = GradientCall {

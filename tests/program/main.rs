@@ -23,6 +23,7 @@ mod outputs;
 mod papers;
 mod pictures;
 mod pixel;
+mod plugin_ends;
 mod plugin_faults;
 mod plugin_fuzz;
 mod plugin_node_faults;
