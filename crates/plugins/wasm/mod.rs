@@ -177,9 +177,12 @@ fn put_call(task: &GradientTask, needs: u32, arguments: &mut GuestArgs) -> (u32,
         Some((starts, items)) => [arguments.input(name, &starts), arguments.input(name, &items)],
         None => [0; 2],
     };
-    let [neighbours, cells_of_points] = task.tables(needs);
-    let neighbours = put("the neighbours of points", neighbours);
-    let cells_of_points = put("the cells of points", cells_of_points);
+    let tables = task.tables(needs);
+    let neighbours = put("the neighbours of points", tables.neighbours);
+    let cells_of_points = put("the cells of points", tables.cells_of_points);
+    let second_rings = put("the second rings of points", tables.second_rings);
+    let at_boundary =
+        tables.at_boundary.map_or(0, |flags| arguments.input("the flags of the boundary", &flags));
     let points = arguments.input("the points", &task.grid.points);
     let cells = arguments.input("the cells", &task.grid.tetrahedra);
     let scalar = arguments.input("the values of the scalar", &task.scalar);
@@ -194,8 +197,9 @@ fn put_call(task: &GradientTask, needs: u32, arguments: &mut GuestArgs) -> (u32,
     let [points_low, points_high] = halves(task.grid.points.len());
     let [cells_low, cells_high] = halves(task.grid.tetrahedra.len());
     let [[starts, items], [cell_starts, cell_items]] = [neighbours, cells_of_points];
-    let mut call = vec![64, 0, points_low, points_high, cells_low, cells_high, points, cells];
-    call.extend([starts, items, cell_starts, cell_items, scalar, arrays, values, out]);
+    let mut call = vec![76, 0, points_low, points_high, cells_low, cells_high, points, cells];
+    call.extend([starts, items, cell_starts, cell_items, scalar, arrays, values, out, at_boundary]);
+    call.extend(second_rings);
     (arguments.put(&call), out)
 }
 
