@@ -57,6 +57,7 @@ static int32_t gradient(const voltet_call *call, const voltet_host *host) {
     if (!strcmp(fault, "infinite")) call->gradient[4] = INFINITY;
     if (!strcmp(fault, "huge")) call->gradient[3] = call->gradient[4] = 1e308, call->gradient[5] = 1.7e308;
     if (!strcmp(fault, "beyond")) call->gradient[3 * call->point_count + 2] = 1;
+    if (!strcmp(fault, "a block beyond")) memset(call->gradient + 3 * call->point_count, 0, 3 * 4096 * sizeof(double));
     if (!strcmp(fault, "endless")) {
         for (;;) host->progress(host, NAN);
     }
