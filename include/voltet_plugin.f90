@@ -24,14 +24,15 @@ module voltet_plugin
   public :: voltet_describe_plugin, voltet_add_filter, voltet_add_reader, voltet_add_check
   public :: voltet_add_boolean, voltet_add_integer, voltet_add_number, voltet_add_text, voltet_add_point_array, voltet_add_choice
   public :: voltet_points, voltet_cells, voltet_scalar, voltet_gradient, voltet_point_array
-  public :: voltet_neighbours, voltet_cells_of_points
+  public :: voltet_neighbours, voltet_cells_of_points, voltet_second_rings, voltet_at_boundary
   public :: voltet_number, voltet_integer, voltet_text, voltet_text_at
   public :: voltet_progress, voltet_cancelled, voltet_error, voltet_fallback, voltet_parallel_for
 
   ! What functions return.
   integer(c_int32_t), parameter, public :: VOLTET_OK = 0, VOLTET_CANCELLED_CODE = 1, VOLTET_ERROR_CODE = 2
   ! What a filter needs beside points, cells and scalar.
-  integer(c_int32_t), parameter, public :: VOLTET_NEEDS_NEIGHBOURS = 1, VOLTET_NEEDS_CELLS_OF_POINTS = 2
+  integer(c_int32_t), parameter, public :: VOLTET_NEEDS_NEIGHBOURS = 1, VOLTET_NEEDS_CELLS_OF_POINTS = 2, &
+    VOLTET_NEEDS_BOUNDARY = 4, VOLTET_NEEDS_SECOND_RINGS = 8
 
   integer(c_int32_t), parameter :: BOOLEAN = 1, WHOLE = 2, NUMBER = 3, CHOICE = 4, TEXT = 5, POINT_ARRAY = 7
   integer(c_int32_t), parameter :: REQUIRED = 1
@@ -53,6 +54,7 @@ module voltet_plugin
     integer(c_int32_t) :: size, reserved
     integer(c_int64_t) :: point_count, cell_count
     type(c_ptr) :: points, cells, neighbour_starts, neighbours, cell_starts, cells_of_points, scalar, arrays, values, gradient
+    type(c_ptr) :: at_boundary, second_ring_starts, second_rings
   end type
 
   type, bind(c) :: parameter_of
@@ -420,6 +422,21 @@ contains
     integer(c_int32_t), pointer, intent(out) :: cells(:)
     call rows(call%cell_starts, call%cells_of_points, call%point_count, starts, cells)
   end subroutine
+
+  ! Where VOLTET_NEEDS_SECOND_RINGS was asked for: the points within two edges of point p, in the same form: first its neighbours.
+  subroutine voltet_second_rings(call, starts, rings)
+    type(voltet_call), intent(in) :: call
+    integer(c_int64_t), pointer, intent(out) :: starts(:)
+    integer(c_int32_t), pointer, intent(out) :: rings(:)
+    call rows(call%second_ring_starts, call%second_rings, call%point_count, starts, rings)
+  end subroutine
+
+  ! Where VOLTET_NEEDS_BOUNDARY was asked for: 1 for each point of a face that one cell alone has, 0 for others.
+  function voltet_at_boundary(call) result(flags)
+    type(voltet_call), intent(in) :: call
+    integer(c_int8_t), pointer :: flags(:)
+    call c_f_pointer(call%at_boundary, flags, [call%point_count])
+  end function
 
   subroutine rows(first, second, point_count, starts, items)
     type(c_ptr), intent(in) :: first, second

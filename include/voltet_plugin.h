@@ -17,7 +17,7 @@
  *   you read what came after version 1.0 of a host's struct, compare its size.
  * - Memory: nobody frees or keeps what the other side allocated. What a description points to stays as it is until deinit. What
  *   the host hands over is valid during that call, is constant but for the output, and is not to be written otherwise. The host
- *   compares it after the call, 65536 elements of each array at most, and fails a call that wrote into it.
+ *   compares it after the call, all of it, and fails a call that wrote into it.
  * - Text is UTF-8 and ends with a 0 byte. Limits, in bytes: names, words and units 64; summaries, help, versions, meanings 1024;
  *   errors and notes 4096. Names of filters and parameters are lower-case letters, digits, '-' and '_', beginning with a letter.
  * - Threads: the host calls the functions of one plug-in one at a time, not always from the same thread. Threads of your own
@@ -25,8 +25,11 @@
  *   thread that calls has a stack of 64 MiB, those of `parallel_for` 2 MiB.
  * - Exceptions (C++), longjmp and whatever unwinds must not leave a plug-in's function: catch them and call host->error. One that
  *   does leave ends the program, with a message that names the plug-in.
- * - A crash or a call of exit ends the program, too. `voltet --plugin-process` runs plug-ins in a process of their own, which may end.
- * - Standard output belongs to the program: a picture may be on its way there. Say what there is to say by the host's functions.
+ * - A crash or a call of exit, _exit or exec ends the program, too, as an error. `voltet --plugin-process` runs plug-ins in a process of
+ *   their own, which may end.
+ * - Standard output belongs to the program: a picture may be on its way there. What a plug-in prints goes to the standard error. Say
+ *   what there is to say by the host's functions.
+ * - The program may load a private copy of the file: `path` of init is the file itself. A library that calls dladdr is loaded from there.
  */
 #ifndef VOLTET_PLUGIN_H
 #define VOLTET_PLUGIN_H
@@ -39,7 +42,7 @@ extern "C" {
 
 /* The version of this interface. A program loads plug-ins of its own major version, whatever the others are. */
 #define VOLTET_PLUGIN_MAJOR 1
-#define VOLTET_PLUGIN_MINOR 1 /* 0: gradient filters alone. 1: readers, grid filters, image filters. */
+#define VOLTET_PLUGIN_MINOR 2 /* 0: gradient filters alone. 1: readers, grid filters, image filters. 2: boundary, second rings. */
 #define VOLTET_PLUGIN_PATCH 0
 
 #if defined(_WIN32)
@@ -166,8 +169,10 @@ typedef struct voltet_values {
 
 /* What a filter needs beside points, cells and scalar. What it does not ask for is not computed, and NULL in the call. */
 enum {
-    VOLTET_NEEDS_NEIGHBOURS = 1,     /* neighbour_starts and neighbours. */
-    VOLTET_NEEDS_CELLS_OF_POINTS = 2 /* cell_starts and cells_of_points. */
+    VOLTET_NEEDS_NEIGHBOURS = 1,      /* neighbour_starts and neighbours. */
+    VOLTET_NEEDS_CELLS_OF_POINTS = 2, /* cell_starts and cells_of_points. */
+    VOLTET_NEEDS_BOUNDARY = 4,        /* at_boundary (since 1.2: an older program refuses the filter). */
+    VOLTET_NEEDS_SECOND_RINGS = 8     /* second_ring_starts and second_rings (since 1.2). */
 };
 
 /* The grid, the scalar, and where the gradient goes. */
@@ -180,7 +185,8 @@ typedef struct voltet_call {
     const uint32_t *cells; /* The points of each cell, ascending: 4 cell_count numbers. All cells are tetrahedra; those of other
                               shapes were split into such that share faces. */
     /* The points that share an edge with point p: neighbours[neighbour_starts[p]] up to, without, [neighbour_starts[p + 1]],
-     * each once, without p. point_count + 1 starts. */
+     * each once, without p, in no order. point_count + 1 starts. A neighbour may lie at the position of p itself, and cells may be
+     * flat: a weight by the distance divides by 0 there. `voltet gradient-test` has such a grid. */
     const uint64_t *neighbour_starts;
     const uint32_t *neighbours;
     /* The cells that use point p, ascending, in the same form. */
@@ -194,6 +200,11 @@ typedef struct voltet_call {
     /* Out: the gradient's x, y, z at each point, in units of the scalar per length: 3 point_count numbers. A point of a cell that
      * gets none, or one that is not finite, makes the run fail. What no cell uses may be left as it is. */
     double *gradient;
+    /* Since 1.2. */
+    const uint8_t *at_boundary; /* 1 for points of a face that one cell alone has, 0 for others: point_count of them. */
+    /* The points within two edges of point p, without p, in the form of the neighbours: first these, then theirs. */
+    const uint64_t *second_ring_starts;
+    const uint32_t *second_rings;
 } voltet_call;
 
 /* What a filter is: its name, what it does, its parameters and its functions. */
@@ -450,6 +461,34 @@ typedef struct voltet_entry {
 } voltet_entry;
 
 extern VOLTET_PLUGIN_EXPORT const voltet_entry voltet_plugin_entry;
+
+/* All that surrounds a plug-in of gradient filters alone: behind the definitions of the filters, once in the library, without a semicolon.
+ *
+ *     static const voltet_gradient_filter mean = {sizeof mean, ...};
+ *     VOLTET_GRADIENT_PLUGIN("my filters", "1.0", &mean)
+ *
+ * The last argument is one filter or several, separated by commas. For what needs init or offers other kinds, write the entry out. */
+#define VOLTET_GRADIENT_PLUGIN(plugin_name, plugin_version, ...)                                                                  \
+    static const voltet_gradient_filter *const voltet_own_filters[] = {__VA_ARGS__};                                              \
+    static uint32_t voltet_own_filter_count(void) {                                                                               \
+        return (uint32_t)(sizeof voltet_own_filters / sizeof *voltet_own_filters);                                                \
+    }                                                                                                                             \
+    static const voltet_gradient_filter *voltet_own_filter(uint32_t place) { return voltet_own_filters[place]; }                  \
+    static const voltet_plugin *voltet_own_init(const char *path, const voltet_host *host) {                                      \
+        static const voltet_plugin plugin = {sizeof(voltet_plugin), 0, plugin_name, plugin_version};                              \
+        (void)path, (void)host;                                                                                                   \
+        return &plugin;                                                                                                           \
+    }                                                                                                                             \
+    static const void *voltet_own_factory(const char *kind) {                                                                     \
+        static const voltet_gradient_factory factory = {sizeof(voltet_gradient_factory), 0, voltet_own_filter_count,              \
+                                                        voltet_own_filter};                                                       \
+        const char *own = VOLTET_GRADIENT_FILTERS;                                                                                \
+        while (*kind && *kind == *own) kind++, own++;                                                                             \
+        return *kind == *own ? &factory : 0;                                                                                      \
+    }                                                                                                                             \
+    const voltet_entry voltet_plugin_entry = {                                                                                    \
+        sizeof(voltet_entry), VOLTET_PLUGIN_MAJOR, VOLTET_PLUGIN_MINOR, VOLTET_PLUGIN_PATCH, voltet_own_init, 0,                  \
+        voltet_own_factory};
 
 #ifdef __cplusplus
 }

@@ -1,5 +1,6 @@
 //! Identity of the file behind a path, however the path is spelled.
 
+use crate::output;
 use std::path::{Path, PathBuf};
 
 /// The path of the standard output. A file of that name is `./-`.
@@ -23,7 +24,7 @@ pub enum FileIdentity {
 impl FileIdentity {
     /// Identity of the file at a path; `None` for devices (`/dev/null`), which keep nothing that could be lost.
     pub fn from_path(path: &Path) -> Option<FileIdentity> {
-        if path == Path::new(STDOUT) {
+        if names_standard_output(path) {
             let there = standard_output().and_then(|metadata| Self::there(&metadata, path));
             return Some(there.unwrap_or(FileIdentity::StandardOutput));
         }
@@ -46,17 +47,33 @@ impl FileIdentity {
     }
 }
 
-/// True if a path is the standard output, by its own name or another.
+/// True if a path is the standard output, by its own name, by another or by a link.
 pub fn is_standard_output(path: &Path) -> bool {
-    let named = [STDOUT, "/dev/stdout"].iter().any(|name| path == Path::new(name));
-    named
+    names_standard_output(path)
         || FileIdentity::from_path(path)
             .is_some_and(|meant| FileIdentity::from_path(Path::new(STDOUT)) == Some(meant))
 }
 
+/// True if a path or one that its links lead to is a name of descriptor 1, which may be another file's now.
+fn names_standard_output(path: &Path) -> bool {
+    let mut path = path.to_path_buf();
+    for _ in 0..MAX_LINKS {
+        let names = [STDOUT, "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"];
+        if names.iter().any(|name| path == Path::new(name)) {
+            return true;
+        }
+        let Ok(link) = std::fs::read_link(&path) else { return false };
+        path = folder(&path).join(link);
+    }
+    false
+}
+
 /// Metadata of the standard output's target, where the system reports it.
 fn standard_output() -> Option<std::fs::Metadata> {
-    cfg!(unix).then(|| std::fs::metadata("/dev/stdout").ok())?
+    match output::private() {
+        Some(own) => own.metadata().ok(),
+        None => cfg!(unix).then(|| std::fs::metadata("/dev/stdout").ok())?,
+    }
 }
 
 /// The path that symbolic links lead to from here, whether or not there is something.

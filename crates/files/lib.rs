@@ -4,9 +4,11 @@
 //! signal does: what stands beside files now ([`end_now`] removes it), and whether a reader is waited for.
 
 mod file_identity;
+mod output;
 mod write;
 
 pub use file_identity::{FileIdentity, STDOUT, Use, collision, folder, is_standard_output, relative_to};
+pub use output::take_standard_output;
 pub use write::{
     Content, end_now, is_waiting, refuse_unwritable, standard_output, unwritable_output, write_parts,
     write_whole,
@@ -34,10 +36,22 @@ pub fn configuration_folder() -> PathBuf {
     user_folder("XDG_CONFIG_HOME", ".config", "Library/Application Support")
 }
 
+/// The folder that a variable of the environment names. A relative path names another one in each folder and is ignored, as the XDG Base
+/// Directory Specification requires.
+fn folder_of_variable(name: &str) -> Option<PathBuf> {
+    std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute())
+}
+
+/// The user's home folder, if the environment names one.
+pub fn home_folder() -> Option<PathBuf> {
+    folder_of_variable("HOME")
+}
+
 /// By the variable, or within the user's home, on macOS elsewhere.
 fn user_folder(variable: &str, usual: &str, on_macos: &str) -> PathBuf {
-    let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
-    let home = || set("HOME").map(|home| home.join(if cfg!(target_os = "macos") { on_macos } else { usual }));
+    let set = folder_of_variable;
+    let home =
+        || home_folder().map(|home| home.join(if cfg!(target_os = "macos") { on_macos } else { usual }));
     let base = set(variable).or_else(|| set("LOCALAPPDATA")).or_else(home);
     base.unwrap_or_else(std::env::temp_dir).join("voltet")
 }

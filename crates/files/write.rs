@@ -4,6 +4,7 @@
 //! output is slow, only the program's end stops a write.
 
 use crate::file_identity::{folder, followed, is_standard_output};
+use crate::output::with_output;
 use std::fs::{File, Metadata, OpenOptions};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -60,7 +61,7 @@ pub fn write_parts(path: &Path, content: Content) -> Result<()> {
     match target(path)? {
         Target::StandardOutput => {
             let _guard = begin();
-            let written = buffered(&mut io::stdout().lock());
+            let written = with_output(buffered);
             unless_closed(written).map(drop).map_err(|error| failed(error, &unwritable_output))
         }
         Target::Through => write_through(path, &mut buffered).map_err(of_path),
@@ -74,9 +75,8 @@ pub type Content<'a> = &'a mut dyn FnMut(&mut dyn Write) -> io::Result<()>;
 /// Writes to the standard output; gives whether somebody reads on. Where nobody does, that is no error.
 pub fn standard_output(content: &[u8]) -> Result<bool> {
     let _guard = begin();
-    let mut output = io::stdout().lock();
-    unless_closed(output.write_all(content).and_then(|()| output.flush()))
-        .map_err(|error| unwritable_output(&error))
+    let written = with_output(|output| output.write_all(content).and_then(|()| output.flush()));
+    unless_closed(written).map_err(|error| unwritable_output(&error))
 }
 
 /// The error where the standard output takes nothing more.

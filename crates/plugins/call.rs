@@ -8,8 +8,8 @@ use crate::host::{CallStatus, State};
 use crate::inputs::Inputs;
 use crate::interface::{
     ERROR, FilterGrid, FilterImage, GivenArray, Gradient, GradientCall, GridBuffers, GridCall, GridHead,
-    ImageCall, NEEDS_CELLS_OF_POINTS, NEEDS_NEIGHBOURS, OK, Read, Reading, SAME_CELLS, SAME_POINTS,
-    TETRAHEDRA, Values,
+    ImageCall, NEEDS_BOUNDARY, NEEDS_CELLS_OF_POINTS, NEEDS_NEIGHBOURS, NEEDS_SECOND_RINGS, OK, Read,
+    Reading, SAME_CELLS, SAME_POINTS, TETRAHEDRA, Values,
 };
 use crate::values::{NamedArrays, ParameterValues, add_arrays, array_pointers};
 use crate::wire::wire;
@@ -19,7 +19,7 @@ use std::ptr::{from_ref, null, null_mut};
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::counted;
 use voltet_core::glam::DVec3;
-use voltet_core::grid::{Array, Csr, Grid, cells_of_points, points_of_points};
+use voltet_core::grid::{Array, Csr, Grid, cells_of_faces, cells_of_points, points_of_points, second_rings};
 use voltet_core::picture::Picture;
 
 /// One call with its inputs. These are owned or shared, so that a call that never returns harms nothing.
@@ -137,7 +137,7 @@ pub(crate) struct GradientTask {
 wire!(fields of GradientTask { grid, scalar, values, arrays });
 
 /// Starts and items of the rows of a compressed table.
-type Rows64 = (Vec<u64>, Vec<u32>);
+pub(crate) type Rows64 = (Vec<u64>, Vec<u32>);
 
 fn rows_64(Csr { starts, items }: Csr) -> Rows64 {
     // The same memory where both are of 64 bits.
@@ -145,22 +145,64 @@ fn rows_64(Csr { starts, items }: Csr) -> Rows64 {
     (bytemuck::try_cast_vec(starts).unwrap_or_else(widened), items)
 }
 
+/// Tables of the grid that a filter may request; `None` for those that it does not.
+#[derive(Default)]
+pub(crate) struct Tables {
+    pub neighbours: Option<Rows64>,
+    pub cells_of_points: Option<Rows64>,
+    /// 1 for points of faces that one cell alone has.
+    pub at_boundary: Option<Vec<u8>>,
+    /// Neighbours and their neighbours.
+    pub second_rings: Option<Rows64>,
+}
+
+impl Tables {
+    /// Tables of rows with their names.
+    fn rows(&self) -> [(&'static str, &Option<Rows64>); 3] {
+        [
+            ("the neighbours of points", &self.neighbours),
+            ("the cells of points", &self.cells_of_points),
+            ("the second rings of points", &self.second_rings),
+        ]
+    }
+}
+
+/// Flags of the points of faces that one cell alone has.
+fn at_boundary(grid: &Grid) -> Vec<u8> {
+    let mut flags = vec![0; grid.points.len()];
+    for (face, other) in cells_of_faces(grid).into_iter().enumerate() {
+        if other == u32::MAX {
+            let corners =
+                grid.tetrahedra[face / 4].iter().enumerate().filter(|(corner, _)| *corner != face % 4);
+            corners.for_each(|(_, &p)| flags[p as usize] = 1);
+        }
+    }
+    flags
+}
+
 impl GradientTask {
-    /// Neighbours of points, and cells of points, where the flags `needs` have them.
-    pub fn tables(&self, needs: u32) -> [Option<Rows64>; 2] {
-        let [needs_neighbours, needs_cells] =
-            [NEEDS_NEIGHBOURS, NEEDS_CELLS_OF_POINTS].map(|flag| needs & flag != 0);
-        let cells = (needs_neighbours || needs_cells).then(|| cells_of_points(&self.grid));
-        let neighbours = cells.as_ref().filter(|_| needs_neighbours);
-        let neighbours = neighbours.map(|cells| rows_64(points_of_points(&self.grid, cells)));
-        [neighbours, cells.filter(|_| needs_cells).map(rows_64)]
+    /// Tables of the grid that the flags `needs` request.
+    pub fn tables(&self, needs: u32) -> Tables {
+        let is_needed = |flag: u32| needs & flag != 0;
+        let [needs_neighbours, needs_rings] = [NEEDS_NEIGHBOURS, NEEDS_SECOND_RINGS].map(is_needed);
+        let needs_rows = needs_neighbours || needs_rings;
+        let needs_cells = is_needed(NEEDS_CELLS_OF_POINTS);
+        let cells = (needs_rows || needs_cells).then(|| cells_of_points(&self.grid));
+        let neighbours = cells.as_ref().filter(|_| needs_rows);
+        let neighbours = neighbours.map(|cells| points_of_points(&self.grid, cells));
+        let rings = neighbours.as_ref().filter(|_| needs_rings).map(second_rings);
+        Tables {
+            neighbours: neighbours.filter(|_| needs_neighbours).map(rows_64),
+            cells_of_points: cells.filter(|_| needs_cells).map(rows_64),
+            at_boundary: is_needed(NEEDS_BOUNDARY).then(|| at_boundary(&self.grid)),
+            second_rings: rings.map(rows_64),
+        }
     }
 
     fn run(self, function: Gradient, needs: u32, state: &State) -> Called {
         let point_count = self.grid.points.len();
         // The first touch of fresh memory takes its time, too.
         let (tables, vectors) = rayon::join(|| self.tables(needs), || guarded_vec::<DVec3, f64>(point_count));
-        let [neighbours, cells] = tables;
         let starts = |rows: &Option<Rows64>| rows.as_ref().map_or(null(), |rows| rows.0.as_ptr());
         let items = |rows: &Option<Rows64>| rows.as_ref().map_or(null(), |rows| rows.1.as_ptr());
         let arrays = array_pointers(&self.arrays);
@@ -170,11 +212,14 @@ impl GradientTask {
         let mut inputs = self.values.inputs();
         inputs.add("the points", &self.grid.points);
         inputs.add("the cells", &self.grid.tetrahedra);
-        inputs.add("the values of the scalar", &self.scalar);
-        for (name, rows) in [("the neighbours of points", &neighbours), ("the cells of points", &cells)] {
+        inputs.add_own("the values of the scalar", &self.scalar);
+        for (name, rows) in tables.rows() {
             let Some((starts, items)) = rows else { continue };
-            inputs.add(name, starts);
-            inputs.add(name, items);
+            inputs.add_own(name, starts);
+            inputs.add_own(name, items);
+        }
+        if let Some(flags) = &tables.at_boundary {
+            inputs.add_own("the flags of the boundary", flags);
         }
         add_arrays(&mut inputs, &self.arrays);
         let call = GradientCall {
@@ -185,14 +230,17 @@ impl GradientTask {
             // Three doubles a point and four numbers a cell, side by side.
             points: self.grid.points.as_ptr().cast(),
             cells: self.grid.tetrahedra.as_ptr().cast(),
-            neighbour_starts: starts(&neighbours),
-            neighbours: items(&neighbours),
-            cell_starts: starts(&cells),
-            cells_of_points: items(&cells),
+            neighbour_starts: starts(&tables.neighbours),
+            neighbours: items(&tables.neighbours),
+            cell_starts: starts(&tables.cells_of_points),
+            cells_of_points: items(&tables.cells_of_points),
             scalar: self.scalar.as_ptr(),
             arrays: arrays.as_ptr(),
             values: &values,
             gradient: vectors.as_mut_ptr().cast(),
+            at_boundary: tables.at_boundary.as_ref().map_or(null(), |flags| flags.as_ptr()),
+            second_ring_starts: starts(&tables.second_rings),
+            second_rings: items(&tables.second_rings),
         };
         // SAFETY: the plug-in's own function; what it is given lives through the call and has the sizes stated.
         let code = unsafe { function(&call, &state.host()) };

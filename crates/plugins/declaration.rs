@@ -80,7 +80,11 @@ pub(crate) fn gradient_filter<A: AddressSpace>(
     let (read, _) = space.sized::<interface::GradientFilter<A>>(address)?;
     let declaration = declaration(space, "filter", &read.item, || {
         let needs = read.item.needs;
-        if needs & !(interface::NEEDS_NEIGHBOURS | interface::NEEDS_CELLS_OF_POINTS) != 0 {
+        let known = interface::NEEDS_NEIGHBOURS
+            | interface::NEEDS_CELLS_OF_POINTS
+            | interface::NEEDS_BOUNDARY
+            | interface::NEEDS_SECOND_RINGS;
+        if needs & !known != 0 {
             return Err(format!("'needs' has flags that this version does not know: {needs:#x}"));
         }
         refuse_null::<A, Gradient>("gradient", read.gradient)?;

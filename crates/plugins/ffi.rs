@@ -198,8 +198,8 @@ impl AddressSpace for Process {
     }
 }
 
-/// Tuples of the guard behind a buffer: a filter that miscounts by a few is found.
-pub(crate) const GUARD_COUNT: usize = 64;
+/// Tuples of the guard behind a buffer: a filter that miscounts by a few, or by a block of 4,096, is found.
+pub(crate) const GUARD_COUNT: usize = 4096 + 64;
 
 /// Marker of a gradient that was not written: a NaN with digits that no computation gives.
 pub(crate) const UNSET: f64 = f64::from_bits(0x7ff7_766f_6c74_6574);

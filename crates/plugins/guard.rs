@@ -1,9 +1,14 @@
 //! Guards of loading and calling: a crash in a plug-in, or its call of `exit`, ends the program with a message that names the
 //! plug-in, and work runs on a thread that can be given up, since a plug-in that does not return cannot be ended.
 
+use crate::supervisor;
+use crate::thread_state::with_same_folder;
 use std::cell::Cell;
 use std::panic::AssertUnwindSafe;
 use std::ptr::null_mut;
+use std::sync::Arc;
+#[cfg(target_os = "linux")]
+use std::sync::atomic::AtomicI32;
 use std::sync::atomic::{AtomicPtr, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
@@ -76,15 +81,17 @@ pub(crate) fn attribute<T>(plugin: &Plugin, when: &str, work: impl FnOnce() -> T
         crashes: CAUSES.map(|how| message(&format!("a crash ({how})"), "does not crash")),
         exit: message("a call of exit", "does not end the program"),
     };
+    supervisor::begin_work(&format!("{when} of the {plugin}"));
     let own = Box::into_raw(Box::new(messages));
     let is_free = |place: &&AtomicPtr<Messages>| {
         place.compare_exchange(null_mut(), own, Ordering::SeqCst, Ordering::SeqCst).is_ok()
     };
     let place = MESSAGES.iter().find(is_free);
-    let outcome = Caller(own).run(work);
+    let outcome = with_same_folder(|| Caller(own).run(work));
     if let Some(place) = place {
         place.store(null_mut(), Ordering::SeqCst);
     }
+    supervisor::end_work();
     // SAFETY: made above and taken back once; a handler that reads it still ends the program.
     drop(unsafe { Box::from_raw(own) });
     outcome
@@ -102,6 +109,7 @@ pub(crate) use unix::{disable_crash_messages, install};
 #[cfg(unix)]
 mod unix {
     use super::{CAUSES, CURRENT, MESSAGES};
+    use crate::supervisor;
     use std::sync::OnceLock;
     use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -152,6 +160,14 @@ mod unix {
             MESSAGES.iter().map(|place| place.load(Ordering::SeqCst)).find(|messages| !messages.is_null());
         let place = SIGNALS.iter().position(|known| *known == signal);
         let (Some(messages), Some(place)) = (messages, place) else {
+            let last = supervisor::last_work_bytes();
+            if let (Some(place), false) = (place, last.is_empty() || ANNOUNCED.swap(true, Ordering::SeqCst)) {
+                let (what, after) = (
+                    CAUSES[place],
+                    ") after work of a plug-in, which may have damaged memory; the last ran ",
+                );
+                end(&[b"\nerror: a crash (", what.as_bytes(), after.as_bytes(), last, HELP.as_bytes()])
+            }
             // It comes again, and does what it did without us.
             match place.and_then(|place| FORMER.get().map(|former| &former[place])) {
                 // SAFETY: as it was.
@@ -169,7 +185,7 @@ mod unix {
             }
         }
         // SAFETY: whoever made the texts is in the call that crashed.
-        end(unsafe { &(*messages).crashes[place] })
+        end(&[unsafe { (*messages).crashes[place].as_bytes() }])
     }
 
     /// Announces the exit of a program whose plug-in called `exit`.
@@ -177,14 +193,21 @@ mod unix {
         let messages = CURRENT.get();
         if !messages.is_null() {
             // SAFETY: whoever made the texts is in the call that exits.
-            end(unsafe { &(*messages).exit })
+            end(&[unsafe { (*messages).exit.as_bytes() }])
         }
     }
 
-    fn end(text: &str) -> ! {
+    /// End of the message of a crash after a plug-in ran.
+    const HELP: &str = "\n |\n = help: expected a plug-in that writes into its own memory alone; --plugin-process runs it in a process of \
+                        its own, which it may damage\n";
+
+    fn end(parts: &[&[u8]]) -> ! {
+        supervisor::state_exit(1);
         // SAFETY: `write` and `_exit` may be called from a handler.
         unsafe {
-            libc::write(2, text.as_ptr().cast(), text.len());
+            for part in parts {
+                libc::write(2, part.as_ptr().cast(), part.len());
+            }
             libc::_exit(1)
         }
     }
@@ -203,6 +226,8 @@ pub(crate) enum CallFailure {
     GivenUp,
     /// The system has no thread for it, or the thread panicked, and printed why.
     NoThread,
+    /// The plug-in ended the thread by a system call.
+    ThreadEnded,
 }
 
 /// Runs `work` on a new thread, and gives it up once `may_go_on`, called every few milliseconds, is false. Changes to the thread's
@@ -213,7 +238,10 @@ pub(crate) fn run<T: Send + 'static>(
 ) -> Result<T, CallFailure> {
     let (sender, receiver) = channel();
     let thread = std::thread::Builder::new().name("plug-in".into()).stack_size(STACK);
+    let number = Arc::new(ThreadNumber::default());
+    let own_number = number.clone();
     let spawned = thread.spawn(move || {
+        own_number.set();
         // An exception of another language ends the program here, before the receiver could take the thread for ended.
         if let Ok(outcome) = std::panic::catch_unwind(AssertUnwindSafe(work)) {
             // The receiver may have given up.
@@ -228,8 +256,40 @@ pub(crate) fn run<T: Send + 'static>(
         match receiver.recv_timeout(if worked { Duration::ZERO } else { INTERVAL }) {
             Ok(outcome) => return Ok(outcome),
             Err(RecvTimeoutError::Disconnected) => return Err(CallFailure::NoThread),
+            Err(RecvTimeoutError::Timeout) if number.is_gone() => {
+                return receiver.try_recv().map_err(|_| CallFailure::ThreadEnded);
+            }
             Err(RecvTimeoutError::Timeout) if may_go_on() => {}
             Err(RecvTimeoutError::Timeout) => return Err(CallFailure::GivenUp),
         }
+    }
+}
+
+/// Number of a thread in the system; 0 before it began.
+#[derive(Default)]
+struct ThreadNumber(#[cfg(target_os = "linux")] AtomicI32);
+
+#[cfg(target_os = "linux")]
+impl ThreadNumber {
+    /// Takes that of this thread.
+    fn set(&self) {
+        // SAFETY: reads a number of this thread.
+        self.0.store(unsafe { libc::gettid() }, Ordering::Release);
+    }
+
+    /// True if the thread began and is no more.
+    fn is_gone(&self) -> bool {
+        let number = self.0.load(Ordering::Acquire);
+        // SAFETY: signal 0 is none: the system only looks for the thread.
+        number != 0 && unsafe { libc::syscall(libc::SYS_tgkill, libc::getpid(), number, 0) } != 0
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+impl ThreadNumber {
+    fn set(&self) {}
+
+    fn is_gone(&self) -> bool {
+        false
     }
 }

@@ -4,6 +4,7 @@ use crate::declaration::Declaration;
 use crate::ffi::{AddressSpace, Overrun, Process, ValidationError};
 use crate::guard::Caller;
 use crate::interface::{CANCELLED, ERROR, Host, LoopBody, MAJOR, MINOR, OK, PATCH};
+use crate::thread_state::with_same_rounding;
 use crate::wire::wire;
 use rayon::prelude::*;
 use std::cell::Cell;
@@ -199,7 +200,7 @@ unsafe extern "C-unwind" fn parallel_for(
         let outer = IN_BODY.replace(true);
         let end = first.saturating_add(chunk).min(count);
         // SAFETY: the plug-in's own function with its own pointer, as it asked for.
-        caller.run(|| unsafe { body(user.get(), first, end, thread) });
+        caller.run(|| with_same_rounding(|| unsafe { body(user.get(), first, end, thread) }));
         IN_BODY.set(outer);
     };
     let parts = 0..count.div_ceil(chunk);

@@ -5,7 +5,7 @@ use crate::ffi::{AddressSpace, Process, Sized32};
 use std::ffi::{CStr, c_char, c_void};
 
 pub const MAJOR: u32 = 1;
-pub const MINOR: u32 = 1;
+pub const MINOR: u32 = 2;
 pub const PATCH: u32 = 0;
 
 pub const OK: i32 = 0;
@@ -26,6 +26,8 @@ pub const EXCLUSIVE_MAX: u32 = 4;
 
 pub const NEEDS_NEIGHBOURS: u32 = 1;
 pub const NEEDS_CELLS_OF_POINTS: u32 = 2;
+pub const NEEDS_BOUNDARY: u32 = 4;
+pub const NEEDS_SECOND_RINGS: u32 = 8;
 
 pub const TETRAHEDRA: u32 = 1;
 pub const SAME_POINTS: u32 = 2;
@@ -121,6 +123,9 @@ pub struct GradientCall {
     pub arrays: *const *const f64,
     pub values: *const Values,
     pub gradient: *mut f64,
+    pub at_boundary: *const u8,
+    pub second_ring_starts: *const u64,
+    pub second_rings: *const u32,
 }
 
 /// Fields that the descriptions of all items begin with.

@@ -33,7 +33,8 @@ fn the_header_has_the_same_layout() {
                                        numbers, unset, word_count, reserved, words, meanings }
         voltet_values = Values { size, count, integers, numbers, texts, vectors, lengths }
         voltet_call = GradientCall { size, reserved, point_count, cell_count, points, cells, neighbour_starts, neighbours, cell_starts,
-                             cells_of_points, scalar, arrays, values, gradient }
+                             cells_of_points, scalar, arrays, values, gradient, at_boundary,
+                             second_ring_starts, second_rings }
         voltet_gradient_filter = GradientFilter { item.size as size, item.needs as needs, item.name as name,
                                                   item.summary as summary, item.parameter_count as parameter_count,
                                                   item.name_count as reserved, item.parameters as parameters,
@@ -87,6 +88,8 @@ fn the_header_has_the_same_layout() {
         ("VOLTET_BELOW_MOST", EXCLUSIVE_MAX),
         ("VOLTET_NEEDS_NEIGHBOURS", NEEDS_NEIGHBOURS),
         ("VOLTET_NEEDS_CELLS_OF_POINTS", NEEDS_CELLS_OF_POINTS),
+        ("VOLTET_NEEDS_BOUNDARY", NEEDS_BOUNDARY),
+        ("VOLTET_NEEDS_SECOND_RINGS", NEEDS_SECOND_RINGS),
         ("VOLTET_TETRAHEDRA", TETRAHEDRA),
         ("VOLTET_SAME_POINTS", SAME_POINTS),
         ("VOLTET_SAME_CELLS", SAME_CELLS),

@@ -7,6 +7,7 @@
 mod call;
 mod declaration;
 mod ffi;
+mod file;
 mod grid_filter;
 mod grids;
 mod guard;
@@ -18,17 +19,20 @@ mod interface_tests;
 mod item;
 mod library;
 mod process;
+mod supervisor;
+mod thread_state;
 mod values;
 #[cfg(feature = "wasm")]
 mod wasm;
 mod wire;
 
+pub use file::PluginFile;
 pub use process::run_child;
+pub use supervisor::{last_work, state_exit, supervise};
 
 use crate::declaration::Family;
 use crate::item::PluginItem;
-use std::fs::File;
-use std::io::{ErrorKind, Read};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use toml::Value;
@@ -58,36 +62,36 @@ pub struct Contents {
 /// - The file cannot be loaded, or is not of this interface.
 /// - A declaration is invalid.
 pub fn load(path: &Path) -> Result<Contents> {
-    if is_module(path) {
-        return load_module(path).map(contents);
+    load_file(&PluginFile::read(path)?)
+}
+
+/// Like [`load`], of a file that was read.
+///
+/// # Errors
+///
+/// - Those of [`load`].
+pub fn load_file(file: &PluginFile) -> Result<Contents> {
+    if file.is_module() {
+        return load_module(file).map(contents);
     }
-    let native = library::load(path)?;
+    let native = library::load(file)?;
     let declarations = native.declarations();
     Ok(contents(PluginItem::list(Arc::new(native), declarations)))
 }
 
-/// Hash of the file at `path`, as pictures record it.
-///
-/// # Errors
-///
-/// - The file cannot be read.
-pub fn fingerprint(path: &Path) -> Result<String> {
-    library::read_file(path).map(|(plugin, _)| plugin.fingerprint_text())
-}
-
-/// Like [`load`], in processes of `program`, which must call [`run_child`] where its arguments are `plugin-process PATH`: a crash of
+/// Like [`load_file`], in processes of `program`, which must call [`run_child`] where its arguments are `plugin-process PATH`: a crash of
 /// the plug-in ends such a process alone.
 ///
 /// # Errors
 ///
 /// - Those of [`load`].
 /// - A process crashes or cannot be started.
-pub fn load_apart(path: &Path, program: PathBuf) -> Result<Contents> {
+pub fn load_apart(file: &PluginFile, program: PathBuf) -> Result<Contents> {
     // A sandbox needs no process.
-    if is_module(path) {
-        return load_module(path).map(contents);
+    if file.is_module() {
+        return load_module(file).map(contents);
     }
-    process::load(path, program).map(contents)
+    process::load(file, program).map(contents)
 }
 
 fn contents(items: Vec<PluginItem>) -> Contents {
@@ -104,26 +108,16 @@ fn contents(items: Vec<PluginItem>) -> Contents {
     contents
 }
 
-/// First bytes of a WebAssembly module.
-const MODULE_MAGIC: [u8; 4] = *b"\0asm";
-
-/// True if the file begins as a WebAssembly module.
-fn is_module(path: &Path) -> bool {
-    let mut begin = [0; 4];
-    let read = File::open(path).and_then(|mut file| file.read_exact(&mut begin));
-    read.is_ok() && begin == MODULE_MAGIC
-}
-
 #[cfg(feature = "wasm")]
 use wasm::load as load_module;
 
 /// Errors: always; this build has no sandbox.
 #[cfg(not(feature = "wasm"))]
-fn load_module(path: &Path) -> Result<Vec<PluginItem>> {
+fn load_module(file: &PluginFile) -> Result<Vec<PluginItem>> {
     let error = Error::usage(
         "the plug-in is a WebAssembly module, and this program was built without the sandbox for them",
     );
-    Err(error.expected("a build with the feature \"wasm\", or a shared library").in_file(path))
+    Err(error.expected("a build with the feature \"wasm\", or a shared library").in_file(file.path()))
 }
 
 /// A library that the file names.
@@ -135,10 +129,13 @@ pub struct Configured {
     pub fingerprint: Option<String>,
 }
 
-/// The libraries that the file names. None where there is no such file.
+/// The libraries that the file names. None where there is no such file. `home`: the folder that `~/` at the beginning of a path means.
 ///
-/// Errors: the file is malformed; with the position.
-pub fn configured(file: &Path) -> Result<Vec<Configured>> {
+/// # Errors
+///
+/// - The file is malformed; with the position.
+/// - A path begins with `~`, and no home folder is known, or it is another user's.
+pub fn configured(file: &Path, home: Option<&Path>) -> Result<Vec<Configured>> {
     let text = match std::fs::read_to_string(file) {
         Ok(text) => text,
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
@@ -163,14 +160,26 @@ pub fn configured(file: &Path) -> Result<Vec<Configured>> {
     }
     let Some(list) = table.get("plugins") else { return Ok(Vec::new()) };
     let folder = file.parent().unwrap_or(Path::new(""));
-    let entries =
-        list.as_array().and_then(|list| list.iter().map(|entry| read_entry(entry, folder)).collect());
-    entries.ok_or_else(|| wrong("'plugins' is no list of paths".into()))
+    let entries: Option<Vec<_>> = list.as_array().and_then(|list| list.iter().map(read_entry).collect());
+    let entries = entries.ok_or_else(|| wrong("'plugins' is no list of paths".into()))?;
+    let configured = |(path, fingerprint): (String, Option<String>)| {
+        let path = match (path.strip_prefix("~/"), home) {
+            (Some(rest), Some(home)) => home.join(rest),
+            (Some(_), None) => return Err(wrong("no home folder is known for '~'".into())),
+            (None, _) if path.starts_with('~') => {
+                return Err(wrong("home folders of other users are not looked up".into()).got(path));
+            }
+            (None, _) => folder.join(path),
+        };
+        Ok(Configured { path, fingerprint })
+    };
+    entries.into_iter().map(configured).collect()
 }
 
-fn read_entry(entry: &Value, folder: &Path) -> Option<Configured> {
+/// Path and fingerprint of an entry.
+fn read_entry(entry: &Value) -> Option<(String, Option<String>)> {
     match entry {
-        Value::String(path) => Some(Configured { path: folder.join(path), fingerprint: None }),
+        Value::String(path) => Some((path.clone(), None)),
         Value::Table(table) if table.keys().all(|key| key == "path" || key == "fingerprint") => {
             let text = |key: &str| Some(table.get(key)?.as_str()?.to_string());
             // A fingerprint that is no text is none that could be kept to.
@@ -178,7 +187,7 @@ fn read_entry(entry: &Value, folder: &Path) -> Option<Configured> {
                 true => Some(text("fingerprint")?),
                 false => None,
             };
-            Some(Configured { path: folder.join(text("path")?), fingerprint })
+            Some((text("path")?, fingerprint))
         }
         _ => None,
     }

@@ -3,6 +3,9 @@
 use crate::call::{CallOutput, Task};
 use crate::declaration::{Declaration, LibraryItem};
 use crate::ffi::{AddressSpace, CheckResult, Process, ValidationError};
+use crate::file::PluginFile;
+#[cfg(target_os = "linux")]
+use crate::file::PrivateCopy;
 use crate::guard::CallFailure;
 use crate::host::{CallLabel, State};
 use crate::interface::{
@@ -16,7 +19,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use voltet_core::field::{Plugin, fingerprint};
+use voltet_core::field::Plugin;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result, counted};
 
@@ -58,8 +61,11 @@ struct Library {
 impl Drop for Library {
     fn drop(&mut self) {
         if let Some(deinit) = self.deinit {
+            let (plugin, start) = (self.plugin.clone(), Instant::now());
             // SAFETY: init was carried out, and no function of the plug-in runs: each holds this library.
-            guard::attribute(&self.plugin, "while it ended (deinit)", || unsafe { deinit() });
+            let work = move || guard::attribute(&plugin, "while it ended (deinit)", || unsafe { deinit() });
+            // One that does not return keeps nobody: its work is done.
+            let _ = guard::run(work, || start.elapsed() < STOP_TIME_LIMIT);
         }
     }
 }
@@ -67,15 +73,16 @@ impl Drop for Library {
 /// Loads a library and reads what it declares.
 ///
 /// Errors: no library that can be loaded, none of this interface, or what it declares is wrong; each says what.
-pub(crate) fn load(path: &Path) -> Result<Native> {
+pub(crate) fn load(file: &PluginFile) -> Result<Native> {
+    let path = file.path();
     let failed = |wrong: ValidationError| load_error(path, wrong);
-    let (plugin, bytes) = read_file(path)?;
-    check_file(&bytes).map_err(failed)?;
+    check_file(file.bytes()).map_err(failed)?;
     let whole = std::fs::canonicalize(path).map_err(|error| failed(error.to_string()))?;
+    let code = LibraryCode::new(file.bytes(), &whole).map_err(failed)?;
     let start = Instant::now();
     // Compilers can make a library change how its thread rounds; so that thread is none of ours.
-    let nameless = Plugin { name: file_name(path), ..plugin };
-    let open = move || guard::attribute(&nameless, "while it was loaded", || open(&whole, &nameless));
+    let nameless = Plugin { name: file_name(path), ..file.plugin() };
+    let open = move || guard::attribute(&nameless, "while it was loaded", || open(code, &whole, &nameless));
     let loaded = guard::run(open, || start.elapsed() < START_TIME_LIMIT);
     match loaded {
         Ok(outcome) => outcome.map_err(failed),
@@ -83,6 +90,7 @@ pub(crate) fn load(path: &Path) -> Result<Native> {
             Err(failed(format!("it did not begin within {} s", START_TIME_LIMIT.as_secs())))
         }
         Err(CallFailure::NoThread) => Err(failed("there is no thread for it".into())),
+        Err(CallFailure::ThreadEnded) => Err(failed("it ended the thread that it was loaded on".into())),
     }
 }
 
@@ -94,31 +102,53 @@ pub(crate) fn load_error(path: &Path, wrong: ValidationError) -> Error {
         .in_file(path)
 }
 
-/// The file's contents and state; name and version of the plug-in are still empty.
-///
-/// Errors: it cannot be read.
-pub(crate) fn read_file(path: &Path) -> Result<(Plugin, Vec<u8>)> {
-    let unreadable = |error: std::io::Error| {
-        Error::usage("the plug-in cannot be read")
-            .got(error)
-            .expected("the path of a shared library")
-            .in_file(path)
-    };
-    let modified = std::fs::metadata(path).map_err(unreadable)?.modified().ok();
-    let bytes = std::fs::read(path).map_err(unreadable)?;
-    let plugin = Plugin {
-        name: String::new(),
-        version: String::new(),
-        path: path.to_path_buf(),
-        bytes: bytes.len() as u64,
-        fingerprint: fingerprint(&bytes),
-        modified,
-    };
-    Ok((plugin, bytes))
+/// Code to load: a private copy of the bytes that were hashed and checked.
+struct LibraryCode {
+    #[cfg(target_os = "linux")]
+    copy: Option<PrivateCopy>,
 }
 
-fn open(whole: &Path, nameless: &Plugin) -> CheckResult<Native> {
-    let loaded = ManuallyDrop::new(open_library(whole).map_err(|error| join_lines(&error.to_string()))?);
+impl LibraryCode {
+    /// The code of a library whose file is at `whole`, a path without links.
+    ///
+    /// Errors: a library that is loaded from its file, where that is another one now.
+    #[cfg(target_os = "linux")]
+    fn new(bytes: &[u8], whole: &Path) -> CheckResult<LibraryCode> {
+        // A library that looks for others or for data beside itself must lie where it lies.
+        let is_bound = [&b"$ORIGIN"[..], b"${ORIGIN}", b"\0dladdr"]
+            .iter()
+            .any(|name| bytes.windows(name.len()).any(|text| text == *name));
+        if let Some(copy) = PrivateCopy::new(bytes).ok().filter(|_| !is_bound) {
+            return Ok(LibraryCode { copy: Some(copy) });
+        }
+        match std::fs::read(whole) {
+            Ok(now) if now == bytes => Ok(LibraryCode { copy: None }),
+            _ => Err("its file has changed since it was checked".into()),
+        }
+    }
+
+    #[cfg(not(target_os = "linux"))]
+    fn new(_: &[u8], _: &Path) -> CheckResult<LibraryCode> {
+        Ok(LibraryCode {})
+    }
+
+    /// Path for the loader.
+    fn path<'a>(&'a self, whole: &'a Path) -> &'a Path {
+        #[cfg(target_os = "linux")]
+        if let Some(copy) = &self.copy {
+            return &copy.path;
+        }
+        whole
+    }
+}
+
+fn open(code: LibraryCode, whole: &Path, nameless: &Plugin) -> CheckResult<Native> {
+    let by_its_name = |error: libloading::Error| {
+        join_lines(&error.to_string()).replace(&*code.path(whole).to_string_lossy(), &whole.to_string_lossy())
+    };
+    let loaded = ManuallyDrop::new(open_library(code.path(whole)).map_err(by_its_name)?);
+    // Its descriptor stays open, as it stays loaded.
+    let _code = ManuallyDrop::new(code);
     // SAFETY: the symbol is only taken for an address, and what is there read with care.
     let entry = unsafe { loaded.get::<*const Entry>(ENTRY.as_bytes()) };
     let entry = entry.map_err(|_| format!("it does not export the symbol '{ENTRY}'"))?;
@@ -319,7 +349,12 @@ impl Native {
         }
         let (busy, when) = (BusyGuard(self.library.clone()), format!("in the {}", label.item()));
         let work = move || guard::attribute(&busy.0.plugin, &when, work);
-        guard::run(work, may_go_on)
+        guard::run(work, may_go_on).inspect_err(|failure| {
+            // The guard is gone with the thread's stack.
+            if *failure == CallFailure::ThreadEnded {
+                self.library.busy.store(false, Ordering::Release);
+            }
+        })
     }
 }
 
@@ -359,6 +394,7 @@ impl Runner for Native {
                 STOP_TIME_LIMIT.as_secs()
             )),
             CallFailure::NoThread => label.error("cannot be run: the system gives no thread for it"),
+            CallFailure::ThreadEnded => label.error("ended the thread that it was called on"),
         })
     }
 }

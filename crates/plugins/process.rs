@@ -6,10 +6,11 @@
 
 use crate::call::{CallOutput, Outcome, Task};
 use crate::declaration::{Declaration, Family};
+use crate::file::PluginFile;
 use crate::guard;
 use crate::host::{CallLabel, CallStatus, State};
 use crate::item::{PluginItem, Runner};
-use crate::library::{self, read_file};
+use crate::library;
 use crate::wire::{Wire, garbled, wire};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, BufWriter, Read, Write};
@@ -23,8 +24,9 @@ use voltet_core::parameters::{DefaultValue, Parameter, ParameterType, Range, Var
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 
-/// Request to the process: a task of the item of that name, or `None` for a description of the library.
-type Request = Option<(String, Task)>;
+/// Request to the process: hash of the file that it must load, and a task of the item of that name, or `None` for a description of the
+/// library.
+type Request = (u64, Option<(String, Task)>);
 
 /// Reply of the process. `Progress` is followed by more, and `Status` by `Outcome`.
 enum Reply {
@@ -109,13 +111,14 @@ struct Remote {
 }
 
 /// The items of the library at `path`, which run in processes of `program`.
-pub(crate) fn load(path: &Path, program: PathBuf) -> Result<Vec<PluginItem>> {
-    let (plugin, _) = read_file(path)?;
+pub(crate) fn load(file: &PluginFile, program: PathBuf) -> Result<Vec<PluginItem>> {
+    let (plugin, path) = (file.plugin(), file.path());
     let start = Instant::now();
     let broken = |how: String| {
         Error::usage("the plug-in cannot be loaded").got(format!("its process {how}")).in_file(path)
     };
-    let end = exchange(&program, path, &None, |_| start.elapsed() < START_TIME_LIMIT);
+    let request = (plugin.fingerprint, None);
+    let end = exchange(&program, path, &request, |_| start.elapsed() < START_TIME_LIMIT);
     let replies = match end {
         End::Replied(replies) => replies,
         End::GivenUp => return Err(broken(format!("did not begin within {} s", START_TIME_LIMIT.as_secs()))),
@@ -139,14 +142,9 @@ impl Runner for Remote {
 
     fn run(&self, declaration: &Declaration, task: Task, progress: &dyn Progress) -> Result<CallOutput> {
         let label = CallLabel::new(declaration, &self.plugin);
-        let (now, _) = read_file(&self.plugin.path)?;
-        if now.fingerprint != self.plugin.fingerprint {
-            let error = label.error("is not the one that was described: its file has changed");
-            return Err(error.expected("the program begun again"));
-        }
         let broken = |how: String| label.error(&how).expected("a plug-in that answers; the program goes on");
         let (is_check, stage, start) = (matches!(task, Task::Check(_)), task.stage(), Instant::now());
-        let request = Some((declaration.schema.name.into(), task));
+        let request = (self.plugin.fingerprint, Some((declaration.schema.name.into(), task)));
         let may_go_on = |fraction| {
             if is_check {
                 return start.elapsed() < START_TIME_LIMIT;
@@ -323,13 +321,20 @@ pub fn run_child(path: &Path) -> ! {
 
 fn reply(path: &Path, output: &mut dyn Write) -> io::Result<()> {
     let mut input = io::stdin();
-    let request = Request::receive(&mut input.lock())?;
+    let (fingerprint, request) = Request::receive(&mut input.lock())?;
     std::thread::spawn(move || {
         // No more input comes, so this returns when the other end is closed.
         let _ = io::copy(&mut input.by_ref(), &mut io::sink());
         exit_now(1)
     });
-    let native = match library::load(path) {
+    let loaded = PluginFile::read(path).and_then(|file| match file.plugin().fingerprint == fingerprint {
+        true => library::load(&file),
+        false => {
+            let error = Error::usage("the plug-in is not the one that was described: its file has changed");
+            Err(error.expected("the program begun again"))
+        }
+    });
+    let native = match loaded {
         Ok(native) => native,
         Err(error) => return Reply::from_error(&error).reply(output),
     };

@@ -9,7 +9,6 @@
 #include "voltet_plugin.h"
 
 #include <math.h>
-#include <stddef.h>
 #include <string.h>
 
 /* Under this pivot of the normal matrix, in parts of its trace, the neighbours lie in a plane. */
@@ -109,23 +108,4 @@ static const voltet_gradient_filter least_squares = {
     .gradient = gradient,
 };
 
-static uint32_t filter_count(void) { return 1; }
-
-static const voltet_gradient_filter *filter(uint32_t place) { return place == 0 ? &least_squares : NULL; }
-
-static const voltet_gradient_factory factory = {
-    .size = sizeof(voltet_gradient_factory), .filter_count = filter_count, .filter = filter};
-
-static const voltet_plugin plugin = {.size = sizeof(voltet_plugin), .name = "least squares in C", .version = "1.0.0"};
-
-static const voltet_plugin *init(const char *path, const voltet_host *host) {
-    (void)path, (void)host;
-    return &plugin;
-}
-
-static const void *get_factory(const char *kind) {
-    return strcmp(kind, VOLTET_GRADIENT_FILTERS) == 0 ? &factory : NULL;
-}
-
-const voltet_entry voltet_plugin_entry = {
-    sizeof(voltet_entry), VOLTET_PLUGIN_MAJOR, VOLTET_PLUGIN_MINOR, VOLTET_PLUGIN_PATCH, init, NULL, get_factory};
+VOLTET_GRADIENT_PLUGIN("least squares in C", "1.0.0", &least_squares)

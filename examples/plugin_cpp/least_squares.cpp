@@ -102,34 +102,18 @@ const voltet_parameter *parameters() {
     return &power;
 }
 
-const voltet_gradient_filter *filter(std::uint32_t place) {
-    static const voltet_gradient_filter least_squares = [] {
-        voltet_gradient_filter filter = {};
-        filter.size = sizeof filter;
-        filter.needs = VOLTET_NEEDS_NEIGHBOURS;
-        filter.name = "cpp-least-squares";
-        filter.summary = "Linear fit to the neighbouring points, weighted by a power of their distance, in C++.";
-        filter.parameter_count = 1;
-        filter.parameters = parameters();
-        filter.gradient = gradient;
-        return filter;
-    }();
-    return place == 0 ? &least_squares : nullptr;
-}
-
-std::uint32_t filter_count() { return 1; }
-
-const voltet_plugin *init(const char *, const voltet_host *) {
-    static const voltet_plugin plugin = {sizeof(voltet_plugin), 0, "least squares in C++", "1.0.0"};
-    return &plugin;
-}
-
-const void *get_factory(const char *kind) {
-    static const voltet_gradient_factory factory = {sizeof(voltet_gradient_factory), 0, filter_count, filter};
-    return std::strcmp(kind, VOLTET_GRADIENT_FILTERS) == 0 ? &factory : nullptr;
-}
+const voltet_gradient_filter least_squares = [] {
+    voltet_gradient_filter filter = {};
+    filter.size = sizeof filter;
+    filter.needs = VOLTET_NEEDS_NEIGHBOURS;
+    filter.name = "cpp-least-squares";
+    filter.summary = "Linear fit to the neighbouring points, weighted by a power of their distance, in C++.";
+    filter.parameter_count = 1;
+    filter.parameters = parameters();
+    filter.gradient = gradient;
+    return filter;
+}();
 
 } // namespace
 
-const voltet_entry voltet_plugin_entry = {
-    sizeof(voltet_entry), VOLTET_PLUGIN_MAJOR, VOLTET_PLUGIN_MINOR, VOLTET_PLUGIN_PATCH, init, nullptr, get_factory};
+VOLTET_GRADIENT_PLUGIN("least squares in C++", "1.0.0", &least_squares)

@@ -37,12 +37,13 @@ pub fn gradient_test(
     let set = settings(set)?;
     let (methods, wish) = guarded(py, || {
         let hold_to = hold_to.iter().map(|what| hold(what)).collect::<Result<Vec<RequirementKind>>>()?;
-        let wish = TestOptions { levels, timed, rounds, hold_to, order, linear_error };
+        let boundary_order = TestOptions::default().boundary_order;
+        let wish = TestOptions { levels, timed, rounds, hold_to, order, boundary_order, linear_error };
         wish.check(|name| format!("'{name}'"))?;
         Ok((methods(&name, &set, beside.as_deref(), &registry()?)?, wish))
     })?;
     run_long(py, progress.as_ref(), |observer| {
-        let found = measure(&methods, &wish, &NodeProgress { observer, node: "gradient-test" })?;
+        let found = measure(&methods, &wish, None, &NodeProgress { observer, node: "gradient-test" })?;
         let words = serde_json::to_string(&found).map_err(|error| Error::run(error.to_string()))?;
         let plot = plot(&found).svg();
         let page = page(&found, &plot);
@@ -55,10 +56,11 @@ fn hold(what: &str) -> Result<RequirementKind> {
         "finite" => Ok(RequirementKind::Finite),
         "linear" => Ok(RequirementKind::Linear),
         "order" => Ok(RequirementKind::Order),
+        "boundary" => Ok(RequirementKind::Boundary),
         "invariance" => Ok(RequirementKind::Invariance),
         other => {
             let error = Error::usage("'hold_to' names nothing that a filter can be held to").got(other);
-            Err(error.expected("finite, linear, order, invariance"))
+            Err(error.expected("finite, linear, order, boundary, invariance"))
         }
     }
 }

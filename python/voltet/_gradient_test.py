@@ -39,7 +39,7 @@ def gradient_test(
         Filters to measure beside it; all others without it, none for an empty list.
     hold_to : list of str
         What it is held to: a finite vector at every point, exact on linear fields, converging inside, the same wherever the grid
-        stands and however it is numbered.
+        stands and however it is numbered; "boundary": converging on the boundary, too, which is a warning otherwise.
     order, linear_error : float
         The least order of convergence inside; the largest error on linear fields, by the largest gradient.
     levels : list of int

@@ -6,12 +6,14 @@
 //! | `commands` | one file a command |
 //! | `panic_hook` | panics and the end of memory in one line |
 //! | `present` | messages, progress bars and reports for people |
+//! | `process` | threads, exit codes and the end of the process |
 //! | `ranks` | processes of one run, by MPI |
 
 mod arguments;
 mod commands;
 mod panic_hook;
 mod present;
+mod process;
 mod ranks;
 
 pub use panic_hook::ExitOnOutOfMemory;
@@ -20,6 +22,7 @@ use crate::core::Result;
 use crate::graph::Registry;
 use arguments::Arguments;
 use clap::Parser;
+use process::{FAILED, is_single_threaded};
 use std::panic::AssertUnwindSafe;
 use std::process::ExitCode;
 
@@ -35,17 +38,18 @@ pub fn run(registry: Result<Registry>) -> ExitCode {
     quieten_drivers();
     panic_hook::install();
     // A panic was shown where it happened.
-    std::panic::catch_unwind(AssertUnwindSafe(|| match Arguments::try_parse() {
+    let ended = std::panic::catch_unwind(AssertUnwindSafe(|| match Arguments::try_parse() {
         Ok(arguments) => {
             note_former_options();
             commands::dispatch(&arguments, registry)
         }
-        Err(answer) => match commands::help_of_node(&registry) {
-            Some(exit_code) => ExitCode::from(exit_code),
-            None => ExitCode::from(commands::answer(&answer, &registry)),
-        },
-    }))
-    .unwrap_or(ExitCode::from(panic_hook::FAILED))
+        Err(answer) => {
+            commands::help_of_node(&registry).unwrap_or_else(|| commands::answer(&answer, &registry))
+        }
+    }));
+    let exit_code = ended.unwrap_or(FAILED);
+    voltet_plugins::state_exit(exit_code);
+    ExitCode::from(exit_code)
 }
 
 /// The registry of the program: the nodes, gradient filters and integrators that ship, the reference integrator and those for studies.
@@ -77,9 +81,4 @@ fn quieten_drivers() {
         // Safety: no other thread runs, so none reads the environment meanwhile.
         unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     }
-}
-
-/// True if this is the only thread of the process, as Linux lists them.
-fn is_single_threaded() -> bool {
-    std::fs::read_dir("/proc/self/task").is_ok_and(|threads| threads.count() == 1)
 }

@@ -1,15 +1,12 @@
 //! Panics and the end of memory: one line on standard error, and exit code 1.
 
 use crate::cli::present::{hold_back, name, say};
-use crate::nodes::files;
+use crate::cli::process::end_now;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::panic::PanicHookInfo;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
-
-/// The exit code.
-pub const FAILED: u8 = 1;
 
 /// Installs a panic hook that shows a panic, which is a defect of the program, in one line. With `RUST_BACKTRACE` set Rust's own
 /// message follows.
@@ -31,7 +28,14 @@ fn one_line(panic: &PanicHookInfo) -> String {
     let place = panic.location().map_or(String::new(), |place| {
         format!(" ({}:{}, version {})", in_its_crate(place.file()), place.line(), env!("CARGO_PKG_VERSION"))
     });
-    format!("error: this is a mistake of the program itself: {}{place}; please report it", name(what))
+    let advice = match voltet_plugins::last_work() {
+        Some(work) => format!(
+            "unless a plug-in has damaged its memory, please report it; the last ran {}, and --plugin-process keeps it apart",
+            name(&work)
+        ),
+        None => "please report it".into(),
+    };
+    format!("error: this is a mistake of the program itself: {}{place}; {advice}", name(what))
 }
 
 /// A file's path without the folders of the machine that built it: "rayon-1.12.0/src/lib.rs".
@@ -106,7 +110,7 @@ fn exit_out_of_memory(size: usize) -> *mut u8 {
         "error: memory ends: found no room for {size} bytes more\n |\n = help: expected a smaller grid or picture, or more \
          memory; `voltet info DATA` says how much a grid takes"
     );
-    files::end_now(i32::from(FAILED))
+    end_now()
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Output for people: errors with their location, summaries of runs, progress bars, all safe to show on a terminal; and stopping at a
 //! signal.
 
+use crate::cli::process::end_now;
 use crate::core::{Error, Result, noun_of, with_commas};
 use crate::graph::{DataFinding, Observer, RunReport};
 use crate::io::memory;
@@ -163,6 +164,9 @@ fn is_unsafe(c: char) -> bool {
 /// Time before a bar is shown.
 const BAR_DELAY: Duration = Duration::from_secs(1);
 
+/// Time within which a signal is one, however often it comes.
+const SAME_SIGNAL: Duration = Duration::from_millis(100);
+
 /// True after Ctrl-C, or after the system's request to end.
 static STOP: AtomicBool = AtomicBool::new(false);
 
@@ -208,9 +212,14 @@ impl Bar {
     pub fn new(quiet: bool) -> Self {
         // The first Ctrl-C or request to end stops the run cleanly; the second one, should that take long, the program, and
         // so does the first where the run waits for a reader.
-        let _ = ctrlc::set_handler(|| {
-            if STOP.swap(true, Ordering::Relaxed) || files::is_waiting() {
-                files::end_now(1);
+        let mut first: Option<Instant> = None;
+        let _ = ctrlc::set_handler(move || {
+            // A signal to all processes of a job comes once more from the one that supervises this one.
+            let is_second = first.is_some_and(|first| first.elapsed() > SAME_SIGNAL);
+            first.get_or_insert_with(Instant::now);
+            STOP.store(true, Ordering::Relaxed);
+            if is_second || files::is_waiting() {
+                end_now();
             }
         });
         let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::hidden());

@@ -110,6 +110,26 @@ static int32_t gradient(const voltet_call *c, const voltet_host *host) {
             const uint32_t q = c->neighbours[k];
             IS(has(c->neighbours, c->neighbour_starts[q], c->neighbour_starts[q + 1], (uint32_t)p));
         }
+        int outside = 0;
+        for (int axis = 0; axis < 3; axis++) outside |= c->points[3 * p + axis] == 0 || c->points[3 * p + axis] == 1;
+        IS(c->at_boundary[p] == outside);
+        /* The neighbours, then theirs, each once. */
+        const uint64_t ring = c->second_ring_starts[p], end = c->second_ring_starts[p + 1];
+        const uint64_t degree = c->neighbour_starts[p + 1] - c->neighbour_starts[p];
+        IS(end - ring > degree && !has(c->second_rings, ring, end, (uint32_t)p));
+        for (uint64_t k = ring; k < end; k++) {
+            const uint32_t q = c->second_rings[k];
+            IS(!has(c->second_rings, ring, k, q));
+            const int is_neighbour = has(c->neighbours, c->neighbour_starts[p], c->neighbour_starts[p + 1], q);
+            IS(is_neighbour == (k < ring + degree));
+            int near = 0;
+            for (uint64_t i = c->neighbour_starts[p]; i < c->neighbour_starts[p + 1]; i++)
+                near |= has(c->neighbours, c->neighbour_starts[c->neighbours[i]], c->neighbour_starts[c->neighbours[i] + 1], q);
+            IS(near);
+        }
+        for (uint64_t i = c->neighbour_starts[p]; i < c->neighbour_starts[p + 1]; i++)
+            for (uint64_t k = c->neighbour_starts[c->neighbours[i]]; k < c->neighbour_starts[c->neighbours[i] + 1]; k++)
+                IS(c->neighbours[k] == p || has(c->second_rings, ring, end, c->neighbours[k]));
     }
     IS(edges == c->neighbour_starts[64] && !c->arrays[0] && !c->arrays[10]);
     /* Every number once, whatever the parts; those of a number beyond what memory holds are not run in one. */
@@ -130,7 +150,7 @@ static int32_t gradient(const voltet_call *c, const voltet_host *host) {
 
 static const voltet_gradient_filter examine = {
     .size = sizeof(voltet_gradient_filter),
-    .needs = VOLTET_NEEDS_NEIGHBOURS | VOLTET_NEEDS_CELLS_OF_POINTS,
+    .needs = VOLTET_NEEDS_NEIGHBOURS | VOLTET_NEEDS_CELLS_OF_POINTS | VOLTET_NEEDS_BOUNDARY | VOLTET_NEEDS_SECOND_RINGS,
     .name = "examine",
     .summary = "Examines what it is given.",
     .parameter_count = 11,

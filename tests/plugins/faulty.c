@@ -4,12 +4,16 @@
  */
 #include "voltet_plugin.h"
 
+#include <fenv.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#ifdef __linux__
+#include <sys/syscall.h>
+#endif
 
 #ifndef FAULT
 #define FAULT 0
@@ -29,6 +33,14 @@ static void leave(void *user, uint64_t first, uint64_t end, uint32_t thread) {
     if (first == 500) exit(3);
 }
 
+/* Rounds up, as threads of the host must not go on to do. */
+static void round_up(void *user, uint64_t first, uint64_t end, uint32_t thread) {
+    (void)user, (void)first, (void)end, (void)thread;
+    fesetround(FE_UPWARD);
+}
+
+static void leave_quietly(void) { _exit(0); }
+
 static int recurse(volatile int depth) {
     volatile char room[4096];
     room[0] = (char)depth;
@@ -45,6 +57,7 @@ static int32_t gradient(const voltet_call *call, const voltet_host *host) {
     if (!strcmp(fault, "infinite")) call->gradient[4] = INFINITY;
     if (!strcmp(fault, "huge")) call->gradient[3] = call->gradient[4] = 1e308, call->gradient[5] = 1.7e308;
     if (!strcmp(fault, "beyond")) call->gradient[3 * call->point_count + 2] = 1;
+    if (!strcmp(fault, "a block beyond")) memset(call->gradient + 3 * call->point_count, 0, 3 * 4096 * sizeof(double));
     if (!strcmp(fault, "endless")) {
         for (;;) host->progress(host, NAN);
     }
@@ -63,6 +76,15 @@ static int32_t gradient(const voltet_call *call, const voltet_host *host) {
     if (!strcmp(fault, "crash")) *nowhere = 1;
     if (!strcmp(fault, "abort")) abort();
     if (!strcmp(fault, "exit")) exit(0);
+    if (!strcmp(fault, "rounds")) host->parallel_for(host, 100000, 1, round_up, NULL), fesetround(FE_UPWARD);
+    if (!strcmp(fault, "elsewhere") && chdir("/")) abort();
+    if (!strcmp(fault, "quiet exit")) _exit(0);
+    if (!strcmp(fault, "exec")) execl("/bin/true", "true", (char *)NULL);
+    if (!strcmp(fault, "abort at exit")) atexit(abort);
+    if (!strcmp(fault, "quiet exit at exit")) atexit(leave_quietly);
+#ifdef __linux__
+    if (!strcmp(fault, "thread ended")) syscall(SYS_exit, 0);
+#endif
     if (!strcmp(fault, "exit in a loop")) host->parallel_for(host, 1000, 1, leave, NULL);
     if (!strcmp(fault, "deep")) recurse(0);
     if (!strcmp(fault, "prints")) puts("a plug-in prints"), fflush(stdout);
@@ -215,6 +237,8 @@ __attribute__((unused)) static const voltet_plugin *init(const char *path, const
     abort();
 #elif FAULT == 38
     exit(3);
+#elif FAULT == 39
+    _exit(0);
 #elif FAULT == 31
     factory.filter = NULL;
 #elif FAULT == 32

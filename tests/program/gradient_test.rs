@@ -41,6 +41,30 @@ fn a_filter_that_does_not_keep_what_is_asked_ends_with_1() {
 }
 
 #[test]
+fn a_grid_of_ones_own_is_measured_and_the_boundary_may_be_required() {
+    let folder = Folder::new();
+    let asked = ["least-squares", "--beside", "", "--data", "cube.vtu", "--json", "t.json"];
+    let ran = folder.voltet(&call(&[&asked[..], &["--hold-to", "linear,boundary"]].concat())).ok();
+    for text in
+        ["The given grid has 64 points", "given        linear", "converges on the boundary of every family"]
+    {
+        assert!(ran.stdout.contains(text), "{text}: {}", ran.stdout);
+    }
+    assert_eq!(folder.json("t.json")["filters"][0]["data"]["points"], 64);
+    let options = ["least-squares", "--beside", "", "--quiet", "--boundary-order"];
+    let ran = folder.voltet(&call(&[&options[..], &["1.9"]].concat())).ok();
+    assert!(
+        ran.stderr.contains("warning: the gradient filter 'least-squares' does not hold"),
+        "{}",
+        ran.stderr
+    );
+    let strict = [&options[..], &["1.9", "--hold-to", "boundary"]].concat();
+    folder.voltet(&call(&strict)).fails(1, &["order 1.9 or more: found 0."]);
+    let gone = ["least-squares", "--beside", "", "--data", "gone.vtu"];
+    folder.voltet(&call(&gone)).fails(1, &["there is no such file (gone.vtu)"]);
+}
+
+#[test]
 fn wrong_calls_say_what_would_be_right() {
     let folder = Folder::new();
     for (arguments, said) in [

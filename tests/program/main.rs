@@ -25,6 +25,7 @@ mod papers;
 mod parts;
 mod pictures;
 mod pixel;
+mod plugin_ends;
 mod plugin_faults;
 mod plugin_fuzz;
 mod plugin_node_faults;

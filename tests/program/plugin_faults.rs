@@ -145,6 +145,7 @@ fn what_a_filter_gives_wrongly_is_said() {
     said("mute", &["failed and did not say why: found code 77"]);
     said("stopped", &["stopped, and nobody asked it to"]);
     said("beyond", &["wrote beyond the end of the gradient", "3 numbers for each of the 64 points"]);
+    said("a block beyond", &["wrote beyond the end of the gradient"]);
     for (fault, input) in [
         ("points", "the points, which it must leave as they are (element 2 of 64)"),
         ("cells", "the cells"),

@@ -10,7 +10,7 @@ use voltet::core::field::Method;
 use voltet::core::glam::DVec3;
 use voltet::core::grid::{Grid, generate};
 use voltet::core::progress::Progress;
-use voltet_plugins::Contents;
+use voltet_plugins::{Contents, PluginFile};
 use voltet_testing::compilers;
 
 const RIGHT: DVec3 = DVec3::new(2.0, 3.0, -1.0);
@@ -119,7 +119,8 @@ fn what_plugins_do_at_random_with_addresses_of_functions_stays_in_their_process(
         let name = format!("wild-{seed}.so");
         let path = copy(folder.path(), &library, &name);
         let program = env!("CARGO_BIN_EXE_voltet").into();
-        tried(&mut tally, &grid, voltet_plugins::load_apart(&path, program), &name);
+        let apart = PluginFile::read(&path).and_then(|file| voltet_plugins::load_apart(&file, program));
+        tried(&mut tally, &grid, apart, &name);
         std::fs::remove_file(path).unwrap();
     }
     eprintln!("in a process of its own: {tally:?}");
@@ -159,7 +160,8 @@ fn damaged_files_are_refused_or_stay_in_their_process() {
         let path = folder.path().join(&name);
         std::fs::write(&path, bytes).unwrap();
         let program = env!("CARGO_BIN_EXE_voltet").into();
-        tried(&mut tally, &grid, voltet_plugins::load_apart(&path, program), &name);
+        let apart = PluginFile::read(&path).and_then(|file| voltet_plugins::load_apart(&file, program));
+        tried(&mut tally, &grid, apart, &name);
         std::fs::remove_file(path).unwrap();
     }
     // One that still loads may compute anything: who damages the code of a filter makes another filter. Pictures say which file.

@@ -386,8 +386,10 @@ fn an_image_filter_computes_its_formula_and_the_picture_says_who_drew() {
 fn a_plugin_of_an_older_minor_version_loads() {
     let folder = Folder::new();
     let source = std::fs::read_to_string(compilers::source("examples/plugin_c/least_squares.c")).unwrap();
-    assert!(source.contains("VOLTET_PLUGIN_MINOR"));
-    folder.write("old.c", source.replace("VOLTET_PLUGIN_MINOR", "0"));
+    let include = "#include \"voltet_plugin.h\"\n";
+    assert!(source.contains(include));
+    let old = format!("{include}#undef VOLTET_PLUGIN_MINOR\n#define VOLTET_PLUGIN_MINOR 0\n");
+    folder.write("old.c", source.replace(include, &old));
     if compilers::library(folder.path(), "old.so", &[folder.join("old.c")], &[]).is_some() {
         folder.voltet(&["nodes", "c-least-squares", "--plugin", "old.so"]).ok();
     }

@@ -239,7 +239,7 @@ fn the_users_own_file_names_plugins() {
         std::fs::write(&file, text).unwrap();
         folder.voltet_where(home, &["check", "slab.toml"])
     };
-    let found = voltet_plugins::fingerprint(&path).unwrap();
+    let found = voltet_plugins::PluginFile::read(&path).unwrap().fingerprint();
     wanted(&found).ok();
     let refused = wanted("0123456789abcdef");
     assert!(refused.stderr.contains(&format!("its file has changed: found {found}")), "{}", refused.stderr);

@@ -172,15 +172,26 @@ pub fn cells_of_faces(grid: &Grid) -> Vec<u32> {
 
 /// For every point the points it shares an edge of a tetrahedron with, each once, in order of first appearance.
 pub fn points_of_points(grid: &Grid, cells_of_points: &Csr) -> Csr {
+    rows(grid.points.len(), |neighbours, p| neighbours.around(grid, cells_of_points, p))
+}
+
+/// For every point its neighbours, then theirs, each once.
+pub fn second_rings(neighbours_of_points: &Csr) -> Csr {
+    rows(neighbours_of_points.starts.len() - 1, |neighbours, p| {
+        neighbours.second_ring(neighbours_of_points, p)
+    })
+}
+
+/// The rows that `row` gives for each point.
+fn rows(point_count: usize, row: impl for<'a> Fn(&'a mut Neighbours, usize) -> &'a [u32] + Sync) -> Csr {
     const TASK: usize = 1024;
-    let point_count = grid.points.len();
     let parts: Vec<(Vec<u32>, Vec<u32>)> = (0..point_count.div_ceil(TASK))
         .into_par_iter()
         .map_init(Neighbours::default, |neighbours, task| {
             // A point of a tetrahedral grid has some 14 neighbours.
             let (mut counts, mut items) = (Vec::with_capacity(TASK), Vec::with_capacity(16 * TASK));
             for p in task * TASK..((task + 1) * TASK).min(point_count) {
-                let row = neighbours.around(grid, cells_of_points, p);
+                let row = row(neighbours, p);
                 counts.push(row.len() as u32);
                 items.extend_from_slice(row);
             }

@@ -27,7 +27,9 @@ mod subset;
 mod tetrahedra;
 mod unsplit;
 
-pub use adjacency::{Csr, Neighbours, cells_of_faces, cells_of_points, points_of_points, sum_over_cells};
+pub use adjacency::{
+    Csr, Neighbours, cells_of_faces, cells_of_points, points_of_points, second_rings, sum_over_cells,
+};
 pub use boundary::boundary;
 pub use build::{build, build_part};
 pub use cell_edges::{BoundaryEdges, boundary_edges};

@@ -138,12 +138,17 @@ fn a_module_is_a_filter_like_any_other() {
 fn what_a_module_does_wrong_is_an_error_that_names_it() {
     let print =
         "(import \"wasi_snapshot_preview1\" \"fd_write\" (func $print (param i32 i32 i32 i32) (result i32)))";
-    let cases: [(&str, &str, &str); 8] = [
+    let cases: [(&str, &str, &str); 9] = [
         ("", "(i32.const 0)", "did not give every point a vector"),
         ("", "unreachable", "unreachable"),
         ("", "(i32.load (i32.const 0x7ffffff0))", "out of bounds"),
         ("", "(call $gradient (local.get $call) (local.get $host))", "stack"),
         ("", "(i32.const 7)", "code 7"),
+        (
+            "",
+            "(f64.store offset=16 (i32.load offset=24 (local.get $call)) (f64.const 9)) (i32.const 0)",
+            "it wrote into the points",
+        ),
         (
             "",
             "(loop $more (br_if $more (i32.ne (memory.grow (i32.const 4096)) (i32.const -1)))) (i32.const 2)",
@@ -275,6 +280,39 @@ fn the_commands_of_the_page_make_a_module_that_runs() {
     assert_eq!((parameter, filters[0].declaration().name), ("gradient.method", method));
     assert!(compilers::source(after("run")).is_file(), "{run:?}");
     assert!(gradient(&filters[0], &NoProgress).is_ok());
+}
+
+/// A filter that calls no library, by the header's macro and the page's command without a run-time library.
+#[cfg(unix)]
+const PLAIN: &str = "#include \"voltet_plugin.h\"
+static int32_t even(const voltet_call *call, const voltet_host *host) {
+    for (uint64_t i = 0; i < 3 * call->point_count; i++) call->gradient[i] = (double)(1 + i % 3);
+    return host->cancelled(host) ? VOLTET_CANCELLED : VOLTET_OK;
+}
+static const voltet_gradient_filter filter = {
+    .size = sizeof filter, .name = \"even\", .summary = \"The same everywhere.\", .gradient = even};
+VOLTET_GRADIENT_PLUGIN(\"plain\", \"1.0\", &filter)
+";
+
+#[cfg(unix)]
+#[test]
+fn the_command_without_a_run_time_library_makes_a_module_that_runs() {
+    let page = std::fs::read_to_string(compilers::source("docs/src/how-to/plugins.md")).unwrap();
+    let section = page.split_once("## In a sandbox: WebAssembly").unwrap().1;
+    let block = section.split("```text\n").nth(2).unwrap().split_once("```").unwrap().0.replace("\\\n", " ");
+    let words: Vec<&str> = block.split_whitespace().collect();
+    let folder = tempfile::tempdir().unwrap();
+    std::os::unix::fs::symlink(compilers::source("include"), folder.path().join("include")).unwrap();
+    std::fs::write(folder.path().join("filter.c"), PLAIN).unwrap();
+    let compiled = std::process::Command::new(words[0]).args(&words[1..]).current_dir(folder.path()).output();
+    if !compiled.is_ok_and(|output| output.status.success()) {
+        let source = compilers::source("examples/plugin_c/least_squares.c");
+        assert!(compilers::module(&source, &folder.path().join("other.wasm")).is_none(), "{words:?}");
+        return;
+    }
+    let filters = voltet_plugins::load(&folder.path().join("filter.wasm")).unwrap().filters;
+    let found = gradient(&filters[0], &NoProgress).unwrap();
+    assert!(found.vectors.iter().all(|v| *v == DVec3::new(1.0, 2.0, 3.0)));
 }
 
 /// A sandbox says what it runs, and what it does not.

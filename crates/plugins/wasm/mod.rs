@@ -3,18 +3,18 @@
 
 mod sandbox;
 
-use crate::call::{CallOutput, GradientTask, Outcome, Task};
+use crate::call::{CallOutput, GradientTask, Outcome, Rows64, Task};
 use crate::declaration::{Declaration, Family};
 use crate::ffi::{AddressSpace, CheckResult, GUARD_COUNT, Overrun, UNSET, ValidationError, remove_guard};
+use crate::file::PluginFile;
 use crate::host::{CallLabel, CallStatus, State};
 use crate::interface::{self, GRADIENT_FILTERS};
 use crate::item::{PluginItem, Runner};
-use crate::library::{check_filter_count, file_name, load_error, read_entry, read_file, refuse_same_names};
+use crate::library::{check_filter_count, file_name, load_error, read_entry, refuse_same_names};
 use crate::values::ParameterValues;
 use crate::{declaration, guard};
-use sandbox::{Guest, GuestArgs, RunningModule, Sandbox, message};
+use sandbox::{Guest, GuestArgs, RunningModule, Sandbox, Stop, message};
 use std::ffi::CString;
-use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use voltet_core::field::Plugin;
@@ -27,16 +27,36 @@ use wasmtime::TypedFunc;
 /// The gradient filters of a module.
 ///
 /// Errors: no module, not of the interface, or what it declares is wrong.
-pub(crate) fn load(path: &Path) -> Result<Vec<PluginItem>> {
-    let (plugin, bytes) = read_file(path)?;
-    let nameless = Plugin { name: file_name(path), ..plugin };
-    let sandbox = Sandbox::new(&bytes).map_err(|wrong| load_error(path, wrong))?;
-    let ([name, version], declarations) = declarations(&sandbox).map_err(|wrong| load_error(path, wrong))?;
+pub(crate) fn load(file: &PluginFile) -> Result<Vec<PluginItem>> {
+    let path = file.path();
+    let nameless = Plugin { name: file_name(path), ..file.plugin() };
+    let failed = |wrong: ValidationError| load_error(path, wrong);
+    let sandbox = Arc::new(Sandbox::new(file.bytes()).map_err(failed)?);
+    let (stop, start) = (sandbox.stop(), Instant::now());
+    let work = {
+        let (sandbox, stop) = (sandbox.clone(), stop.clone());
+        move || declarations(&sandbox, &stop)
+    };
+    let is_over = || start.elapsed() > START_TIME_LIMIT;
+    let may_go_on = || {
+        if is_over() {
+            stop.stop();
+        }
+        true
+    };
+    let described = guard::run(work, may_go_on).unwrap_or_else(|_| Err("there is no thread for it".into()));
+    let ([name, version], declarations) = described.map_err(|wrong| match is_over() {
+        true => failed(format!("it did not begin within {} s", START_TIME_LIMIT.as_secs())),
+        false => failed(wrong),
+    })?;
     let plugin = Plugin { name, version, ..nameless };
     let names = declarations.iter().map(|declaration| declaration.schema.name).collect();
     let runner = Arc::new(SandboxRunner { sandbox, plugin, names });
     Ok(PluginItem::list(runner, declarations))
 }
+
+/// Longest time to load and to describe itself.
+const START_TIME_LIMIT: Duration = Duration::from_secs(20);
 
 /// Longest call of a filter.
 const CALL_TIME_LIMIT: Duration = Duration::from_secs(600);
@@ -46,7 +66,7 @@ const CHECK_TIME_LIMIT: Duration = Duration::from_secs(3);
 
 /// Runner of a module; the filters by their indices.
 pub(super) struct SandboxRunner {
-    sandbox: Sandbox,
+    sandbox: Arc<Sandbox>,
     plugin: Plugin,
     names: Vec<&'static str>,
 }
@@ -63,11 +83,12 @@ impl Runner for SandboxRunner {
         let is_check = matches!(task, Task::Check(_));
         let (time_limit, max_memory_bytes) =
             if is_check { (CHECK_TIME_LIMIT, None) } else { (CALL_TIME_LIMIT, progress.memory_left()) };
-        let (mut running, stop) = self.sandbox.start(&state, max_memory_bytes).map_err(failed)?;
+        let (sandbox, stop) = (self.sandbox.clone(), self.sandbox.stop());
         let name = declaration.schema.name;
         let index = self.names.iter().position(|known| *known == name).unwrap_or(0) as u32;
-        let (family, call_state) = (declaration.family, state.clone());
+        let (family, call_state, call_stop) = (declaration.family, state.clone(), stop.clone());
         let work = move || {
+            let mut running = sandbox.start(&call_state, &call_stop, max_memory_bytes)?;
             let module = initialize(&mut running, &call_state)?;
             let filter = module.filter(&mut running, index)?;
             call(&mut running, &task, family, filter, module.host, &call_state)
@@ -120,10 +141,10 @@ fn call(
         _ => return Ok(Default::default()),
     };
     let function = function.ok_or_else(|| format!("its function '{name}' is gone"))?;
-    if !arguments.write_to(running.memory, &mut running.store) {
-        return Err("there is no memory for its inputs: a module has 4 GiB at most".into());
-    }
+    let constant = arguments.write_to(running.memory, &mut running.store);
+    let constant = constant.ok_or("there is no memory for its inputs: a module has 4 GiB at most")?;
     let code = function.call(&mut running.store, (inputs, host)).map_err(|error| message(&error))?;
+    constant.refuse_changes(running.guest(), state);
     let status = CallStatus::new(code, state);
     let Some((vectors, count)) = output else { return Ok((status, Outcome::Nothing)) };
     let mut vectors: Vec<DVec3> = running.guest().values(vectors, count + GUARD_COUNT)?;
@@ -136,11 +157,15 @@ fn put_values(values: &ParameterValues, arguments: &mut GuestArgs) -> u32 {
     let ParameterValues { integers, numbers, texts, vectors } = values;
     let lengths: Vec<u32> = vectors.iter().map(|v| v.as_ref().map_or(0, |v| v.len() as u32)).collect();
     let count = integers.len() as u32;
-    let (integers, numbers) = (arguments.put(integers), arguments.put(numbers));
-    let text = |text: &Option<CString>| text.as_ref().map_or(0, |text| arguments.text(text.to_bytes()));
+    const NAME: &str = "the values of its parameters";
+    let (integers, numbers) = (arguments.input(NAME, integers), arguments.input(NAME, numbers));
+    let text = |text: &Option<CString>| {
+        text.as_ref().map_or(0, |text| arguments.input(NAME, text.as_bytes_with_nul()))
+    };
     let texts: Vec<u32> = texts.iter().map(text).collect();
     let texts = arguments.put(&texts);
-    let vector = |vector: &Option<Vec<f64>>| vector.as_ref().map_or(0, |vector| arguments.put(vector));
+    let vector =
+        |vector: &Option<Vec<f64>>| vector.as_ref().map_or(0, |vector| arguments.input(NAME, vector));
     let vectors: Vec<u32> = vectors.iter().map(vector).collect();
     let (vectors, lengths) = (arguments.put(&vectors), arguments.put(&lengths));
     arguments.put(&[28, count, integers, numbers, texts, vectors, lengths])
@@ -148,13 +173,23 @@ fn put_values(values: &ParameterValues, arguments: &mut GuestArgs) -> u32 {
 
 /// Appends `voltet_call`; returns its address and that of the gradient.
 fn put_call(task: &GradientTask, needs: u32, arguments: &mut GuestArgs) -> (u32, u32) {
-    let [neighbours, cells_of_points] = task.tables(needs).map(|table| match table {
-        Some((starts, items)) => [arguments.put(&starts), arguments.put(&items)],
+    let mut put = |name, table: Option<Rows64>| match table {
+        Some((starts, items)) => [arguments.input(name, &starts), arguments.input(name, &items)],
         None => [0; 2],
-    });
-    let (points, cells) = (arguments.put(&task.grid.points), arguments.put(&task.grid.tetrahedra));
-    let scalar = arguments.put(&task.scalar);
-    let array = |array: &Option<Arc<Array>>| array.as_ref().map_or(0, |array| arguments.put(&array.values));
+    };
+    let tables = task.tables(needs);
+    let neighbours = put("the neighbours of points", tables.neighbours);
+    let cells_of_points = put("the cells of points", tables.cells_of_points);
+    let second_rings = put("the second rings of points", tables.second_rings);
+    let at_boundary =
+        tables.at_boundary.map_or(0, |flags| arguments.input("the flags of the boundary", &flags));
+    let points = arguments.input("the points", &task.grid.points);
+    let cells = arguments.input("the cells", &task.grid.tetrahedra);
+    let scalar = arguments.input("the values of the scalar", &task.scalar);
+    let array = |array: &Option<Arc<Array>>| {
+        let values = array.as_ref().map(|array| &array.values);
+        values.map_or(0, |values| arguments.input("the arrays that its parameters name", values))
+    };
     let arrays: Vec<u32> = task.arrays.iter().map(array).collect();
     let arrays = arguments.put(&arrays);
     let values = put_values(&task.values, arguments);
@@ -162,8 +197,9 @@ fn put_call(task: &GradientTask, needs: u32, arguments: &mut GuestArgs) -> (u32,
     let [points_low, points_high] = halves(task.grid.points.len());
     let [cells_low, cells_high] = halves(task.grid.tetrahedra.len());
     let [[starts, items], [cell_starts, cell_items]] = [neighbours, cells_of_points];
-    let mut call = vec![64, 0, points_low, points_high, cells_low, cells_high, points, cells];
-    call.extend([starts, items, cell_starts, cell_items, scalar, arrays, values, out]);
+    let mut call = vec![76, 0, points_low, points_high, cells_low, cells_high, points, cells];
+    call.extend([starts, items, cell_starts, cell_items, scalar, arrays, values, out, at_boundary]);
+    call.extend(second_rings);
     (arguments.put(&call), out)
 }
 
@@ -173,9 +209,9 @@ fn halves(count: usize) -> [u32; 2] {
 }
 
 /// Name and version, and the filters in their order.
-fn declarations(sandbox: &Sandbox) -> CheckResult<([String; 2], Vec<Declaration>)> {
+fn declarations(sandbox: &Sandbox, stop: &Stop) -> CheckResult<([String; 2], Vec<Declaration>)> {
     let state = Arc::default();
-    let (mut running, _) = sandbox.start(&state, None)?;
+    let mut running = sandbox.start(&state, stop, None)?;
     let module = initialize(&mut running, &state)?;
     let names = declaration::plugin(running.guest(), module.plugin)?;
     let mut filters: Vec<Declaration> = Vec::new();
@@ -229,9 +265,7 @@ fn initialize(running: &mut RunningModule, state: &State) -> CheckResult<Initial
     let path = arguments.text(b"");
     let kind = arguments.text(GRADIENT_FILTERS.to_bytes());
     let host = running.host(&mut arguments);
-    if !arguments.write_to(running.memory, &mut running.store) {
-        return Err("its memory cannot grow".into());
-    }
+    arguments.write_to(running.memory, &mut running.store).ok_or("its memory cannot grow")?;
     let plugin = init.call(&mut running.store, (path, host)).map_err(|error| message(&error))?;
     if plugin == 0 {
         return Err(state.init_failure());

@@ -2,6 +2,7 @@
 
 use crate::ffi::{AddressSpace, CheckResult};
 use crate::host::State;
+use crate::inputs;
 use crate::interface::{CANCELLED, ENTRY, ERROR, MAJOR, MINOR, OK, PATCH};
 use bytemuck::Pod;
 use std::mem::MaybeUninit;
@@ -66,12 +67,18 @@ impl Sandbox {
         Ok(Sandbox { engine, module })
     }
 
+    /// A stop for one use of the module.
+    pub fn stop(&self) -> Stop {
+        Stop { engine: self.engine.clone(), stopped: Arc::default() }
+    }
+
     /// Starts it with fresh memory of at most `max_memory_bytes`.
     pub fn start(
         &self,
         state: &Arc<State>,
+        stop: &Stop,
         max_memory_bytes: Option<u64>,
-    ) -> CheckResult<(RunningModule, Stop)> {
+    ) -> CheckResult<RunningModule> {
         let max_bytes = max_memory_bytes.unwrap_or(MAX_MEMORY_BYTES).min(MAX_MEMORY_BYTES);
         let limits = StoreLimitsBuilder::new()
             .memory_size(usize::try_from(max_bytes).unwrap_or(usize::MAX))
@@ -79,7 +86,6 @@ impl Sandbox {
             .build();
         let mut store = Store::new(&self.engine, StoreData { state: state.clone(), limits });
         store.limiter(|inside| &mut inside.limits);
-        let stop = Stop { engine: self.engine.clone(), stopped: Arc::default() };
         let stopped = stop.stopped.clone();
         store.set_epoch_deadline(1);
         store.epoch_deadline_callback(move |_| match stopped.load(Ordering::Relaxed) {
@@ -106,7 +112,7 @@ impl Sandbox {
         if let Ok(initialize) = running.instance.get_typed_func::<(), ()>(&mut running.store, "_initialize") {
             initialize.call(&mut running.store, ()).map_err(|error| message(&error))?;
         }
-        Ok((running, stop))
+        Ok(running)
     }
 }
 
@@ -249,12 +255,35 @@ impl AddressSpace for Guest<'_> {
 pub(super) struct GuestArgs {
     begin: u64,
     bytes: Vec<u8>,
+    inputs: GuestInputs,
+}
+
+/// Inputs of a call in the module's memory: a module that writes there differs from the same source as a library, where that is refused.
+#[derive(Default)]
+pub(super) struct GuestInputs(Vec<GuestInput>);
+
+struct GuestInput {
+    name: &'static str,
+    address: usize,
+    byte_count: usize,
+    hash: u64,
+}
+
+impl GuestInputs {
+    /// Makes the call fail if one of its inputs has changed.
+    pub fn refuse_changes(&self, guest: Guest, state: &State) {
+        for GuestInput { name, address, byte_count, hash } in &self.0 {
+            if guest.bytes.get(*address..address + byte_count).map(inputs::hash) != Some(*hash) {
+                state.refuse(format!("it wrote into {name}, which it must leave as they are"));
+            }
+        }
+    }
 }
 
 impl GuestArgs {
     /// Arguments behind the module's memory.
     pub fn behind<T: 'static>(memory: Memory, store: &impl AsContext<Data = T>) -> GuestArgs {
-        GuestArgs { begin: memory.size(store) * PAGE, bytes: Vec::new() }
+        GuestArgs { begin: memory.size(store) * PAGE, bytes: Vec::new(), inputs: GuestInputs::default() }
     }
 
     /// Appends numbers at a multiple of 16; returns their address.
@@ -266,6 +295,14 @@ impl GuestArgs {
         address as u32
     }
 
+    /// Appends numbers that the module must leave as they are; returns their address.
+    pub fn input<T: Pod>(&mut self, name: &'static str, values: &[T]) -> u32 {
+        let (address, bytes) = (self.put(values), bytemuck::cast_slice(values));
+        let hash = inputs::hash(bytes);
+        self.inputs.0.push(GuestInput { name, address: address as usize, byte_count: bytes.len(), hash });
+        address
+    }
+
     /// Appends a text with a final 0; returns its address.
     pub fn text(&mut self, text: &[u8]) -> u32 {
         let address = self.put(text);
@@ -273,10 +310,15 @@ impl GuestArgs {
         address
     }
 
-    /// Grows the memory and copies everything there; false if there is no room.
-    pub fn write_to<T: 'static>(self, memory: Memory, store: &mut impl AsContextMut<Data = T>) -> bool {
+    /// Grows the memory and copies everything there; the inputs, or `None` if there is no room.
+    pub fn write_to<T: 'static>(
+        self,
+        memory: Memory,
+        store: &mut impl AsContextMut<Data = T>,
+    ) -> Option<GuestInputs> {
         let pages = (self.bytes.len() as u64).div_ceil(PAGE);
-        memory.grow(&mut *store, pages).is_ok_and(|old| old * PAGE == self.begin)
-            && memory.write(store, self.begin as usize, &self.bytes).is_ok()
+        let has_room = memory.grow(&mut *store, pages).is_ok_and(|old| old * PAGE == self.begin)
+            && memory.write(store, self.begin as usize, &self.bytes).is_ok();
+        has_room.then_some(self.inputs)
     }
 }

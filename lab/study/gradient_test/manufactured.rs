@@ -2,8 +2,8 @@
 //! cube, from even to stretched, each at any fineness.
 
 use glam::{DMat3, DVec3};
-use voltet_core::grid::Grid;
 use voltet_core::grid::generate::{box_of_tetrahedra, sample};
+use voltet_core::grid::{Grid, cells_of_points, points_of_points};
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Field {
@@ -91,22 +91,33 @@ pub(super) enum Mesh {
     Stretched,
     /// Layers that thin towards one side by 1 : 30, as a boundary layer's, turned out of the axes and moved at random.
     Anisotropic,
+    /// The distorted one with two planes of points at the same positions, as contact elements have: flat cells between them, and edges
+    /// without length.
+    Coincident,
 }
 
 impl Mesh {
+    /// Families on which filters converge.
     pub const ALL: [Mesh; 4] = [Mesh::Regular, Mesh::Distorted, Mesh::Stretched, Mesh::Anisotropic];
 
+    /// Families on which filters are exact.
+    pub const EXACT: [Mesh; 5] =
+        [Mesh::Regular, Mesh::Distorted, Mesh::Stretched, Mesh::Anisotropic, Mesh::Coincident];
+
     pub fn name(self) -> &'static str {
-        ["regular", "distorted", "stretched", "anisotropic"][self as usize]
+        ["regular", "distorted", "stretched", "anisotropic", "coincident"][self as usize]
     }
 
     /// With `count` boxes a side.
     pub fn grid(self, count: usize) -> Meshed {
         let jitter = if self == Mesh::Regular { 0.0 } else { JITTER };
+        if self == Mesh::Coincident {
+            return coincident(count);
+        }
         let grid = box_of_tetrahedra([count; 3], [DVec3::ZERO, DVec3::ONE], jitter);
-        let at_boundary = (0..grid.points.len()).map(|p| on_surface(p, count)).collect();
+        let at_boundary = (0..grid.points.len()).map(|p| on_surface(p, [count; 3])).collect();
         let place: &dyn Fn(DVec3) -> DVec3 = match self {
-            Mesh::Regular | Mesh::Distorted => &|p| p,
+            Mesh::Regular | Mesh::Distorted | Mesh::Coincident => &|p| p,
             Mesh::Stretched => &|p| DVec3::new(p.x, p.y, p.z * FLAT),
             Mesh::Anisotropic => {
                 let turn = out_of_axes();
@@ -127,6 +138,13 @@ pub(super) struct Meshed {
     pub at_boundary: Vec<bool>,
 }
 
+/// Pairs of points that share an edge and a position.
+pub(super) fn coincident_pairs(grid: &Grid) -> usize {
+    let neighbours = points_of_points(grid, &cells_of_points(grid));
+    let is_twin = |p: usize, q: &&u32| (**q as usize) > p && grid.points[p] == grid.points[**q as usize];
+    (0..grid.points.len()).map(|p| neighbours.row(p).iter().filter(|q| is_twin(p, q)).count()).sum()
+}
+
 /// Largest move as a fraction of the spacing; up to a quarter no cell turns over.
 const JITTER: f64 = 0.2;
 const FLAT: f64 = 0.1;
@@ -136,10 +154,30 @@ pub(super) fn out_of_axes() -> DMat3 {
     DMat3::from_axis_angle(DVec3::new(1.0, 2.0, -0.5).normalize(), 0.7)
 }
 
-/// True if point `p` of a box of `count`³ boxes, x fastest, lies on its surface.
-fn on_surface(p: usize, count: usize) -> bool {
-    let side = count + 1;
-    [p % side, p / side % side, p / (side * side)].iter().any(|&k| k == 0 || k == count)
+/// The distorted grid with one layer of boxes more along x, which has no thickness.
+fn coincident(count: usize) -> Meshed {
+    let counts = [count + 1, count, count];
+    let grid = box_of_tetrahedra(counts, [DVec3::ZERO, DVec3::ONE], JITTER);
+    let (side, layer) = (count + 2, count / 2);
+    let mut points = grid.points.to_vec();
+    for (p, point) in points.iter_mut().enumerate() {
+        // In spacings; the planes beside the layer are even, so that its cells are flat to the last digit.
+        point.x = match p % side {
+            i if i == layer || i == layer + 1 => layer as f64,
+            i => point.x * counts[0] as f64 - if i > layer { 1.0 } else { 0.0 },
+        } / count as f64;
+    }
+    let twins = (0..points.len()).filter(|p| p % side == layer + 1);
+    twins.for_each(|p| points[p] = points[p - 1]);
+    let at_boundary = (0..points.len()).map(|p| on_surface(p, counts)).collect();
+    Meshed { grid: Grid { points: points.into(), ..grid }, at_boundary }
+}
+
+/// True if point `p` of a box of that many boxes, x fastest, lies on its surface.
+fn on_surface(p: usize, counts: [usize; 3]) -> bool {
+    let [x, y, _] = counts.map(|count| count + 1);
+    let place = [p % x, p / x % y, p / (x * y)];
+    place.iter().zip(counts).any(|(&k, count)| k == 0 || k == count)
 }
 
 #[cfg(test)]
@@ -161,6 +199,18 @@ mod tests {
                 assert!(off < 1e-8 * (1.0 + found.length()), "{}: off by {off:e} at {p}", field.name);
             }
         }
+    }
+
+    #[test]
+    fn neighbours_of_the_coincident_grid_lie_at_the_same_positions() {
+        let Meshed { grid, at_boundary } = Mesh::Coincident.grid(4);
+        assert_eq!(coincident_pairs(&grid), 5 * 5);
+        let corners = |t: &[u32; 4]| t.map(|p| grid.points[p as usize]);
+        let volumes: Vec<f64> = grid.tetrahedra.iter().map(|t| tetrahedron_volume(corners(t))).collect();
+        assert!(volumes.iter().all(|v| *v == 0.0 || *v > 1e-4), "{volumes:?}");
+        assert!((volumes.iter().sum::<f64>() - 1.0).abs() < 1e-2);
+        assert_eq!(at_boundary.iter().filter(|at| !**at).count(), 4 * 3 * 3);
+        assert_eq!(coincident_pairs(&Mesh::Distorted.grid(4).grid), 0);
     }
 
     #[test]

@@ -1,10 +1,11 @@
 //! Measurements of a filter: errors on finer and finer grids, exactness, two materials, invariance, noise, time and memory, a picture.
 
 use super::manufactured::{
-    Field, JUMP, LINEAR, MATERIALS, MEETING, Mesh, Meshed, QUADRATIC, SMOOTH, out_of_axes,
+    Field, JUMP, LINEAR, MATERIALS, MEETING, Mesh, Meshed, QUADRATIC, SMOOTH, coincident_pairs, out_of_axes,
 };
 use super::report::{
-    Convergence, Cost, Exactness, Fault, FilterReport, Invariance, Materials, Noise, PictureError, Series,
+    Convergence, Cost, DataError, Exactness, Fault, FilterReport, Invariance, Materials, Noise, PictureError,
+    Series,
 };
 use crate::work_precision;
 use glam::DVec3;
@@ -130,7 +131,7 @@ impl<'a> Subject<'a> {
     /// Errors on a linear and a quadratic field.
     fn exactness(&mut self) -> Result<()> {
         const COUNT: usize = 8;
-        for mesh in Mesh::ALL {
+        for mesh in Mesh::EXACT {
             let meshed = mesh.grid(COUNT);
             let linear = self.largest_errors(mesh, &meshed, &LINEAR)?;
             let quadratic = self.largest_errors(mesh, &meshed, &QUADRATIC)?;
@@ -255,6 +256,36 @@ impl<'a> Subject<'a> {
     }
 }
 
+/// The largest error on a linear field of slope (1.7, −0.9, 0.6), by that slope, at the points of cells.
+fn linear_error(found: &[DVec3], grid: &Grid) -> f64 {
+    let slope = (LINEAR.gradient)(DVec3::ZERO);
+    let used = grid.tetrahedra.as_flattened().iter();
+    used.map(|&p| (found[p as usize] - slope).length()).fold(0.0, f64::max) / slope.length()
+}
+
+/// Measures all filters on the user's own grid: finite, and exact on linear fields. The field is in units of the grid's size, so that
+/// rounding is that of the families.
+pub(super) fn on_data(subjects: &mut [Subject<'_>], grid: &Grid) -> Result<()> {
+    let used = || grid.tetrahedra.as_flattened().iter().map(|&p| grid.points[p as usize]);
+    let low = used().fold(DVec3::INFINITY, DVec3::min);
+    let size = (used().fold(DVec3::NEG_INFINITY, DVec3::max) - low).max_element();
+    let place = |p: DVec3| (p - low) / size;
+    let unit = Grid { points: sample(grid, place).into(), ..grid.clone() };
+    // Points that no cell uses may not be finite.
+    let finite = |value: f64| if value.is_finite() { value } else { 0.0 };
+    let values = sample(&unit, |p| finite((LINEAR.value)(p)));
+    let coincident_pairs = coincident_pairs(&unit);
+    for subject in subjects {
+        let at = || format!("linear on the given grid of {} points", unit.points.len());
+        if let Some(found) = subject.gradient(at, &unit, &values)? {
+            let (points, linear) = (unit.points.len(), linear_error(&found, &unit));
+            subject.found.data = Some(DataError { points, coincident_pairs, linear });
+        }
+        (subject.step)("data");
+    }
+    Ok(())
+}
+
 /// Root of the mean square of lengths and the largest of them.
 fn sizes(lengths: impl Iterator<Item = f64>) -> [f64; 2] {
     let (mut sum, mut most, mut count) = (0.0, 0.0f64, 0usize);
@@ -309,7 +340,9 @@ impl Numbering {
 /// Measures time and memory of all filters on one large grid, which take turns: `rounds` times each after one that warms up.
 pub(super) fn costs(subjects: &mut [Subject<'_>], count: usize, rounds: usize) -> Result<()> {
     let grid = Mesh::Distorted.grid(count).grid;
-    let scalar = sample(&grid, SMOOTH[0].value);
+    // The first run warms up and shows whether what holds on small grids holds here.
+    let (linear, smooth) = (sample(&grid, LINEAR.value), sample(&grid, SMOOTH[0].value));
+    let mut linear_errors = vec![f64::NAN; subjects.len()];
     let mut seconds = vec![Vec::with_capacity(rounds); subjects.len()];
     let mut most: Vec<Option<u64>> = vec![None; subjects.len()];
     for round in 0..=rounds {
@@ -318,25 +351,29 @@ pub(super) fn costs(subjects: &mut [Subject<'_>], count: usize, rounds: usize) -
             let at = || format!("the grid of {} points that is timed", grid.points.len());
             let faults = subject.found.faults.len();
             let begun = Instant::now();
-            let found = subject.gradient(at, &grid, &scalar)?;
+            let found = subject.gradient(at, &grid, if round == 0 { &linear } else { &smooth })?;
             let taken = begun.elapsed().as_secs_f64();
             let peak = memory::peak().zip(before).map(|(peak, before)| peak.saturating_sub(before));
             if round > 0 {
                 // Faults are noted once.
                 subject.found.faults.truncate(faults);
                 seconds[k].extend(found.map(|_| taken));
+            } else if let Some(found) = found {
+                linear_errors[k] = linear_error(&found, &grid);
             }
             // The first takes memory that the later ones have.
             most[k] = most[k].max(peak);
             (subject.step)("time");
         }
     }
-    for ((subject, mut seconds), memory_bytes) in subjects.iter_mut().zip(seconds).zip(most) {
+    let measured = subjects.iter_mut().zip(seconds).zip(most).zip(linear_errors);
+    for (((subject, mut seconds), memory_bytes), linear_error) in measured {
         seconds.sort_by(f64::total_cmp);
         let (Some(&fastest_s), Some(&slowest_s)) = (seconds.first(), seconds.last()) else { continue };
         let (points, tetrahedra) = (grid.points.len(), grid.tetrahedra.len());
         let median_s = seconds[seconds.len() / 2];
-        subject.found.cost = Some(Cost { points, tetrahedra, median_s, fastest_s, slowest_s, memory_bytes });
+        subject.found.cost =
+            Some(Cost { points, tetrahedra, median_s, fastest_s, slowest_s, linear_error, memory_bytes });
     }
     Ok(())
 }

@@ -3,6 +3,7 @@
 
 use crate::columns::aligned;
 use crate::gradient_test::manufactured::Mesh;
+use crate::gradient_test::requirements::{Requirement, RequirementKind};
 use crate::work_precision::canvas::{Anchor, Axis, Canvas, STYLES, WHITE, escaped, shown};
 use crate::work_precision::output::{figure, head, line_to as line};
 use serde::Serialize;
@@ -21,20 +22,10 @@ pub struct TestOptions {
     pub hold_to: Vec<RequirementKind>,
     /// The least order of convergence inside.
     pub order: f64,
+    /// The least order of convergence on the boundary.
+    pub boundary_order: f64,
     /// The largest error on linear fields, by the largest gradient.
     pub linear_error: f64,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RequirementKind {
-    /// A finite vector at every point, on every grid.
-    Finite,
-    /// Exact on linear fields, on every grid.
-    Linear,
-    /// Its order of convergence inside, on every family of grids.
-    Order,
-    /// Equal gradients wherever the grid stands and however it is numbered.
-    Invariance,
 }
 
 impl TestOptions {
@@ -55,8 +46,10 @@ impl TestOptions {
         if self.rounds == 0 {
             return wrong("rounds", "0".into(), "1 or more");
         }
-        if !self.order.is_finite() {
-            return wrong("order", self.order.to_string(), "a number");
+        for (name, order) in [("order", self.order), ("boundary_order", self.boundary_order)] {
+            if !order.is_finite() {
+                return wrong(name, order.to_string(), "a number");
+            }
         }
         if self.linear_error.is_nan() || self.linear_error < 0.0 {
             return wrong("linear_error", self.linear_error.to_string(), "a number of at least 0");
@@ -78,6 +71,7 @@ impl Default for TestOptions {
                 RequirementKind::Invariance,
             ],
             order: 0.8,
+            boundary_order: 0.5,
             linear_error: 1e-9,
         }
     }
@@ -124,6 +118,8 @@ pub fn methods(
 pub struct GradientTest {
     pub filters: Vec<FilterReport>,
     pub requirements: Vec<Requirement>,
+    /// What it is not held to, does not keep, and users find out.
+    pub warnings: Vec<Requirement>,
     /// Boxes along a side of each grid, coarse to fine.
     pub levels: Vec<usize>,
     /// Threads that filters may use.
@@ -151,6 +147,8 @@ pub struct FilterReport {
     /// Gradients of noise: one entry a family of grids.
     pub noise: Vec<Noise>,
     pub cost: Option<Cost>,
+    /// Errors on the user's own grid.
+    pub data: Option<DataError>,
     pub picture: Option<PictureError>,
     /// Places at which the filter failed or fell back, with its words.
     pub faults: Vec<Fault>,
@@ -227,8 +225,20 @@ pub struct Cost {
     pub median_s: f64,
     pub fastest_s: f64,
     pub slowest_s: f64,
+    /// The largest error on a linear field there, by the gradient.
+    pub linear_error: f64,
     /// Bytes that the process held at most beyond those before; `None` where the system does not tell.
     pub memory_bytes: Option<u64>,
+}
+
+/// Errors on the user's own grid.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DataError {
+    pub points: usize,
+    /// Pairs of points that share an edge and a position.
+    pub coincident_pairs: usize,
+    /// The largest error on a linear field, by the gradient.
+    pub linear: f64,
 }
 
 /// A picture with its gradient magnitude, against the same with the exact one.
@@ -254,80 +264,11 @@ pub struct Fault {
     pub failed: bool,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Requirement {
-    /// In words, with the bound.
-    pub what: String,
-    pub found: String,
-    pub holds: bool,
-}
-
 impl GradientTest {
     /// True if the first filter keeps all that it is held to.
     pub fn passed(&self) -> bool {
         self.requirements.iter().all(|requirement| requirement.holds)
     }
-}
-
-pub(super) fn requirements(found: &FilterReport, wish: &TestOptions) -> Vec<Requirement> {
-    let of = |hold: &RequirementKind| match hold {
-        RequirementKind::Finite => finite(found),
-        RequirementKind::Linear => linear(found, wish.linear_error),
-        RequirementKind::Order => order(found, wish.order),
-        RequirementKind::Invariance => invariance(found),
-    };
-    wish.hold_to.iter().map(of).collect()
-}
-
-/// Result of the other requirements for a filter that failed.
-const NOTHING: &str = "nothing: the filter failed";
-
-fn finite(found: &FilterReport) -> Requirement {
-    let failed: Vec<_> = found.faults.iter().filter(|fault| fault.failed).collect();
-    let said = match failed.as_slice() {
-        [] => "one wherever it was asked".to_string(),
-        [first, ..] => format!("{} failures, the first at {}: {}", failed.len(), first.at, first.what),
-    };
-    Requirement { what: "gives a finite vector at every point".into(), found: said, holds: failed.is_empty() }
-}
-
-fn linear(found: &FilterReport, bound: f64) -> Requirement {
-    let what = format!("is exact on linear fields: errors of at most {bound:e}");
-    let worst = found.exactness.iter().max_by(|a, b| a.linear.total_cmp(&b.linear));
-    let said = worst.map(|worst| format!("{:.1e} on the {} grid", worst.linear, worst.mesh));
-    let holds = worst.is_some_and(|worst| worst.linear <= bound);
-    Requirement { what, found: said.unwrap_or_else(|| NOTHING.into()), holds }
-}
-
-fn order(found: &FilterReport, least: f64) -> Requirement {
-    let what = format!("converges inside on every family of grids: order {least} or more");
-    // Where only rounding is left there is nothing to converge.
-    let orders = found.convergence.iter().filter_map(|one| Some((one.inside.order?, one)));
-    let worst = orders.min_by(|a, b| a.0.total_cmp(&b.0));
-    let (said, holds) = match worst {
-        Some((order, one)) => {
-            (format!("{order:.2} for {} on the {} grid", one.field, one.mesh), order >= least)
-        }
-        None if found.convergence.is_empty() => (NOTHING.into(), false),
-        None => ("rounding alone".into(), true),
-    };
-    Requirement { what, found: said, holds }
-}
-
-fn invariance(found: &FilterReport) -> Requirement {
-    let what = "changes by rounding alone where the grid is moved, turned, scaled or numbered otherwise, and with the \
-                scalar's units"
-        .into();
-    let share = |one: &Invariance| one.difference / one.rounding;
-    let worst = found.invariance.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
-    let said = worst.map(|worst| {
-        format!(
-            "{:.1e} under {}, where rounding may make {:.1e}",
-            worst.difference, worst.under, worst.rounding
-        )
-    });
-    let holds = worst.is_some_and(|worst| share(worst) <= 1.0);
-    Requirement { what, found: said.unwrap_or_else(|| NOTHING.into()), holds }
 }
 
 /// Everything, filters side by side.
@@ -339,6 +280,15 @@ pub fn text(test: &GradientTest) -> String {
             line(&mut text, &format!("{} {did}, {at}: {what}", filter.name));
         }
     }
+    if let Some(DataError { points, coincident_pairs, .. }) =
+        test.filters.iter().find_map(|found| found.data.as_ref())
+    {
+        let (points, pairs) = (counted(*points, "point"), counted(*coincident_pairs, "pair"));
+        line(
+            &mut text,
+            &format!("\nThe given grid has {points}, and {pairs} of neighbours at the same position"),
+        );
+    }
     let name = test.filters.first().map_or("", |filter| filter.name.as_str());
     if !test.requirements.is_empty() {
         line(&mut text, &format!("\nWhat {name} is held to"));
@@ -346,6 +296,9 @@ pub fn text(test: &GradientTest) -> String {
     for requirement in &test.requirements {
         let mark = if requirement.holds { "held  " } else { "BROKEN" };
         line(&mut text, &format!("  {mark}  {}; found {}", requirement.what, requirement.found));
+    }
+    for Requirement { what, found, .. } in &test.warnings {
+        line(&mut text, &format!("  WARNING it does not hold: {what}; found {found}"));
     }
     text.trim_start().to_string()
 }
@@ -432,7 +385,10 @@ fn tables(test: &GradientTest) -> Vec<String> {
                     ]
                     .map(|(field, place, error)| cell([one.mesh, field, place], format!("{error:.1e}")))
                 });
-                each.collect()
+                let large = found.cost.iter().map(|cost| ("timed", cost.linear_error));
+                let own = found.data.iter().map(|data| ("given", data.linear));
+                let linear = |(mesh, error)| cell([mesh, "linear", "everywhere"], format!("{error:.1e}"));
+                each.chain(large.chain(own).map(linear)).collect()
             },
             "relative to the largest gradient; 1e-12 and less is rounding",
         ),

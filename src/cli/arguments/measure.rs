@@ -253,9 +253,15 @@ pub struct GradientTest {
     /// The least order of convergence inside, on every family of grids.
     #[arg(long, value_name = "ORDER", default_value_t = 0.8, allow_negative_numbers = true)]
     pub order: f64,
+    /// The least order of convergence on the boundary: a requirement with --hold-to boundary, a warning without.
+    #[arg(long, value_name = "ORDER", default_value_t = 0.5, allow_negative_numbers = true)]
+    pub boundary_order: f64,
     /// The largest error on linear fields, by the largest gradient.
     #[arg(long, value_name = "ERROR", default_value_t = 1e-9, allow_negative_numbers = true)]
     pub linear_error: f64,
+    /// A data file on whose grid the filters must be finite and exact on linear fields, too.
+    #[arg(long, value_name = "FILE")]
+    pub data: Option<PathBuf>,
     /// Boxes along a side of each grid, coarse to fine; orders are those between the two finest.
     #[arg(long, value_name = "COUNTS", value_delimiter = ',', default_value = "4,8,16,24")]
     pub levels: Vec<usize>,
@@ -283,12 +289,13 @@ pub struct GradientTest {
 
 /// Requirements on a gradient filter by name; `None`: nothing.
 fn requirements() -> impl TypedValueParser<Value = Option<RequirementKind>> {
-    use RequirementKind::{Finite, Invariance, Linear, Order};
+    use RequirementKind::{Boundary, Finite, Invariance, Linear, Order};
     let invariance = "Invariance of the gradient, but for rounding, under translation, rotation, scaling and numbering of the grid";
     one_of([
         (Some(Finite), "finite", "A finite vector at every point, on every grid"),
         (Some(Linear), "linear", "Exact on linear fields: --linear-error"),
         (Some(Order), "order", "Converges inside on every family of grids: --order"),
+        (Some(Boundary), "boundary", "Converges on the boundary of every family of grids: --boundary-order"),
         (Some(Invariance), "invariance", invariance),
         (None, "nothing", "Nothing: the exit code is 0 whatever is found"),
     ])

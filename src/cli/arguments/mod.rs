@@ -117,9 +117,9 @@ pub enum Command {
     /// Measure a gradient filter: how right it is, how it scales, what it costs and what it does to a picture.
     ///
     /// Truth is formulas alone: manufactured fields on regular, distorted, stretched and anisotropic grids, inside and at
-    /// boundaries, and two materials that meet. Orders of convergence, exactness on linear and quadratic fields, invariance
-    /// under translation, rotation, scaling, numbering and the scalar's units, amplification of noise, time, memory, and the
-    /// error of a picture, beside the other filters.
+    /// boundaries, points at the same position, and two materials that meet. Orders of convergence, exactness on linear and
+    /// quadratic fields, invariance under translation, rotation, scaling, numbering and the scalar's units, amplification of
+    /// noise, time, memory, and the error of a picture, beside the other filters.
     GradientTest(GradientTest),
     /// Child process of --plugin-process: loads the library and answers on the standard output.
     #[command(hide = true)]

@@ -35,17 +35,16 @@ use shared::{DONE, Outcome, WRONG, show};
 use std::error::Error as _;
 use std::io::ErrorKind;
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 /// Carries out the command, shows its error if there is one, and gives the exit code. What the environment asks for is looked
 /// at first.
-pub fn dispatch(arguments: &Arguments, registry: Result<Registry>) -> ExitCode {
+pub fn dispatch(arguments: &Arguments, registry: Result<Registry>) -> u8 {
     let registry = LaneSet::detect().and(registry).and_then(|registry| match arguments.command.inputs() {
         Some(inputs) => plugins::with(registry, inputs.plugins, |known| is_sufficient(&inputs, known)),
         None => Ok(registry),
     });
     let outcome = registry.map_err(Into::into).and_then(|known| run_command(&arguments.command, &known));
-    ExitCode::from(outcome.unwrap_or_else(|failure| show(&failure)))
+    outcome.unwrap_or_else(|failure| show(&failure))
 }
 
 /// True if the registry suffices for the command: then the user's file of plug-ins is not read, and none of their code runs.

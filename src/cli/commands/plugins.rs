@@ -2,12 +2,13 @@
 
 use crate::cli::arguments::Plugins;
 use crate::cli::present::{Level, say, shown};
+use crate::cli::process::is_single_threaded;
 use crate::core::field::Plugin;
 use crate::core::{Error, Result};
 use crate::graph::{Node, Registry};
 use crate::nodes::{external_formats, files};
 use std::path::{Path, PathBuf};
-use voltet_plugins::Contents;
+use voltet_plugins::{Contents, PluginFile};
 
 /// The file in the user's configuration folder.
 const FILE: &str = "plugins.toml";
@@ -25,16 +26,19 @@ pub fn with(
     let (mut told, mut loaded) = (Vec::new(), Vec::new());
     for path in &wanted.plugin_files {
         if is_new(&mut loaded, path) {
-            let (more, plugin) = add(&registry, path, wanted.plugin_process)?;
+            let (more, plugin) = add(&registry, path, None, wanted.plugin_process)?;
             registry = more;
             told.push(plugin);
         }
     }
     let file = files::configuration_folder().join(FILE);
-    let configured = if serves(&registry) { Vec::new() } else { voltet_plugins::configured(&file)? };
+    let configured = if serves(&registry) {
+        Vec::new()
+    } else {
+        voltet_plugins::configured(&file, files::home_folder().as_deref())?
+    };
     for own in configured.iter().filter(|own| is_new(&mut loaded, &own.path)) {
-        let kept = kept_to(&own.path, own.fingerprint.as_deref());
-        match kept.and_then(|()| add(&registry, &own.path, wanted.plugin_process)) {
+        match add(&registry, &own.path, own.fingerprint.as_deref(), wanted.plugin_process) {
             Ok((more, plugin)) => {
                 registry = more;
                 told.push(plugin);
@@ -62,23 +66,47 @@ fn is_new(loaded: &mut Vec<PathBuf>, path: &Path) -> bool {
 }
 
 /// Errors: the library is not the one that the user's file says.
-fn kept_to(path: &Path, fingerprint: Option<&str>) -> Result<()> {
-    let Some(wanted) = fingerprint else { return Ok(()) };
-    let found = voltet_plugins::fingerprint(path)?;
-    match found == wanted {
+fn refuse_another(file: &PluginFile, wanted: Option<&str>) -> Result<()> {
+    let found = file.fingerprint();
+    match wanted.is_none_or(|wanted| wanted == found) {
         true => Ok(()),
         false => {
             let error = Error::usage("the plug-in is not the one that is wanted: its file has changed");
-            Err(error.got(found).expected(wanted).in_file(path))
+            Err(error.got(found).expected(wanted.unwrap_or_default()).in_file(file.path()))
         }
     }
 }
 
+/// Prepares this process for code of others: prints of it go to the standard error, and an end of it is not taken for the program's.
+fn admit_foreign_code() -> Result<()> {
+    files::take_standard_output().map_err(|error| files::unwritable_output(&error))?;
+    if is_single_threaded() {
+        // SAFETY: no other thread runs.
+        unsafe { voltet_plugins::supervise() };
+    }
+    Ok(())
+}
+
 /// The registry with what one more plug-in offers, and what is said of it.
-fn add(registry: &Registry, path: &Path, apart: bool) -> Result<(Registry, String)> {
+fn add(
+    registry: &Registry,
+    path: &Path,
+    fingerprint: Option<&str>,
+    apart: bool,
+) -> Result<(Registry, String)> {
+    let file = PluginFile::read(path)?;
+    refuse_another(&file, fingerprint)?;
+    if let Some(warning) = file.warning() {
+        say(&shown(&Error::usage(warning), None, Level::WARNING));
+    }
     let contents = match apart {
-        true => voltet_plugins::load_apart(path, own_program()?)?,
-        false => voltet_plugins::load(path)?,
+        true => voltet_plugins::load_apart(&file, own_program()?)?,
+        false => {
+            if !file.is_module() {
+                admit_foreign_code()?;
+            }
+            voltet_plugins::load_file(&file)?
+        }
     };
     let mut registry = registry.clone();
     let in_file = |error: Error| error.in_file(path);

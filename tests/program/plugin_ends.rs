@@ -1,0 +1,209 @@
+//! Plug-ins that end the program, print, damage memory or change their inputs: what is drawn is right, or the exit code says that it is
+//! not and the last line names the plug-in.
+#![cfg(target_os = "linux")]
+
+use crate::plugin_node_scene::scene;
+use crate::support::{Folder, SLAB};
+use voltet_testing::compilers;
+
+const WHOSE: &str = "the gradient filter 'faulty' of the plug-in 'faulty' (filter.so)";
+
+/// A pipeline that looks at the gradient by a filter of `faulty.c`.
+fn slab(fault: &str) -> String {
+    let scene = "transfer_function = \"look\", camera = \"view\" }";
+    let lit = format!("{scene}\nlight = {{ direction = [-1.0, 0.0, 0.0] }}");
+    let method = format!("method = \"faulty\"\nfault = \"{fault}\"");
+    SLAB.replace("method = \"least-squares\"", &method).replace(scene, &lit)
+}
+
+/// A folder with `filter.so` of this fault, and pipelines without fault and by least squares; `None` where there is no compiler.
+fn folder(fault: u32) -> Option<Folder> {
+    let folder = Folder::new();
+    folder.write("slab.toml", slab("none"));
+    let plain = slab("none").replace("method = \"faulty\"\nfault = \"none\"", "method = \"least-squares\"");
+    folder.write("plain.toml", plain.replace("slab.exr", "plain.exr"));
+    let source = compilers::source("tests/plugins/faulty.c");
+    let options = [&format!("-DFAULT={fault}")[..], "-D_DEFAULT_SOURCE"];
+    compilers::library(folder.path(), "filter.so", &[source], &options)?;
+    Some(folder)
+}
+
+const LOADED: [&str; 4] = ["run", "slab.toml", "--plugin", "filter.so"];
+
+fn with_fault<'a>(set: &'a str, rest: &[&'a str]) -> Vec<&'a str> {
+    [&LOADED[..], &["--set", set], rest].concat()
+}
+
+#[test]
+fn an_end_without_a_word_is_an_error_that_names_the_plugin() {
+    let Some(folder) = folder(0) else { return };
+    for fault in ["quiet exit", "exec"] {
+        let set = format!("gradient.fault={fault}");
+        let ran = folder.voltet(&with_fault(&set, &[]));
+        ran.fails(1, &["an end of the program with exit code 0", &format!("in {WHOSE}"), "--plugin-process"]);
+        let ran = folder.voltet(&with_fault(&set, &["--plugin-process"]));
+        ran.fails(1, &[&format!("{WHOSE} did not answer")]);
+    }
+    folder.voltet(&with_fault("gradient.fault=thread ended", &[])).fails(1, &[WHOSE, "ended the thread"]);
+    let quick = ["--beside", "", "--levels", "4,8", "--timed", "4", "--rounds", "1"];
+    let test = ["gradient-test", "faulty", "--plugin", "filter.so", "--set", "fault=quiet exit"];
+    folder.voltet(&[&test[..], &quick].concat()).fails(1, &[&format!("in {WHOSE}")]);
+    // After the program's own end the exit code is that of the program.
+    folder.voltet(&with_fault("gradient.fault=quiet exit at exit", &[])).ok();
+    let options = ["--set", "file.path=no/folder.exr"];
+    let ran = folder.voltet(&with_fault("gradient.fault=quiet exit at exit", &options));
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+}
+
+#[test]
+fn an_end_while_it_is_loaded_is_an_error_of_every_command() {
+    let Some(folder) = folder(39) else { return };
+    let with = ["--plugin", "filter.so"];
+    let commands: [&[&str]; 6] = [
+        &["run", "slab.toml"],
+        &["check", "slab.toml"],
+        &["explain", "slab.toml"],
+        &["nodes"],
+        &["gradient-test", "faulty"],
+        &["info", "cube.vtu"],
+    ];
+    for command in commands {
+        let ran = folder.voltet(&[command, &with].concat());
+        ran.fails(1, &["exit code 0", "while it was loaded of the plug-in 'filter.so' (filter.so)"]);
+    }
+}
+
+#[test]
+fn readers_and_filters_of_grids_and_images_are_named_too() {
+    let folder = Folder::new();
+    folder.write("scene.toml", scene("faulty", 16));
+    folder.write("any.faulty", "whatever");
+    let source = compilers::source("tests/plugins/faulty_nodes.c");
+    let options = ["-D_DEFAULT_SOURCE"];
+    if compilers::library(folder.path(), "faulty.so", &[source], &options).is_none() {
+        return;
+    }
+    let loaded = ["run", "scene.toml", "--plugin", "faulty.so", "--set"];
+    for (node, whose) in [
+        ("grid", "the reader 'faulty-reader'"),
+        ("moved", "the grid filter 'faulty-grid'"),
+        ("toned", "the image filter 'faulty-image'"),
+    ] {
+        let set = format!("{node}.fault=quiet exit");
+        let whole = format!("in {whose} of the plug-in 'faulty nodes' (faulty.so)");
+        folder.voltet(&[&loaded[..], &[&set]].concat()).fails(1, &["exit code 0", &whole]);
+    }
+    // The picture alone is on the standard output.
+    for path in ["-", "/dev/stdout"] {
+        let options = ["toned.fault=prints", "--output", path, "--set", "file.format=png", "--quiet"];
+        let printed = folder.command(&[&loaded[..], &options].concat()).output().unwrap();
+        assert!(printed.status.success() && printed.stdout.starts_with(b"\x89PNG"));
+        assert!(printed.stdout.ends_with(b"IEND\xaeB`\x82"));
+        assert!(String::from_utf8_lossy(&printed.stderr).contains("a plug-in prints"));
+    }
+}
+
+#[test]
+fn a_crash_after_the_work_of_a_plugin_names_it_last() {
+    let Some(folder) = folder(0) else { return };
+    let ran = folder.voltet(&with_fault("gradient.fault=abort at exit", &[]));
+    ran.fails(1, &["a crash (SIGABRT", "after work of a plug-in, which may have damaged memory", WHOSE]);
+}
+
+/// Nodes of several pipelines share the grid that was read.
+#[test]
+fn what_a_plugin_wrote_into_the_grid_is_put_back_for_other_pipelines() {
+    let Some(folder) = folder(0) else { return };
+    folder.voltet(&["run", "plain.toml"]).ok();
+    let right = folder.floats("plain.exr").1;
+    for (fault, input) in [("points", "the points"), ("cells", "the cells")] {
+        std::fs::remove_file(folder.join("plain.exr")).unwrap();
+        folder.write("slab.toml", slab(fault));
+        let ran = folder.voltet(&[&LOADED[..], &["plain.toml"]].concat());
+        ran.fails(1, &["it wrote into", input, WHOSE]);
+        assert_eq!(folder.floats("plain.exr").1, right, "{fault}");
+    }
+}
+
+/// The way in which threads round, and the current folder, are the program's.
+#[test]
+fn what_a_plugin_sets_for_itself_holds_for_nobody_else() {
+    let Some(folder) = folder(0) else { return };
+    folder.voltet(&LOADED).ok();
+    let right = folder.floats("slab.exr").1;
+    for fault in ["rounds", "elsewhere"] {
+        std::fs::remove_file(folder.join("slab.exr")).unwrap();
+        folder.voltet(&with_fault(&format!("gradient.fault={fault}"), &[])).ok();
+        assert_eq!(folder.floats("slab.exr").1, right, "{fault}");
+    }
+}
+
+/// Neither a signal to the program nor the program's own end leaves the process that works behind.
+#[test]
+fn the_process_that_works_ends_with_the_one_that_the_user_knows() {
+    let Some(folder) = folder(0) else { return };
+    let mut command = folder.command(&with_fault("gradient.fault=patient", &[]));
+    let mut child =
+        command.stderr(std::process::Stdio::null()).stdout(std::process::Stdio::piped()).spawn().unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    child.kill().unwrap();
+    // The output ends only when both processes have closed it.
+    let mut output = String::new();
+    std::io::Read::read_to_string(child.stdout.as_mut().unwrap(), &mut output).unwrap();
+    assert!(!child.wait().unwrap().success());
+}
+
+#[test]
+fn the_file_that_was_hashed_is_the_one_that_is_loaded() {
+    let Some(folder) = folder(0) else { return };
+    let path = folder.join("filter.so");
+    let hashed = voltet_plugins::PluginFile::read(&path).unwrap();
+    let other = compilers::source("examples/plugin_c/least_squares.c");
+    compilers::library(folder.path(), "filter.so", &[other], &[]).unwrap();
+    let loaded = voltet_plugins::load_file(&hashed).unwrap().plugin.unwrap();
+    assert_eq!((&*loaded.name, loaded.fingerprint_text()), ("faulty", hashed.fingerprint()));
+    let program = env!("CARGO_BIN_EXE_voltet").into();
+    let apart = voltet_plugins::load_apart(&hashed, program).map(drop).unwrap_err().to_string();
+    assert!(apart.contains("its file has changed"), "{apart}");
+}
+
+#[test]
+fn pipes_are_refused_and_files_that_all_may_change_are_warned_of() {
+    use std::os::unix::fs::PermissionsExt;
+    let Some(folder) = folder(0) else { return };
+    let made = std::process::Command::new("mkfifo").arg(folder.join("pipe.so")).status().unwrap();
+    assert!(made.success());
+    folder.voltet(&["nodes", "--plugin", "pipe.so"]).fails(2, &["cannot be read: found a pipe or a device"]);
+    let path = folder.join("filter.so");
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o666)).unwrap();
+    let ran = folder.voltet(&LOADED).ok();
+    assert!(
+        ran.stderr.contains("every user of this machine may change the plug-in 'filter.so'"),
+        "{}",
+        ran.stderr
+    );
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o644)).unwrap();
+    assert!(!folder.voltet(&LOADED).ok().stderr.contains("may change"));
+}
+
+#[test]
+fn paths_of_the_users_file_begin_in_the_home_folder_and_relative_variables_are_ignored() {
+    let Some(folder) = folder(0) else { return };
+    let configuration = folder.join(".config/voltet");
+    std::fs::create_dir_all(&configuration).unwrap();
+    let run = |text: &str, variables: &[(&str, &str)]| {
+        std::fs::write(configuration.join("plugins.toml"), text).unwrap();
+        let mut command = folder.command(&["check", "slab.toml"]);
+        command.env("XDG_CONFIG_HOME", ".config").env("HOME", folder.path());
+        let output = command.envs(variables.iter().copied()).output().unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    // The relative variable names no folder: that of the home counts.
+    let (code, said) = run("plugins = ['~/filter.so']\n", &[]);
+    assert_eq!(code, Some(0), "{said}");
+    let (code, said) = run("plugins = ['~other/filter.so']\n", &[]);
+    assert!(code == Some(2) && said.contains("home folders of other users are not looked up"), "{said}");
+    // Nor does a relative home: no file is found, and so no filter.
+    let (code, said) = run("plugins = ['~/filter.so']\n", &[("HOME", ".")]);
+    assert!(code == Some(2) && said.contains("unknown gradient filter 'faulty'"), "{said}");
+}
