@@ -33,6 +33,8 @@ mod plugin_node_fuzz;
 mod plugin_node_scene;
 mod plugin_nodes;
 mod plugins;
+#[cfg(feature = "mpi")]
+mod ranks;
 mod reports;
 mod resume;
 mod series;

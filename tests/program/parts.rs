@@ -3,7 +3,7 @@
 use super::support::Folder;
 use voltet_testing::files::pieces::{SIDE, write_pieces};
 
-const SCENE: &str = r#"[pipeline]
+pub const SCENE: &str = r#"[pipeline]
 format = 1
 
 [nodes.grid]
