@@ -145,6 +145,18 @@ fn polyhedra_of_text_are_read_by_their_faces() {
     }
 }
 
+#[test]
+fn faces_of_polygons_have_two_nodes_whether_their_zone_counts_them_or_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let without = FACES.replacen(" TOTALNUMFACENODES=6", "", 1);
+    assert_ne!(without, FACES);
+    let [own, other] = [("a.dat", FACES), ("b.dat", &without)].map(|(name, text)| {
+        let path = file(&folder, name, text.as_bytes());
+        grid(&path, &request("f"))
+    });
+    assert!(own.points == other.points && own.scalar == other.scalar);
+}
+
 /// A binary file of ordered points, 2 by 2 by 3, with bits at the points and in the cells.
 fn bits_of(version: &str, is_big: bool) -> Vec<u8> {
     let word = |value: i32| if is_big { value.to_be_bytes() } else { value.to_le_bytes() };
