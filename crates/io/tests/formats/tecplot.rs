@@ -143,6 +143,11 @@ fn polyhedra_of_text_are_read_by_their_faces() {
         let found = read(&path, &request("f"), &NoProgress).map(|_| to).unwrap_err().to_string();
         assert!(words.iter().all(|word| found.contains(word)), "{found}");
     }
+    // Each face has two sides.
+    let many = FACES.replacen("ELEMENTS=2 ", "ELEMENTS=23 ", 1).replacen("-1 2.5", "-1 22*2.5", 1);
+    let found = read(&file(&folder, "c.dat", many.as_bytes()), &request("f"), &NoProgress);
+    let found = found.map(|_| ()).unwrap_err().to_string();
+    assert!(["found 23", "at most 22", "cubes"].iter().all(|word| found.contains(word)), "{found}");
 }
 
 #[test]
