@@ -16,6 +16,9 @@ use voltet_core::{Error, Result, counted};
 /// Name of the grid function of the nodes.
 pub(super) const NODES: &str = "the nodes";
 
+/// Bytes that the name of a set may have: each block of the set has it.
+const MAX_NAME: usize = 1 << 10;
+
 /// Positions in a mesh.
 pub(super) enum Coordinates {
     /// Numbers of each vertex of the file.
@@ -197,6 +200,10 @@ fn attribute_sets(cursor: &mut Cursor, word: &str) -> Result<Vec<(String, Vec<i3
             Some(b'"') => quoted(cursor)?,
             _ => String::from_utf8_lossy(cursor.word()?.unwrap_or_default()).into_owned(),
         };
+        if name.len() > MAX_NAME {
+            let error = cursor.error("the name of a set is too long");
+            return Err(error.expected(format_args!("at most {}", counted(MAX_NAME, "byte"))));
+        }
         let length: u64 = cursor.number(NumberType::U64, "the number of attributes of a set")?;
         let mut attributes = Vec::new();
         for _ in 0..length {
@@ -208,17 +215,18 @@ fn attribute_sets(cursor: &mut Cursor, word: &str) -> Result<Vec<(String, Vec<i3
     Ok(sets)
 }
 
-/// A text in quotes, in which a backslash stands before quotes and backslashes.
+/// A text in quotes, in which a backslash stands before quotes and backslashes; the beginning of one that is too long for a name.
 fn quoted(cursor: &mut Cursor) -> Result<String> {
     cursor.bytes(1)?;
     let mut text = Vec::new();
-    loop {
+    while text.len() <= MAX_NAME {
         text.extend_from_slice(cursor.until(|byte| byte == b'"' || byte == b'\\')?);
         if cursor.bytes(1)? == b"\"" {
-            return Ok(String::from_utf8_lossy(&text).into_owned());
+            break;
         }
         text.extend_from_slice(cursor.bytes(1)?);
     }
+    Ok(String::from_utf8_lossy(&text).into_owned())
 }
 
 /// The coordinates of so many vertices, or the nodes, which are not read yet.

@@ -29,7 +29,7 @@ use super::source::Source;
 use super::unsupported;
 use super::xml::open_named;
 use glam::DVec3;
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::grid::{Association, Cells};
@@ -138,16 +138,30 @@ fn unpacked(by: &Path, path: &Path, number: usize) -> Result<Arc<Source>> {
 }
 
 /// Names of the blocks of elements by their attributes; none where there is one attribute without a name. An attribute has the name of the
-/// first set that it is in, with its number behind it where the set has others.
+/// first set that it is in, with its number behind it where the set has others or another block has the name.
 fn block_names(attributes: &[i32], sets: &[(String, Vec<i32>)]) -> Vec<String> {
-    let name = |attribute: &i32| match sets.iter().find(|set| set.1.contains(attribute)) {
-        Some((name, own)) if own.len() == 1 => name.clone(),
-        Some((name, _)) => format!("{name}/{attribute}"),
-        None => attribute.to_string(),
+    let mut first_sets: HashMap<i32, &(String, Vec<i32>)> = HashMap::new();
+    for set in sets {
+        for &attribute in &set.1 {
+            first_sets.entry(attribute).or_insert(set);
+        }
+    }
+    if attributes.len() < 2 && !attributes.iter().any(|own| first_sets.contains_key(own)) {
+        return Vec::new();
+    }
+    let mut taken = HashSet::new();
+    let name = |attribute: &i32| {
+        let mut name = match first_sets.get(attribute) {
+            Some((name, own)) if own.len() == 1 => name.clone(),
+            Some((name, _)) => format!("{name}/{attribute}"),
+            None => attribute.to_string(),
+        };
+        while !taken.insert(name.clone()) {
+            name = format!("{name}/{attribute}");
+        }
+        name
     };
-    let is_one =
-        attributes.len() < 2 && !sets.iter().any(|set| attributes.iter().any(|own| set.1.contains(own)));
-    if is_one { Vec::new() } else { attributes.iter().map(name).collect() }
+    attributes.iter().map(name).collect()
 }
 
 /// Elements of a part, and those that are read.

@@ -392,3 +392,37 @@ fn mistakes_say_what_and_where() {
         assert!(words.iter().all(|word| found.contains(word)), "{to}: {found}");
     }
 }
+
+#[test]
+fn long_names_of_sets_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = folder.path().join("a.mesh");
+    let with = |name: &str| {
+        std::fs::write(&mesh, TWO.replacen("\nboth\n", &format!("\n{name}\n"), 1)).unwrap();
+        inspect(&mesh, &Request::default(), &NoProgress).map(|own| own.blocks[0].name.clone())
+    };
+    let longest = "n".repeat(1024);
+    for name in [longest.clone(), format!("\"{longest}\""), format!("\"{}\"", "\\n".repeat(1024))] {
+        assert_eq!(with(&name).unwrap(), longest.clone() + "/5");
+        let found = with(&name.replacen('n', "nn\\n", 1)).unwrap_err().to_string();
+        assert!(found.contains("name of a set") && found.contains("a.mesh:17"), "{found}");
+    }
+}
+
+#[test]
+fn blocks_have_names_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = folder.path().join("a.mesh");
+    let names = |from: &str, to: &str| {
+        assert!(TWO.contains(from));
+        std::fs::write(&mesh, TWO.replacen(from, to, 1)).unwrap();
+        let blocks = inspect(&mesh, &Request::default(), &NoProgress).unwrap().blocks;
+        blocks.into_iter().map(|block| block.name).collect::<Vec<_>>()
+    };
+    let sets = "2\n\"a \\\"b\\\"\"\n1\n7\nboth\n2\n5 7\n";
+    assert_eq!(names(sets, "2\na\n1\n5\na\n1\n7\n"), ["a", "a/7"]);
+    assert_eq!(names(sets, "1\n5\n1\n7\n"), ["5", "5/7"]);
+    assert_eq!(names(sets, "2\na\n2\n5 6\na/5\n1\n7\n"), ["a/5", "a/5/7"]);
+    // The first set of an attribute names it.
+    assert_eq!(names(sets, "2\nboth\n2\n5 7\nb\n1\n7\n"), ["both/5", "both/7"]);
+}
