@@ -2,6 +2,7 @@
 //! of curved meshes, the grid function of the nodes.
 
 use super::elements::MfemElements;
+use super::numbering::MfemNodes;
 use super::shapes::SHAPES;
 use super::space::{GridFunction, refusal, skip_comments};
 use crate::formats::cursor::Cursor;
@@ -9,7 +10,7 @@ use crate::formats::numbers::NumberType;
 use crate::formats::source::Source;
 use crate::formats::text::{TextRange, is_space};
 use glam::DVec3;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::{Error, Result, counted};
 
@@ -29,6 +30,7 @@ pub(super) enum Coordinates {
 
 /// A mesh whose elements were read.
 pub(super) struct MfemMesh {
+    path: PathBuf,
     pub elements: MfemElements,
     pub vertex_count: usize,
     /// Vertices that elements name, ascending, where there are others, which do not count.
@@ -83,6 +85,7 @@ impl MfemMesh {
             return Err(error.expected(counted(vertex_count, "vertex")));
         }
         let mut mesh = MfemMesh {
+            path: source.path().to_owned(),
             elements,
             vertex_count: vertex_count as usize,
             named: None,
@@ -114,10 +117,16 @@ impl MfemMesh {
         Ok(())
     }
 
+    /// The nodes of the order that fields have.
+    pub fn nodes(&self, order: u32) -> Result<MfemNodes> {
+        MfemNodes::new(&self.elements, self.vertex_count, order).map_err(|error| error.in_file(&self.path))
+    }
+
     /// Positions of the vertices by their coordinates in the file.
     pub fn positions(&self, component_count: usize, numbers: &TextRange) -> Result<Vec<DVec3>> {
         let mut values: Vec<f64> = Vec::new();
-        numbers.numbers(NumberType::F64, is_space, &mut values, |_| Ok(()))?;
+        let parsed = numbers.numbers(NumberType::F64, is_space, &mut values, |_| Ok(()));
+        parsed.map_err(|error| error.in_file(&self.path))?;
         let tuples = values.chunks(component_count);
         Ok(match &self.named {
             None => tuples.map(position).collect(),

@@ -215,7 +215,7 @@ impl MfemCells {
 
 fn piece(part: MfemPart, attributes: &[i32], is_selected: &[bool], order: u32) -> Result<Piece> {
     let MfemPart { mesh, fields, source } = part;
-    let nodes = MfemNodes::new(&mesh.elements, mesh.vertex_count, order)?;
+    let nodes = mesh.nodes(order)?;
     let block = |own: &i32| attributes.binary_search(own).unwrap_or(0) as u32;
     let blocks: Vec<u32> = mesh.elements.attributes.iter().map(block).collect();
     let is_chosen = |&cell: &u32| is_selected.get(blocks[cell as usize] as usize) != Some(&false);

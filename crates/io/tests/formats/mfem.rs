@@ -393,6 +393,18 @@ fn mistakes_say_what_and_where() {
     }
 }
 
+/// A mesh of one tetrahedron without fields, of one process of several.
+const ONE: &str = "MFEM mesh v1.2\n\ndimension\n3\n\nelements\n1\n1 4 0 1 2 3\n\nboundary\n0\n\nvertices\n4\n3\n0 0 0\n\
+    1 0 0\n0 1 0\n0 0 1\n\nmfem_serial_mesh_end\n\ncommunication_groups\n";
+
+/// A root file of so many domains.
+fn root_text(domains: &str, mesh: &str, field: &str) -> String {
+    format!(
+        "{{\"dsets\": {{\"main\": {{\"domains\": {domains}, \"fields\": {{\"f\": {{\"path\": \"{field}\"}}}}, \"mesh\": \
+         {{\"path\": \"{mesh}\"}}}}}}}}"
+    )
+}
+
 #[test]
 fn long_names_of_sets_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -425,4 +437,30 @@ fn blocks_have_names_of_their_own() {
     assert_eq!(names(sets, "2\na\n2\n5 6\na/5\n1\n7\n"), ["a/5", "a/5/7"]);
     // The first set of an attribute names it.
     assert_eq!(names(sets, "2\nboth\n2\n5 7\nb\n1\n7\n"), ["both/5", "both/7"]);
+}
+
+#[test]
+fn damaged_coordinates_name_their_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let root = path("a.mfem_root");
+    std::fs::write(&root, root_text("2", "mesh.%06d", "f.%06d")).unwrap();
+    for name in ["mesh.000000", "mesh.000001"] {
+        std::fs::write(path(name), ONE).unwrap();
+    }
+    for name in ["f.000000", "f.000001"] {
+        std::fs::write(path(name), field("H1_3D_P1", 1, "1 3 -2 5")).unwrap();
+    }
+    for name in ["mesh.000001", "mesh.000000"] {
+        std::fs::write(path(name), ONE.replacen("0 1 0\n", "0 x 0\n", 1)).unwrap();
+        for (opened, scalar) in [(&root, "f"), (&path("mesh.000000"), "attribute")] {
+            let found = message(opened, &request(scalar));
+            assert!(found.contains("'x'") && found.contains(&format!("{name}:18")), "{found}");
+        }
+        std::fs::write(path(name), ONE).unwrap();
+    }
+    let alone = path("a.mesh");
+    std::fs::write(&alone, ONE.replacen("0 1 0\n", "0 x 0\n", 1)).unwrap();
+    let found = message(&alone, &request("attribute"));
+    assert!(found.contains("'x'") && found.contains("a.mesh:18"), "{found}");
 }
