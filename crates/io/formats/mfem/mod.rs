@@ -13,7 +13,7 @@ mod orders;
 mod shapes;
 mod space;
 
-use self::files::{MfemFiles, is_root};
+use self::files::{FieldReason, MfemFiles, is_root};
 use self::mesh::{Coordinates, MfemMesh, NODES};
 use self::numbering::MfemNodes;
 use self::orders::ContinuousLayout;
@@ -79,16 +79,23 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
                 let error = Error::run("the processes have no files of a field each").got(paths.len());
                 return Err(error.expected(counted(files.meshes.len(), "file")).at_item(name));
             };
-            let own = open_file(path)?;
-            dataset.file_bytes += own.len();
-            let field = GridFunction::open(&mut Cursor::new(&own), name, path)
-                .map_err(|error| error.in_file(path))?;
-            match field {
-                Ok(field) => part.fields.push(field),
-                Err(space) if request.solution.is_none() => dataset.warnings.push(format!(
+            let mut open_field = || {
+                let own = open_file(path)?;
+                dataset.file_bytes += own.len();
+                GridFunction::open(&mut Cursor::new(&own), name, path)
+            };
+            match open_field().map_err(|error| error.in_file(path)) {
+                Ok(Ok(field)) => part.fields.push(field),
+                Ok(Err(space)) if files.reason == FieldReason::Requested => {
+                    return Err(space::refusal(&format!("'{name}'"), &space).in_file(path));
+                }
+                Ok(Err(space)) => dataset.warnings.push(format!(
                     "The field '{name}' is left out: it is of the space {space}, which is not read."
                 )),
-                Err(space) => return Err(space::refusal(&format!("'{name}'"), &space).in_file(path)),
+                Err(error) if files.reason == FieldReason::BesideMesh => dataset
+                    .warnings
+                    .push(format!("The file of the mesh's name that ends in .gf is left out: {error}")),
+                Err(error) => return Err(error),
             }
         }
         parts.push(part);
@@ -116,8 +123,8 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     let sets = parts.first().map_or(&[][..], |part| &part.mesh.sets[..]);
     dataset.blocks = block_names(&attributes, sets);
     let is_selected = selected(&dataset.blocks, request)?;
-    if let [field] = &files.fields[..] {
-        dataset.active_scalars = Some(field.0.clone());
+    if let Some([field]) = parts.first().map(|part| &part.fields[..]) {
+        dataset.active_scalars = Some(field.name.clone());
     }
     let is_curved = spaces.iter().any(|own| own.0 == NODES);
     let (curved, processes) = (if is_curved { ", curved" } else { "" }, parts.len());

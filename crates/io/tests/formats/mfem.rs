@@ -324,7 +324,7 @@ fn processes_have_files_of_their_own() {
     assert_eq!(blocks, ["1", "2"]);
     assert_eq!(steps(&root, &Request::default()).unwrap().0, [0.0; 0]);
     for (domains, words) in [
-        ("3", ["mesh.000002", "3 meshes"]),
+        ("3", ["mesh.000002", "3 files"]),
         ("1e99", ["domains", "damaged"]),
         ("0", ["domains", "at least 1"]),
     ] {
@@ -440,6 +440,35 @@ fn blocks_have_names_of_their_own() {
 }
 
 #[test]
+fn domains_are_files_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path().join("a.mfem_root");
+    for name in ["mesh", "mesh.000000", "mesh.000001"] {
+        std::fs::write(folder.path().join(name), ONE).unwrap();
+    }
+    for name in ["f", "f.000000", "g.000000", "g.000001"] {
+        std::fs::write(folder.path().join(name), field("H1_3D_P1", 1, "1 3 -2 5")).unwrap();
+    }
+    for (domains, mesh, field, words) in [
+        ("2", "mesh", "g.%06d", ["the mesh has one path", "found mesh;", "%06d"]),
+        ("4000000000", "mesh", "g.%06d", ["the mesh has one path", "found mesh;", "%06d"]),
+        ("4000000000", "mesh.%06d", "g.%06d", ["the mesh", "mesh.000002", "4000000000 files"]),
+        ("2", "mesh.%06d", "f", ["field 'f' has one path", "found f;", "%06d"]),
+        ("2", "mesh.%06d", "f.%06d", ["field 'f'", "f.000001", "2 files"]),
+        ("1", "mesh.%06d", "h", ["field 'f'", "h", "1 file"]),
+    ] {
+        std::fs::write(&root, root_text(domains, mesh, field)).unwrap();
+        let found = message(&root, &request("f"));
+        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+        assert!(files_beside(&root).is_empty());
+    }
+    std::fs::write(&root, root_text("1", "mesh", "f")).unwrap();
+    assert_eq!(grid(&root, &request("f")).points.len(), 4);
+    std::fs::write(&root, root_text("2", "mesh.%06d", "g.%06d")).unwrap();
+    assert_eq!(files_beside(&root).len(), 4);
+}
+
+#[test]
 fn damaged_coordinates_name_their_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
@@ -463,4 +492,43 @@ fn damaged_coordinates_name_their_file() {
     std::fs::write(&alone, ONE.replacen("0 1 0\n", "0 x 0\n", 1)).unwrap();
     let found = message(&alone, &request("attribute"));
     assert!(found.contains("'x'") && found.contains("a.mesh:18"), "{found}");
+}
+
+#[test]
+fn a_file_of_the_name_of_the_mesh_that_nobody_named_is_no_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    for name in ["mesh.000000", "mesh.000001"] {
+        std::fs::write(path(name), ONE).unwrap();
+    }
+    // It is of the whole mesh, not of processes.
+    std::fs::write(path("mesh.gf"), field("H1_3D_P1", 1, "1 3 -2 5")).unwrap();
+    assert_eq!(grid(&path("mesh.000000"), &request("attribute")).tetrahedra.len(), 2);
+    let summary = inspect(&path("mesh.000000"), &Request::default(), &NoProgress).unwrap();
+    assert!(summary.warnings.is_empty(), "{:?}", summary.warnings);
+    assert_eq!(files_beside(&path("mesh.000000")), [path("mesh.000001")]);
+    let (mesh, other) = (path("beam.mesh"), path("beam.gf"));
+    std::fs::write(&mesh, ONE).unwrap();
+    for text in ["a file of glyphs", "", "FiniteElementSpace\nx\n"] {
+        std::fs::write(&other, text).unwrap();
+        let summary = inspect(&mesh, &Request::default(), &NoProgress).unwrap();
+        let is_named = |own: &String| own.contains("beam.gf") && own.contains("left out");
+        assert!(summary.warnings.iter().any(is_named), "{:?}", summary.warnings);
+        let own = grid(&mesh, &Request::default());
+        assert_eq!((own.points.len(), &*own.scalar_name), (4, "attribute"));
+        // The file that was named is an error.
+        let found = message(&mesh, &Request { solution: Some(other.clone()), ..request("beam") });
+        assert!(found.contains("beam.gf"), "{found}");
+    }
+}
+
+#[test]
+fn a_root_file_takes_no_solution() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    std::fs::write(path("a.mfem_root"), root_text("1", "mesh", "f")).unwrap();
+    std::fs::write(path("mesh"), ONE).unwrap();
+    std::fs::write(path("f"), field("H1_3D_P1", 1, "1 3 -2 5")).unwrap();
+    let found = message(&path("a.mfem_root"), &Request { solution: Some(path("f")), ..request("f") });
+    assert!(found.contains("solution") && found.contains("mesh of a process"), "{found}");
 }
