@@ -278,17 +278,20 @@ fn reason_of_split(part: &CaseFolder, regions: &[String], cell_counts: &[u64]) -
     if !own.is_empty() || others.is_empty() {
         return None;
     }
-    if counts.iter().copied().fold(0, u64::saturating_add) == *count {
-        return Some(format!("it has as many cells as they together, {count}"));
-    }
     let later = part.times.iter().skip(1).map(|step| part.folder.join(&step.1));
     let later: Vec<PathBuf> = later.collect();
     let has_fields = |region: &String| {
         let mut folders = later.iter().rev().map(|folder| folder.join(region));
         folders.any(|folder| Field::in_folder(&folder, part.part.as_ref()).next().is_some())
     };
-    (others.iter().any(has_fields) && !has_fields(own))
-        .then(|| "no time but the first has fields of it".to_owned())
+    let is_sum = counts.iter().copied().fold(0, u64::saturating_add) == *count;
+    // One other region may have as many cells by chance.
+    let has_own = !(is_sum && others.len() > 1) && has_fields(own);
+    match is_sum {
+        _ if has_own => None,
+        true => Some(format!("it has as many cells as they together, {count}")),
+        false => others.iter().any(has_fields).then(|| "no time but the first has fields of it".to_owned()),
+    }
 }
 
 /// Number of cells that the file of owners notes, or else that its numbers show.

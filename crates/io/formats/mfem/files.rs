@@ -7,7 +7,7 @@ use crate::formats::xml::beside;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 
 /// Ending of root files.
 const ROOT: &str = "mfem_root";
@@ -17,12 +17,24 @@ pub(super) fn is_root(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(ROOT))
 }
 
+/// The reason why the files of fields are read.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum FieldReason {
+    /// A root file names them.
+    OfRoot,
+    /// The request names one.
+    Requested,
+    /// One has the name of the mesh.
+    BesideMesh,
+}
+
 /// Files of a result.
 pub(super) struct MfemFiles {
     /// The mesh of each process.
     pub meshes: Vec<PathBuf>,
     /// Names of fields, and the file of each process.
     pub fields: Vec<(String, Vec<PathBuf>)>,
+    pub reason: FieldReason,
     pub time: Option<f64>,
 }
 
@@ -64,24 +76,53 @@ impl ProcessPattern {
             None => self.path.clone(),
         }
     }
+
+    /// The files of so many processes, which are all there, each another.
+    fn of_processes(&self, root: &Path, count: usize, what: &str) -> Result<Vec<PathBuf>> {
+        if count > 1 && self.of_process(0) == self.of_process(1) {
+            let error = Error::run(format!("{what} has one path for all processes")).got(&self.path);
+            return Err(error.expected("a path with the number of the process, as %06d"));
+        }
+        let mut files = Vec::new();
+        for process in 0..count {
+            let own = beside(root, &self.of_process(process));
+            if !own.is_file() {
+                let error = Error::run(format!("a file of {what} is not there")).got(own.display());
+                let accepted = counted(count, "file");
+                return Err(error.expected(format_args!("{accepted}, as the root file says")));
+            }
+            files.push(own);
+        }
+        Ok(files)
+    }
 }
 
 impl MfemFiles {
     /// The files that a root file names, or a mesh with those beside it.
     pub fn of_source(source: &Source, request: &Request) -> Result<MfemFiles> {
         if is_root(source.path()) {
+            if let Some(solution) = &request.solution {
+                let error = Error::run("a root file names its fields itself, and takes no solution");
+                return Err(error
+                    .got(solution.display())
+                    .expected("the mesh of a process with the solution, or the root file alone"));
+            }
             return MfemFiles::of_root(source);
         }
         let meshes = of_processes(source.path());
-        let own = source.path().with_extension("gf");
-        let solution =
-            request.solution.clone().or_else(|| (own != source.path() && own.is_file()).then_some(own));
+        // A file of that name beside the meshes of several processes is of another mesh, of all of them.
+        let beside = Some(source.path().with_extension("gf"));
+        let beside = beside.filter(|own| meshes.len() == 1 && own != source.path() && own.is_file());
+        let (reason, solution) = match request.solution.clone() {
+            Some(path) => (FieldReason::Requested, Some(path)),
+            None => (FieldReason::BesideMesh, beside),
+        };
         let fields = solution.map(|path| {
             let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
             let files = if meshes.len() > 1 { of_processes(&path) } else { vec![path] };
             (name, files)
         });
-        Ok(MfemFiles { meshes, fields: fields.into_iter().collect(), time: None })
+        Ok(MfemFiles { meshes, fields: fields.into_iter().collect(), reason, time: None })
     }
 
     fn of_root(source: &Source) -> Result<MfemFiles> {
@@ -96,20 +137,14 @@ impl MfemFiles {
             let error = Error::run("the number of domains of the collection is damaged").got(domains);
             return Err(error.expected("at least 1"));
         }
-        let path = |pattern: &ProcessPattern, process| beside(source.path(), &pattern.of_process(process));
-        let mut meshes = Vec::new();
-        for process in 0..domains as usize {
-            let own = path(&mesh, process);
-            if !own.is_file() {
-                let error = Error::run("a mesh of the collection is not there").got(own.display());
-                return Err(error.expected(format_args!("{domains} meshes, as the root file says")));
-            }
-            meshes.push(own);
-        }
-        let all =
-            |pattern: &ProcessPattern| (0..meshes.len()).map(|process| path(pattern, process)).collect();
-        let fields = fields.iter().map(|(name, pattern)| (name.clone(), all(pattern))).collect();
-        Ok(MfemFiles { meshes, fields, time })
+        let domains = domains as usize;
+        let meshes = mesh.of_processes(source.path(), domains, "the mesh")?;
+        let of_field = |(name, pattern): (String, ProcessPattern)| {
+            let files = pattern.of_processes(source.path(), domains, &format!("the field '{name}'"))?;
+            Ok((name, files))
+        };
+        let fields = fields.into_iter().map(of_field).collect::<Result<_>>()?;
+        Ok(MfemFiles { meshes, fields, reason: FieldReason::OfRoot, time })
     }
 }
 

@@ -2,6 +2,7 @@
 //! of curved meshes, the grid function of the nodes.
 
 use super::elements::MfemElements;
+use super::numbering::MfemNodes;
 use super::shapes::SHAPES;
 use super::space::{GridFunction, refusal, skip_comments};
 use crate::formats::cursor::Cursor;
@@ -9,12 +10,15 @@ use crate::formats::numbers::NumberType;
 use crate::formats::source::Source;
 use crate::formats::text::{TextRange, is_space};
 use glam::DVec3;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::{Error, Result, counted};
 
 /// Name of the grid function of the nodes.
 pub(super) const NODES: &str = "the nodes";
+
+/// Bytes that the name of a set may have: each block of the set has it.
+const MAX_NAME: usize = 1 << 10;
 
 /// Positions in a mesh.
 pub(super) enum Coordinates {
@@ -26,6 +30,7 @@ pub(super) enum Coordinates {
 
 /// A mesh whose elements were read.
 pub(super) struct MfemMesh {
+    path: PathBuf,
     pub elements: MfemElements,
     pub vertex_count: usize,
     /// Vertices that elements name, ascending, where there are others, which do not count.
@@ -80,6 +85,7 @@ impl MfemMesh {
             return Err(error.expected(counted(vertex_count, "vertex")));
         }
         let mut mesh = MfemMesh {
+            path: source.path().to_owned(),
             elements,
             vertex_count: vertex_count as usize,
             named: None,
@@ -111,10 +117,16 @@ impl MfemMesh {
         Ok(())
     }
 
+    /// The nodes of the order that fields have.
+    pub fn nodes(&self, order: u32) -> Result<MfemNodes> {
+        MfemNodes::new(&self.elements, self.vertex_count, order).map_err(|error| error.in_file(&self.path))
+    }
+
     /// Positions of the vertices by their coordinates in the file.
     pub fn positions(&self, component_count: usize, numbers: &TextRange) -> Result<Vec<DVec3>> {
         let mut values: Vec<f64> = Vec::new();
-        numbers.numbers(NumberType::F64, is_space, &mut values, |_| Ok(()))?;
+        let parsed = numbers.numbers(NumberType::F64, is_space, &mut values, |_| Ok(()));
+        parsed.map_err(|error| error.in_file(&self.path))?;
         let tuples = values.chunks(component_count);
         Ok(match &self.named {
             None => tuples.map(position).collect(),
@@ -197,6 +209,10 @@ fn attribute_sets(cursor: &mut Cursor, word: &str) -> Result<Vec<(String, Vec<i3
             Some(b'"') => quoted(cursor)?,
             _ => String::from_utf8_lossy(cursor.word()?.unwrap_or_default()).into_owned(),
         };
+        if name.len() > MAX_NAME {
+            let error = cursor.error("the name of a set is too long");
+            return Err(error.expected(format_args!("at most {}", counted(MAX_NAME, "byte"))));
+        }
         let length: u64 = cursor.number(NumberType::U64, "the number of attributes of a set")?;
         let mut attributes = Vec::new();
         for _ in 0..length {
@@ -208,17 +224,18 @@ fn attribute_sets(cursor: &mut Cursor, word: &str) -> Result<Vec<(String, Vec<i3
     Ok(sets)
 }
 
-/// A text in quotes, in which a backslash stands before quotes and backslashes.
+/// A text in quotes, in which a backslash stands before quotes and backslashes; the beginning of one that is too long for a name.
 fn quoted(cursor: &mut Cursor) -> Result<String> {
     cursor.bytes(1)?;
     let mut text = Vec::new();
-    loop {
+    while text.len() <= MAX_NAME {
         text.extend_from_slice(cursor.until(|byte| byte == b'"' || byte == b'\\')?);
         if cursor.bytes(1)? == b"\"" {
-            return Ok(String::from_utf8_lossy(&text).into_owned());
+            break;
         }
         text.extend_from_slice(cursor.bytes(1)?);
     }
+    Ok(String::from_utf8_lossy(&text).into_owned())
 }
 
 /// The coordinates of so many vertices, or the nodes, which are not read yet.

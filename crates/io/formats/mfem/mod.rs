@@ -13,7 +13,7 @@ mod orders;
 mod shapes;
 mod space;
 
-use self::files::{MfemFiles, is_root};
+use self::files::{FieldReason, MfemFiles, is_root};
 use self::mesh::{Coordinates, MfemMesh, NODES};
 use self::numbering::MfemNodes;
 use self::orders::ContinuousLayout;
@@ -29,7 +29,7 @@ use super::source::Source;
 use super::unsupported;
 use super::xml::open_named;
 use glam::DVec3;
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::grid::{Association, Cells};
@@ -79,16 +79,23 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
                 let error = Error::run("the processes have no files of a field each").got(paths.len());
                 return Err(error.expected(counted(files.meshes.len(), "file")).at_item(name));
             };
-            let own = open_file(path)?;
-            dataset.file_bytes += own.len();
-            let field = GridFunction::open(&mut Cursor::new(&own), name, path)
-                .map_err(|error| error.in_file(path))?;
-            match field {
-                Ok(field) => part.fields.push(field),
-                Err(space) if request.solution.is_none() => dataset.warnings.push(format!(
+            let mut open_field = || {
+                let own = open_file(path)?;
+                dataset.file_bytes += own.len();
+                GridFunction::open(&mut Cursor::new(&own), name, path)
+            };
+            match open_field().map_err(|error| error.in_file(path)) {
+                Ok(Ok(field)) => part.fields.push(field),
+                Ok(Err(space)) if files.reason == FieldReason::Requested => {
+                    return Err(space::refusal(&format!("'{name}'"), &space).in_file(path));
+                }
+                Ok(Err(space)) => dataset.warnings.push(format!(
                     "The field '{name}' is left out: it is of the space {space}, which is not read."
                 )),
-                Err(space) => return Err(space::refusal(&format!("'{name}'"), &space).in_file(path)),
+                Err(error) if files.reason == FieldReason::BesideMesh => dataset
+                    .warnings
+                    .push(format!("The file of the mesh's name that ends in .gf is left out: {error}")),
+                Err(error) => return Err(error),
             }
         }
         parts.push(part);
@@ -116,8 +123,8 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     let sets = parts.first().map_or(&[][..], |part| &part.mesh.sets[..]);
     dataset.blocks = block_names(&attributes, sets);
     let is_selected = selected(&dataset.blocks, request)?;
-    if let [field] = &files.fields[..] {
-        dataset.active_scalars = Some(field.0.clone());
+    if let Some([field]) = parts.first().map(|part| &part.fields[..]) {
+        dataset.active_scalars = Some(field.name.clone());
     }
     let is_curved = spaces.iter().any(|own| own.0 == NODES);
     let (curved, processes) = (if is_curved { ", curved" } else { "" }, parts.len());
@@ -138,16 +145,30 @@ fn unpacked(by: &Path, path: &Path, number: usize) -> Result<Arc<Source>> {
 }
 
 /// Names of the blocks of elements by their attributes; none where there is one attribute without a name. An attribute has the name of the
-/// first set that it is in, with its number behind it where the set has others.
+/// first set that it is in, with its number behind it where the set has others or another block has the name.
 fn block_names(attributes: &[i32], sets: &[(String, Vec<i32>)]) -> Vec<String> {
-    let name = |attribute: &i32| match sets.iter().find(|set| set.1.contains(attribute)) {
-        Some((name, own)) if own.len() == 1 => name.clone(),
-        Some((name, _)) => format!("{name}/{attribute}"),
-        None => attribute.to_string(),
+    let mut first_sets: HashMap<i32, &(String, Vec<i32>)> = HashMap::new();
+    for set in sets {
+        for &attribute in &set.1 {
+            first_sets.entry(attribute).or_insert(set);
+        }
+    }
+    if attributes.len() < 2 && !attributes.iter().any(|own| first_sets.contains_key(own)) {
+        return Vec::new();
+    }
+    let mut taken = HashSet::new();
+    let name = |attribute: &i32| {
+        let mut name = match first_sets.get(attribute) {
+            Some((name, own)) if own.len() == 1 => name.clone(),
+            Some((name, _)) => format!("{name}/{attribute}"),
+            None => attribute.to_string(),
+        };
+        while !taken.insert(name.clone()) {
+            name = format!("{name}/{attribute}");
+        }
+        name
     };
-    let is_one =
-        attributes.len() < 2 && !sets.iter().any(|set| attributes.iter().any(|own| set.1.contains(own)));
-    if is_one { Vec::new() } else { attributes.iter().map(name).collect() }
+    attributes.iter().map(name).collect()
 }
 
 /// Elements of a part, and those that are read.
@@ -201,7 +222,7 @@ impl MfemCells {
 
 fn piece(part: MfemPart, attributes: &[i32], is_selected: &[bool], order: u32) -> Result<Piece> {
     let MfemPart { mesh, fields, source } = part;
-    let nodes = MfemNodes::new(&mesh.elements, mesh.vertex_count, order)?;
+    let nodes = mesh.nodes(order)?;
     let block = |own: &i32| attributes.binary_search(own).unwrap_or(0) as u32;
     let blocks: Vec<u32> = mesh.elements.attributes.iter().map(block).collect();
     let is_chosen = |&cell: &u32| is_selected.get(blocks[cell as usize] as usize) != Some(&false);

@@ -194,7 +194,10 @@ impl TecplotFile {
         let is_of_faces = shape.contains("POLY");
         let is_block =
             value(&["DATAPACKING"]).eq_ignore_ascii_case("BLOCK") || form.ends_with("BLOCK") || is_of_faces;
-        let faces = [count(&["FACES"], 0)?, count(&["TOTALNUMFACENODES"], 0)?];
+        let face_count = count(&["FACES"], 0)?;
+        // Faces of polygons are edges, of two nodes each.
+        let of_edges = if shape.ends_with("POLYGON") { face_count.saturating_mul(2) } else { 0 };
+        let faces = [face_count, count(&["TOTALNUMFACENODES"], of_edges)?];
         let with_others = count(&["NUMCONNECTEDBOUNDARYFACES"], 0)?;
         let connections = count(&["TOTALNUMBOUNDARYCONNECTIONS"], 0)?;
         let lists = |key: &str| {

@@ -93,6 +93,11 @@ impl ZoneHead {
 /// the right, below 0 where there is none of the zone.
 pub(super) fn polyhedra(zone: &ZoneHead, bounds: &[u64], nodes: &[u32], sides: &[i64]) -> Result<Cells> {
     let face_count = bounds.len().saturating_sub(1).max(1);
+    // A cell takes memory before a face names it.
+    if zone.cell_count > sides.len() as u64 {
+        let error = Error::run("a zone has more cells than sides of faces").got(zone.cell_count);
+        return Err(error.expected(format_args!("at most {}", sides.len())).at_item(&zone.name));
+    }
     let mut cells: Vec<Vec<Vec<u32>>> = vec![Vec::new(); zone.cell_count as usize];
     for (side, &cell) in sides.iter().enumerate() {
         let face = side % face_count;

@@ -324,7 +324,7 @@ fn processes_have_files_of_their_own() {
     assert_eq!(blocks, ["1", "2"]);
     assert_eq!(steps(&root, &Request::default()).unwrap().0, [0.0; 0]);
     for (domains, words) in [
-        ("3", ["mesh.000002", "3 meshes"]),
+        ("3", ["mesh.000002", "3 files"]),
         ("1e99", ["domains", "damaged"]),
         ("0", ["domains", "at least 1"]),
     ] {
@@ -391,4 +391,144 @@ fn mistakes_say_what_and_where() {
         let found = found(TWO, &sound.replacen(from, to, 1));
         assert!(words.iter().all(|word| found.contains(word)), "{to}: {found}");
     }
+}
+
+/// A mesh of one tetrahedron without fields, of one process of several.
+const ONE: &str = "MFEM mesh v1.2\n\ndimension\n3\n\nelements\n1\n1 4 0 1 2 3\n\nboundary\n0\n\nvertices\n4\n3\n0 0 0\n\
+    1 0 0\n0 1 0\n0 0 1\n\nmfem_serial_mesh_end\n\ncommunication_groups\n";
+
+/// A root file of so many domains.
+fn root_text(domains: &str, mesh: &str, field: &str) -> String {
+    format!(
+        "{{\"dsets\": {{\"main\": {{\"domains\": {domains}, \"fields\": {{\"f\": {{\"path\": \"{field}\"}}}}, \"mesh\": \
+         {{\"path\": \"{mesh}\"}}}}}}}}"
+    )
+}
+
+#[test]
+fn long_names_of_sets_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = folder.path().join("a.mesh");
+    let with = |name: &str| {
+        std::fs::write(&mesh, TWO.replacen("\nboth\n", &format!("\n{name}\n"), 1)).unwrap();
+        inspect(&mesh, &Request::default(), &NoProgress).map(|own| own.blocks[0].name.clone())
+    };
+    let longest = "n".repeat(1024);
+    for name in [longest.clone(), format!("\"{longest}\""), format!("\"{}\"", "\\n".repeat(1024))] {
+        assert_eq!(with(&name).unwrap(), longest.clone() + "/5");
+        let found = with(&name.replacen('n', "nn\\n", 1)).unwrap_err().to_string();
+        assert!(found.contains("name of a set") && found.contains("a.mesh:17"), "{found}");
+    }
+}
+
+#[test]
+fn blocks_have_names_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = folder.path().join("a.mesh");
+    let names = |from: &str, to: &str| {
+        assert!(TWO.contains(from));
+        std::fs::write(&mesh, TWO.replacen(from, to, 1)).unwrap();
+        let blocks = inspect(&mesh, &Request::default(), &NoProgress).unwrap().blocks;
+        blocks.into_iter().map(|block| block.name).collect::<Vec<_>>()
+    };
+    let sets = "2\n\"a \\\"b\\\"\"\n1\n7\nboth\n2\n5 7\n";
+    assert_eq!(names(sets, "2\na\n1\n5\na\n1\n7\n"), ["a", "a/7"]);
+    assert_eq!(names(sets, "1\n5\n1\n7\n"), ["5", "5/7"]);
+    assert_eq!(names(sets, "2\na\n2\n5 6\na/5\n1\n7\n"), ["a/5", "a/5/7"]);
+    // The first set of an attribute names it.
+    assert_eq!(names(sets, "2\nboth\n2\n5 7\nb\n1\n7\n"), ["both/5", "both/7"]);
+}
+
+#[test]
+fn domains_are_files_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path().join("a.mfem_root");
+    for name in ["mesh", "mesh.000000", "mesh.000001"] {
+        std::fs::write(folder.path().join(name), ONE).unwrap();
+    }
+    for name in ["f", "f.000000", "g.000000", "g.000001"] {
+        std::fs::write(folder.path().join(name), field("H1_3D_P1", 1, "1 3 -2 5")).unwrap();
+    }
+    for (domains, mesh, field, words) in [
+        ("2", "mesh", "g.%06d", ["the mesh has one path", "found mesh;", "%06d"]),
+        ("4000000000", "mesh", "g.%06d", ["the mesh has one path", "found mesh;", "%06d"]),
+        ("4000000000", "mesh.%06d", "g.%06d", ["the mesh", "mesh.000002", "4000000000 files"]),
+        ("2", "mesh.%06d", "f", ["field 'f' has one path", "found f;", "%06d"]),
+        ("2", "mesh.%06d", "f.%06d", ["field 'f'", "f.000001", "2 files"]),
+        ("1", "mesh.%06d", "h", ["field 'f'", "h", "1 file"]),
+    ] {
+        std::fs::write(&root, root_text(domains, mesh, field)).unwrap();
+        let found = message(&root, &request("f"));
+        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+        assert!(files_beside(&root).is_empty());
+    }
+    std::fs::write(&root, root_text("1", "mesh", "f")).unwrap();
+    assert_eq!(grid(&root, &request("f")).points.len(), 4);
+    std::fs::write(&root, root_text("2", "mesh.%06d", "g.%06d")).unwrap();
+    assert_eq!(files_beside(&root).len(), 4);
+}
+
+#[test]
+fn damaged_coordinates_name_their_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let root = path("a.mfem_root");
+    std::fs::write(&root, root_text("2", "mesh.%06d", "f.%06d")).unwrap();
+    for name in ["mesh.000000", "mesh.000001"] {
+        std::fs::write(path(name), ONE).unwrap();
+    }
+    for name in ["f.000000", "f.000001"] {
+        std::fs::write(path(name), field("H1_3D_P1", 1, "1 3 -2 5")).unwrap();
+    }
+    for name in ["mesh.000001", "mesh.000000"] {
+        std::fs::write(path(name), ONE.replacen("0 1 0\n", "0 x 0\n", 1)).unwrap();
+        for (opened, scalar) in [(&root, "f"), (&path("mesh.000000"), "attribute")] {
+            let found = message(opened, &request(scalar));
+            assert!(found.contains("'x'") && found.contains(&format!("{name}:18")), "{found}");
+        }
+        std::fs::write(path(name), ONE).unwrap();
+    }
+    let alone = path("a.mesh");
+    std::fs::write(&alone, ONE.replacen("0 1 0\n", "0 x 0\n", 1)).unwrap();
+    let found = message(&alone, &request("attribute"));
+    assert!(found.contains("'x'") && found.contains("a.mesh:18"), "{found}");
+}
+
+#[test]
+fn a_file_of_the_name_of_the_mesh_that_nobody_named_is_no_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    for name in ["mesh.000000", "mesh.000001"] {
+        std::fs::write(path(name), ONE).unwrap();
+    }
+    // It is of the whole mesh, not of processes.
+    std::fs::write(path("mesh.gf"), field("H1_3D_P1", 1, "1 3 -2 5")).unwrap();
+    assert_eq!(grid(&path("mesh.000000"), &request("attribute")).tetrahedra.len(), 2);
+    let summary = inspect(&path("mesh.000000"), &Request::default(), &NoProgress).unwrap();
+    assert!(summary.warnings.is_empty(), "{:?}", summary.warnings);
+    assert_eq!(files_beside(&path("mesh.000000")), [path("mesh.000001")]);
+    let (mesh, other) = (path("beam.mesh"), path("beam.gf"));
+    std::fs::write(&mesh, ONE).unwrap();
+    for text in ["a file of glyphs", "", "FiniteElementSpace\nx\n"] {
+        std::fs::write(&other, text).unwrap();
+        let summary = inspect(&mesh, &Request::default(), &NoProgress).unwrap();
+        let is_named = |own: &String| own.contains("beam.gf") && own.contains("left out");
+        assert!(summary.warnings.iter().any(is_named), "{:?}", summary.warnings);
+        let own = grid(&mesh, &Request::default());
+        assert_eq!((own.points.len(), &*own.scalar_name), (4, "attribute"));
+        // The file that was named is an error.
+        let found = message(&mesh, &Request { solution: Some(other.clone()), ..request("beam") });
+        assert!(found.contains("beam.gf"), "{found}");
+    }
+}
+
+#[test]
+fn a_root_file_takes_no_solution() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    std::fs::write(path("a.mfem_root"), root_text("1", "mesh", "f")).unwrap();
+    std::fs::write(path("mesh"), ONE).unwrap();
+    std::fs::write(path("f"), field("H1_3D_P1", 1, "1 3 -2 5")).unwrap();
+    let found = message(&path("a.mfem_root"), &Request { solution: Some(path("f")), ..request("f") });
+    assert!(found.contains("solution") && found.contains("mesh of a process"), "{found}");
 }

@@ -110,6 +110,30 @@ fn the_mesh_that_was_split_into_regions_is_not_drawn_over_them() {
 }
 
 #[test]
+fn a_mesh_beside_one_region_of_as_many_cells_is_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let (from, to) = (sample("text"), folder.path());
+    for name in ["constant/polyMesh", "constant/solid/polyMesh"] {
+        copy(&from.join("constant/polyMesh"), &to.join(name));
+        std::fs::remove_file(to.join(name).join("cellZones")).unwrap();
+    }
+    for name in ["2", "2/solid", "10", "10/solid"] {
+        copy(&from.join("10"), &to.join(name));
+    }
+    let counts = |own: u64| vec![("region0".to_owned(), own), ("solid".to_owned(), 16)];
+    assert_eq!(blocks_of(to, &[]), (counts(16), Vec::new()));
+    // No solver went on with it.
+    for entry in std::fs::read_dir(to.join("10")).unwrap().map(|entry| entry.unwrap().path()) {
+        if entry.is_file() {
+            std::fs::remove_file(entry).unwrap();
+        }
+    }
+    let (found, warnings) = blocks_of(to, &[]);
+    assert_eq!(found, counts(0));
+    assert!(warnings.iter().any(|own| own.contains("as many cells")), "{warnings:?}");
+}
+
+#[test]
 fn headers_of_collated_cases_are_read_without_faces() {
     let folder = tempfile::tempdir().unwrap();
     copy(&sample("collated_ascii"), folder.path());

@@ -143,6 +143,23 @@ fn polyhedra_of_text_are_read_by_their_faces() {
         let found = read(&path, &request("f"), &NoProgress).map(|_| to).unwrap_err().to_string();
         assert!(words.iter().all(|word| found.contains(word)), "{found}");
     }
+    // Each face has two sides.
+    let many = FACES.replacen("ELEMENTS=2 ", "ELEMENTS=23 ", 1).replacen("-1 2.5", "-1 22*2.5", 1);
+    let found = read(&file(&folder, "c.dat", many.as_bytes()), &request("f"), &NoProgress);
+    let found = found.map(|_| ()).unwrap_err().to_string();
+    assert!(["found 23", "at most 22", "cubes"].iter().all(|word| found.contains(word)), "{found}");
+}
+
+#[test]
+fn faces_of_polygons_have_two_nodes_whether_their_zone_counts_them_or_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let without = FACES.replacen(" TOTALNUMFACENODES=6", "", 1);
+    assert_ne!(without, FACES);
+    let [own, other] = [("a.dat", FACES), ("b.dat", &without)].map(|(name, text)| {
+        let path = file(&folder, name, text.as_bytes());
+        grid(&path, &request("f"))
+    });
+    assert!(own.points == other.points && own.scalar == other.scalar);
 }
 
 /// A binary file of ordered points, 2 by 2 by 3, with bits at the points and in the cells.
