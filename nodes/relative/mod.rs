@@ -13,14 +13,11 @@ use statistics::{FoundStatistics, measure};
 
 use glam::DVec3;
 use serde_json::{Map, Value, json};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
-use voltet_core::probing::{Volumes, value_range};
-use voltet_core::progress::Progress;
 use voltet_core::transfer::{
     AxisScale, DataStatistics, StatisticsRequest, on_axes, resolved, statistics_request, with_placeholders,
 };
-use voltet_core::volume::Volume;
 use voltet_core::{Error, Result, counted};
 use voltet_graph::{
     ArrayRef, DefaultValue, Demand, DemandContext, Diagnostics, Parameter, ParameterType, ParameterValue,

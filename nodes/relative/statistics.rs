@@ -1,7 +1,7 @@
 //! Statistics of one volume that numbers are relative to: ranges and percentiles of its quantities.
 
 use serde_json::{Map, json};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use voltet_core::probing::{Volumes, value_range};
 use voltet_core::progress::Progress;
 use voltet_core::transfer::{AxisScale, DataStatistics, StatisticsRequest};
