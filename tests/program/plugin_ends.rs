@@ -203,7 +203,11 @@ fn paths_of_the_users_file_begin_in_the_home_folder_and_relative_variables_are_i
     assert_eq!(code, Some(0), "{said}");
     let (code, said) = run("plugins = ['~other/filter.so']\n", &[]);
     assert!(code == Some(2) && said.contains("home folders of other users are not looked up"), "{said}");
-    // Nor does a relative home: no file is found, and so no filter.
-    let (code, said) = run("plugins = ['~/filter.so']\n", &[("HOME", ".")]);
+    // Nor does a relative home: no file is found, and so no filter. Others may write into the folder of temporary files.
+    let shared = folder.join("tmp");
+    std::fs::create_dir_all(shared.join("voltet")).unwrap();
+    std::fs::write(shared.join("voltet/plugins.toml"), "plugins = ['../../filter.so']\n").unwrap();
+    let variables = [("HOME", "."), ("TMPDIR", shared.to_str().unwrap())];
+    let (code, said) = run("plugins = ['~/filter.so']\n", &variables);
     assert!(code == Some(2) && said.contains("unknown gradient filter 'faulty'"), "{said}");
 }

@@ -31,11 +31,12 @@ pub fn with(
             told.push(plugin);
         }
     }
-    let file = files::configuration_folder().join(FILE);
-    let configured = if serves(&registry) {
-        Vec::new()
-    } else {
-        voltet_plugins::configured(&file, files::home_folder().as_deref())?
+    let file = files::configuration_folder().map(|folder| folder.join(FILE));
+    let configured = match &file {
+        Some(file) if !serves(&registry) => {
+            voltet_plugins::configured(file, files::home_folder().as_deref())?
+        }
+        _ => Vec::new(),
     };
     for own in configured.iter().filter(|own| is_new(&mut loaded, &own.path)) {
         match add(&registry, &own.path, own.fingerprint.as_deref(), wanted.plugin_process) {
@@ -45,14 +46,15 @@ pub fn with(
             }
             Err(error) => {
                 say(&shown(&error, None, Level::WARNING));
-                let path = own.path.display();
-                told.push(format!("'{path}', named by {}, cannot be loaded", file.display()));
+                let (path, file) = (own.path.display(), file.as_deref().unwrap_or(Path::new(FILE)).display());
+                told.push(format!("'{path}', named by {file}, cannot be loaded"));
             }
         }
     }
-    registry.tell_plugins(match told.is_empty() {
-        true => format!("no plug-in is loaded: --plugin PATH does, and {}", file.display()),
-        false => format!("of the plug-ins: {}", told.join("; ")),
+    registry.tell_plugins(match (told.is_empty(), file) {
+        (true, Some(file)) => format!("no plug-in is loaded: --plugin PATH does, and {}", file.display()),
+        (true, None) => "no plug-in is loaded: --plugin PATH does".into(),
+        (false, _) => format!("of the plug-ins: {}", told.join("; ")),
     });
     Ok(registry)
 }
