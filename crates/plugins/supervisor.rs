@@ -147,8 +147,15 @@ mod linux {
             let mut before: libc::sigset_t = std::mem::zeroed();
             libc::sigfillset(&mut all);
             libc::sigprocmask(libc::SIG_SETMASK, &all, &mut before);
+            // Where it is ignored, as some parents leave it, ends of children cannot be waited for. The child has it as it was.
+            let waitable: libc::sigaction = std::mem::zeroed();
+            let mut child_action: libc::sigaction = std::mem::zeroed();
+            libc::sigaction(libc::SIGCHLD, &waitable, &mut child_action);
             let parent = libc::getpid();
             let child = libc::fork();
+            if child <= 0 {
+                libc::sigaction(libc::SIGCHLD, &child_action, null_mut());
+            }
             if child > 0 {
                 CHILD.store(child, Ordering::Relaxed);
                 FORWARDED.into_iter().for_each(|signal| install(signal));
@@ -184,8 +191,17 @@ mod linux {
     /// Waits for the child and ends as it does.
     fn wait(child: libc::pid_t, shared: &Shared) -> ! {
         let mut status = 0;
-        // SAFETY: the own child. What it returns besides is an interruption by a signal.
-        while unsafe { libc::waitpid(child, &mut status, 0) } != child {}
+        // SAFETY: the own child, and a place for its status.
+        while unsafe { libc::waitpid(child, &mut status, 0) } != child {
+            let error = std::io::Error::last_os_error();
+            if error.kind() != std::io::ErrorKind::Interrupted {
+                eprint!(
+                    "\nerror: the end of the process that loads plug-ins cannot be waited for: {error}\n"
+                );
+                // SAFETY: ends the process, and by the signal of a parent's death the child.
+                unsafe { libc::_exit(1) }
+            }
+        }
         if libc::WIFSIGNALED(status) {
             let signal = libc::WTERMSIG(status);
             let is_asked_for = FORWARDED.contains(&signal) || signal == libc::SIGPIPE;

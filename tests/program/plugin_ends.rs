@@ -4,6 +4,8 @@
 
 use crate::plugin_node_scene::scene;
 use crate::support::{Folder, SLAB};
+use std::process::Stdio;
+use std::time::{Duration, Instant};
 use voltet_testing::compilers;
 
 const WHOSE: &str = "the gradient filter 'faulty' of the plug-in 'faulty' (filter.so)";
@@ -26,6 +28,18 @@ fn folder(fault: u32) -> Option<Folder> {
     let options = [&format!("-DFAULT={fault}")[..], "-D_DEFAULT_SOURCE"];
     compilers::library(folder.path(), "filter.so", &[source], &options)?;
     Some(folder)
+}
+
+/// What `look` finds, tried until it does; `None` after a time that no machine needs.
+fn by_deadline<T>(mut look: impl FnMut() -> Option<T>) -> Option<T> {
+    let start = Instant::now();
+    loop {
+        let found = look();
+        if found.is_some() || start.elapsed() > Duration::from_secs(300) {
+            return found;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
 }
 
 const LOADED: [&str; 4] = ["run", "slab.toml", "--plugin", "filter.so"];
@@ -151,6 +165,30 @@ fn the_process_that_works_ends_with_the_one_that_the_user_knows() {
     let mut output = String::new();
     std::io::Read::read_to_string(child.stdout.as_mut().unwrap(), &mut output).unwrap();
     assert!(!child.wait().unwrap().success());
+}
+
+/// Some parents leave SIGCHLD ignored: the system then keeps no ends of children.
+#[test]
+fn where_ends_of_children_are_ignored_the_program_ends_all_the_same() {
+    use std::os::unix::process::CommandExt;
+    unsafe extern "C" {
+        fn signal(signal: i32, action: usize) -> usize;
+    }
+    const SIGCHLD: i32 = 17;
+    const SIG_IGN: usize = 1;
+    let Some(folder) = folder(0) else { return };
+    for (fault, wanted) in [("none", 0), ("quiet exit", 1), ("exit", 1)] {
+        let set = format!("gradient.fault={fault}");
+        let mut command = folder.command(&with_fault(&set, &["--quiet"]));
+        // SAFETY: `signal` may be called between fork and exec.
+        unsafe { command.pre_exec(|| Ok(drop(signal(SIGCHLD, SIG_IGN)))) };
+        let mut child = command.stderr(Stdio::null()).spawn().unwrap();
+        let code = by_deadline(|| child.try_wait().unwrap()).unwrap_or_else(|| {
+            child.kill().unwrap();
+            panic!("the program does not end ({fault})")
+        });
+        assert_eq!(code.code(), Some(wanted), "{fault}");
+    }
 }
 
 #[test]
