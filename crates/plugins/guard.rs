@@ -191,7 +191,8 @@ mod unix {
     /// Announces the exit of a program whose plug-in called `exit`.
     extern "C" fn on_exit() {
         let messages = CURRENT.get();
-        if !messages.is_null() {
+        // The program itself may end within the call: for want of memory, or by a signal.
+        if !messages.is_null() && !supervisor::is_exit_stated() {
             // SAFETY: whoever made the texts is in the call that exits.
             end(&[unsafe { (*messages).exit.as_bytes() }])
         }

@@ -95,6 +95,12 @@ pub fn state_exit(code: u8) {
     shared().stated.store(u32::from(code) + 1, Ordering::Release);
 }
 
+/// True if the program stated that it is about to end.
+#[cfg_attr(not(unix), expect(dead_code, reason = "nothing is announced there"))]
+pub(crate) fn is_exit_stated() -> bool {
+    shared().stated.load(Ordering::Acquire) != 0
+}
+
 /// Divides the program in two processes: one waits for the other, which returns from here and goes on. Where that ends without
 /// [`state_exit`], the waiting one names the plug-in and ends with an exit code that is not 0. Signals that processes send go on to the
 /// child; a terminal sends its own to both. Does nothing on other systems than Linux, and the second time.

@@ -192,6 +192,14 @@ fn where_ends_of_children_are_ignored_the_program_ends_all_the_same() {
 }
 
 #[test]
+fn an_end_of_memory_in_the_program_is_no_call_of_exit_of_the_plugin() {
+    let Some(folder) = folder(0) else { return };
+    let ran = folder.voltet(&with_fault("gradient.fault=memory ends", &[]));
+    let ran = ran.fails(1, &["memory ends: found no room"]);
+    assert!(!ran.stderr.contains("call of exit"), "{}", ran.stderr);
+}
+
+#[test]
 fn the_file_that_was_hashed_is_the_one_that_is_loaded() {
     let Some(folder) = folder(0) else { return };
     let path = folder.join("filter.so");
