@@ -105,15 +105,15 @@ pub(crate) fn is_exit_stated() -> bool {
 /// [`state_exit`], the waiting one names the plug-in and ends with an exit code that is not 0. Signals that processes send go on to the
 /// child; a terminal sends its own to both. Does nothing on other systems than Linux, and the second time.
 ///
-/// # Safety
+/// # Errors
 ///
-/// This is the only thread of the process.
-pub unsafe fn supervise() {
+/// - Why the program goes on without supervision, as a clause: it has other threads, or the system gives no process.
+pub fn supervise() -> Result<(), String> {
     #[cfg(target_os = "linux")]
     if SHARED.load(Ordering::Acquire).is_null() {
-        // SAFETY: the caller's contract.
-        unsafe { linux::supervise() }
+        return linux::supervise();
     }
+    Ok(())
 }
 
 #[cfg(target_os = "linux")]
@@ -139,15 +139,21 @@ mod linux {
         }
     }
 
-    /// The safety is that of `super::supervise`.
-    pub(super) unsafe fn supervise() {
+    pub(super) fn supervise() -> Result<(), String> {
+        let no_process = |error: std::io::Error| format!("the system gives no process for it: {error}");
+        match std::fs::read_dir("/proc/self/task").map(|threads| threads.count()) {
+            Ok(1) => {}
+            // A copy of the process has this thread alone, and what the others hold stays held.
+            Ok(_) => return Err("the program has other threads already".into()),
+            Err(error) => return Err(format!("its threads cannot be counted in /proc/self/task: {error}")),
+        }
         let (read_write, kind) = (libc::PROT_READ | libc::PROT_WRITE, libc::MAP_SHARED | libc::MAP_ANONYMOUS);
         // SAFETY: a new mapping, zeroed: numbers and bytes. It stays until the process ends. The only thread forks, so that the child has
         // every state of the program. Signals wait meanwhile.
         unsafe {
             let place = libc::mmap(null_mut(), size_of::<Shared>(), read_write, kind, -1, 0);
             if place == libc::MAP_FAILED {
-                return;
+                return Err(no_process(std::io::Error::last_os_error()));
             }
             let mut all: libc::sigset_t = std::mem::zeroed();
             let mut before: libc::sigset_t = std::mem::zeroed();
@@ -159,6 +165,7 @@ mod linux {
             libc::sigaction(libc::SIGCHLD, &waitable, &mut child_action);
             let parent = libc::getpid();
             let child = libc::fork();
+            let failure = std::io::Error::last_os_error();
             if child <= 0 {
                 libc::sigaction(libc::SIGCHLD, &child_action, null_mut());
             }
@@ -177,9 +184,12 @@ mod linux {
             match child {
                 0 => SHARED.store(place.cast(), Ordering::Release),
                 1.. => wait(child, &*place.cast::<Shared>()),
-                // No more processes can be had: the program goes on without.
-                _ => drop(libc::munmap(place, size_of::<Shared>())),
+                _ => {
+                    libc::munmap(place, size_of::<Shared>());
+                    return Err(no_process(failure));
+                }
             }
+            Ok(())
         }
     }
 

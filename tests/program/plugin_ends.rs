@@ -191,6 +191,30 @@ fn where_ends_of_children_are_ignored_the_program_ends_all_the_same() {
     }
 }
 
+/// Threads of a library that is loaded before the program begins.
+#[test]
+fn a_program_that_cannot_be_supervised_says_so() {
+    let Some(folder) = folder(0) else { return };
+    let source = "#include <pthread.h>\n#include <unistd.h>\n\
+        static void *wait(void *user) { for (;;) pause(); return user; }\n\
+        __attribute__((constructor)) static void begin(void) { pthread_t t; pthread_create(&t, NULL, wait, NULL); }\n";
+    folder.write("thread.c", source);
+    compilers::library(folder.path(), "thread.so", &[folder.join("thread.c")], &["-pthread"]).unwrap();
+    let run = |options: &[&str]| {
+        let preloaded = ("LD_PRELOAD", folder.join("thread.so"));
+        let mut command = folder.command(&[&LOADED[..], options].concat());
+        String::from_utf8(command.env(preloaded.0, preloaded.1).output().unwrap().stderr).unwrap()
+    };
+    let said = run(&[]);
+    let warning = "warning: nothing supervises the plug-ins";
+    assert!(
+        said.contains(warning) && said.contains("other threads") && said.contains("--plugin-process"),
+        "{said}"
+    );
+    assert!(!run(&["--plugin-process"]).contains(warning));
+    assert!(!folder.voltet(&LOADED).ok().stderr.contains(warning));
+}
+
 #[test]
 fn an_end_of_memory_in_the_program_is_no_call_of_exit_of_the_plugin() {
     let Some(folder) = folder(0) else { return };
