@@ -61,11 +61,12 @@ struct Library {
 impl Drop for Library {
     fn drop(&mut self) {
         if let Some(deinit) = self.deinit {
-            let (plugin, start) = (self.plugin.clone(), Instant::now());
+            let start = Instant::now();
             // SAFETY: init was carried out, and no function of the plug-in runs: each holds this library.
-            let work = move || guard::attribute(&plugin, "while it ended (deinit)", || unsafe { deinit() });
+            let work = move || unsafe { deinit() };
             // One that does not return keeps nobody: its work is done.
-            let _ = guard::run(work, || start.elapsed() < STOP_TIME_LIMIT);
+            let may_go_on = || start.elapsed() < STOP_TIME_LIMIT;
+            let _ = guard::run_attributed(&self.plugin, "while it ended (deinit)", work, may_go_on);
         }
     }
 }
@@ -82,8 +83,10 @@ pub(crate) fn load(file: &PluginFile) -> Result<Native> {
     let start = Instant::now();
     // Compilers can make a library change how its thread rounds; so that thread is none of ours.
     let nameless = Plugin { name: file_name(path), ..file.plugin() };
-    let open = move || guard::attribute(&nameless, "while it was loaded", || open(code, &whole, &nameless));
-    let loaded = guard::run(open, || start.elapsed() < START_TIME_LIMIT);
+    let own = nameless.clone();
+    let open = move || open(code, &whole, &own);
+    let may_go_on = || start.elapsed() < START_TIME_LIMIT;
+    let loaded = guard::run_attributed(&nameless, "while it was loaded", open, may_go_on);
     match loaded {
         Ok(outcome) => outcome.map_err(failed),
         Err(CallFailure::GivenUp) => {
@@ -348,8 +351,10 @@ impl Native {
             std::thread::sleep(Duration::from_millis(5));
         }
         let (busy, when) = (BusyGuard(self.library.clone()), format!("in the {}", label.item()));
-        let work = move || guard::attribute(&busy.0.plugin, &when, work);
-        guard::run(work, may_go_on).inspect_err(|failure| {
+        // The next call begins once this one is over.
+        let work = move || (work(), busy);
+        let called = guard::run_attributed(&self.library.plugin, &when, work, may_go_on);
+        called.map(|(outcome, _)| outcome).inspect_err(|failure| {
             // The guard is gone with the thread's stack.
             if *failure == CallFailure::ThreadEnded {
                 self.library.busy.store(false, Ordering::Release);

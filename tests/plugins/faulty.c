@@ -63,7 +63,9 @@ static int32_t gradient(const voltet_call *call, const voltet_host *host) {
         for (;;) host->progress(host, NAN);
     }
     if (!strcmp(fault, "patient")) {
+        fputs("a plug-in waits\n", stderr);
         while (!host->cancelled(host)) usleep(1000);
+        fputs("a plug-in stopped\n", stderr);
         return VOLTET_CANCELLED;
     }
     /* Inputs that are written to. */

@@ -4,9 +4,24 @@
 
 use crate::plugin_node_scene::scene;
 use crate::support::{Folder, SLAB};
+use std::io::{BufRead, BufReader};
+use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 use voltet_testing::compilers;
+
+unsafe extern "C" {
+    fn signal(signal: i32, action: usize) -> usize;
+    fn kill(process: i32, signal: i32) -> i32;
+}
+
+// As Linux numbers them on x86-64 and AArch64.
+const SIGABRT: i32 = 6;
+const SIGKILL: i32 = 9;
+const SIGUSR1: i32 = 10;
+const SIGTERM: i32 = 15;
+const SIGCHLD: i32 = 17;
+const SIG_IGN: usize = 1;
 
 const WHOSE: &str = "the gradient filter 'faulty' of the plug-in 'faulty' (filter.so)";
 
@@ -120,8 +135,14 @@ fn readers_and_filters_of_grids_and_images_are_named_too() {
 #[test]
 fn a_crash_after_the_work_of_a_plugin_names_it_last() {
     let Some(folder) = folder(0) else { return };
-    let ran = folder.voltet(&with_fault("gradient.fault=abort at exit", &[]));
-    ran.fails(1, &["a crash (SIGABRT", "after work of a plug-in, which may have damaged memory", WHOSE]);
+    let ran = folder.command(&with_fault("gradient.fault=abort at exit", &[])).output().unwrap();
+    let said = String::from_utf8(ran.stderr).unwrap();
+    for part in ["a crash (SIGABRT", "after work of a plug-in, which may have damaged memory", WHOSE] {
+        assert!(said.contains(part), "{said}");
+    }
+    // Once, and the program ends as without a plug-in: with an image of memory, where the system keeps any.
+    assert!(!said.contains("an end of the program"), "{said}");
+    assert_eq!(ran.status.signal(), Some(SIGABRT));
 }
 
 /// Nodes of several pipelines share the grid that was read.
@@ -152,36 +173,45 @@ fn what_a_plugin_sets_for_itself_holds_for_nobody_else() {
     }
 }
 
-/// Neither a signal to the program nor the program's own end leaves the process that works behind.
+/// Neither a signal to the program nor the program's own end leaves the process that works behind, and the program ends as that does.
 #[test]
 fn the_process_that_works_ends_with_the_one_that_the_user_knows() {
     let Some(folder) = folder(0) else { return };
-    let mut command = folder.command(&with_fault("gradient.fault=patient", &[]));
-    let mut child =
-        command.stderr(std::process::Stdio::null()).stdout(std::process::Stdio::piped()).spawn().unwrap();
-    std::thread::sleep(std::time::Duration::from_millis(500));
-    child.kill().unwrap();
-    // The output ends only when both processes have closed it.
-    let mut output = String::new();
-    std::io::Read::read_to_string(child.stdout.as_mut().unwrap(), &mut output).unwrap();
-    assert!(!child.wait().unwrap().success());
+    let cancelled = "a plug-in stopped";
+    for (signal, wanted, says) in [
+        (SIGKILL, (None, Some(SIGKILL)), ""),
+        // It cancels the call, which ends by itself.
+        (SIGTERM, (Some(1), None), cancelled),
+        (SIGUSR1, (None, Some(SIGUSR1)), ""),
+    ] {
+        let mut command = folder.command(&with_fault("gradient.fault=patient", &[]));
+        let mut child = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
+        let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
+        assert!(lines.any(|line| line.contains("a plug-in waits")), "it runs");
+        // SAFETY: a child of this process that was not waited for.
+        assert_eq!(unsafe { kill(child.id() as i32, signal) }, 0);
+        // The output ends only when both processes have closed it.
+        let rest: String = lines.map(|line| line + "\n").collect();
+        let ended = child.wait().unwrap();
+        assert_eq!((ended.code(), ended.signal()), wanted, "{signal}: {rest}");
+        assert!(rest.contains(says) && !rest.contains("an end of the program"), "{signal}: {rest}");
+    }
 }
 
 /// Some parents leave SIGCHLD ignored: the system then keeps no ends of children.
 #[test]
 fn where_ends_of_children_are_ignored_the_program_ends_all_the_same() {
-    use std::os::unix::process::CommandExt;
-    unsafe extern "C" {
-        fn signal(signal: i32, action: usize) -> usize;
-    }
-    const SIGCHLD: i32 = 17;
-    const SIG_IGN: usize = 1;
     let Some(folder) = folder(0) else { return };
     for (fault, wanted) in [("none", 0), ("quiet exit", 1), ("exit", 1)] {
         let set = format!("gradient.fault={fault}");
         let mut command = folder.command(&with_fault(&set, &["--quiet"]));
         // SAFETY: `signal` may be called between fork and exec.
-        unsafe { command.pre_exec(|| Ok(drop(signal(SIGCHLD, SIG_IGN)))) };
+        unsafe {
+            command.pre_exec(|| {
+                signal(SIGCHLD, SIG_IGN);
+                Ok(())
+            })
+        };
         let mut child = command.stderr(Stdio::null()).spawn().unwrap();
         let code = by_deadline(|| child.try_wait().unwrap()).unwrap_or_else(|| {
             child.kill().unwrap();
