@@ -265,6 +265,24 @@ fn the_file_that_was_hashed_is_the_one_that_is_loaded() {
     let program = env!("CARGO_BIN_EXE_voltet").into();
     let apart = voltet_plugins::load_apart(&hashed, program).map(drop).unwrap_err().to_string();
     assert!(apart.contains("its file has changed"), "{apart}");
+    // One that looks for others beside itself is loaded from its file, if that is still the same.
+    let build = |fault: &str| {
+        let options = [fault, "-D_DEFAULT_SOURCE", "-Wl,-rpath,$ORIGIN"];
+        compilers::library(
+            folder.path(),
+            "bound.so",
+            &[compilers::source("tests/plugins/faulty.c")],
+            &options,
+        )
+        .unwrap();
+        voltet_plugins::PluginFile::read(&folder.join("bound.so")).unwrap()
+    };
+    let hashed = build("-DFAULT=0");
+    build("-DFAULT=1");
+    let changed = voltet_plugins::load_file(&hashed).map(drop).unwrap_err().to_string();
+    assert!(changed.contains("its file has changed since it was checked"), "{changed}");
+    let loaded = voltet_plugins::load_file(&build("-DFAULT=0")).unwrap().plugin.unwrap();
+    assert_eq!(loaded.name, "faulty");
 }
 
 #[test]
