@@ -25,11 +25,12 @@
  *   thread that calls has a stack of 64 MiB, those of `parallel_for` 2 MiB.
  * - Exceptions (C++), longjmp and whatever unwinds must not leave a plug-in's function: catch them and call host->error. One that
  *   does leave ends the program, with a message that names the plug-in.
- * - A crash or a call of exit, _exit or exec ends the program, too, as an error. `voltet --plugin-process` runs plug-ins in a process of
- *   their own, which may end.
- * - Standard output belongs to the program: a picture may be on its way there. What a plug-in prints goes to the standard error. Say
+ * - A crash or a call of exit ends the program, too, with an error that names the plug-in on Unix; so do _exit and exec on Linux, and end
+ *   it without a word elsewhere. `voltet --plugin-process` runs plug-ins in a process of their own, which may end.
+ * - Standard output belongs to the program: a picture may be on its way there. On Unix prints go to the standard error. Say
  *   what there is to say by the host's functions.
- * - The program may load a private copy of the file: `path` of init is the file itself. A library that calls dladdr is loaded from there.
+ * - On Linux the program may load a private copy of the file: `path` of init is the file itself. A library that calls dladdr is loaded from
+ *   there.
  */
 #ifndef VOLTET_PLUGIN_H
 #define VOLTET_PLUGIN_H

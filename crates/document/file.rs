@@ -195,9 +195,9 @@ pub struct OrphanedDraft {
 }
 
 impl Recovery {
-    /// In the user's state folder.
-    pub fn usual() -> Recovery {
-        Recovery::in_folder(state_folder().join("unsaved"))
+    /// In the user's state folder; `None` where there is none.
+    pub fn usual() -> Option<Recovery> {
+        Some(Recovery::in_folder(state_folder()?.join("unsaved")))
     }
 
     /// In another folder, which need not exist.

@@ -119,7 +119,7 @@ pub(crate) struct Recent {
 
 impl Recent {
     pub fn usual() -> Recent {
-        Recent::in_file(state_folder().join("recent"))
+        state_folder().map(|folder| Recent::in_file(folder.join("recent"))).unwrap_or_default()
     }
 
     pub fn in_file(file: PathBuf) -> Recent {

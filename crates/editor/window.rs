@@ -59,7 +59,9 @@ pub fn run(file: Option<&Path>, registry: &Registry, start: Start, study: Study)
         let wake = Arc::new(move || ctx.request_repaint());
         let mut editor = Editor::new(document, registry, start, wake)?;
         editor.panels.study.make = Some(study);
-        editor.keep_in(voltet_document::Recovery::usual());
+        if let Some(place) = voltet_document::Recovery::usual() {
+            editor.keep_in(place);
+        }
         editor.recent = Recent::usual();
         if let Some(path) = editor.document.path().map(Path::to_path_buf) {
             editor.recent.add(&path);

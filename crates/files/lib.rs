@@ -21,18 +21,22 @@ pub fn nameless() -> std::io::Result<std::fs::File> {
     tempfile::tempfile()
 }
 
-/// The program's folder within the user's cache folder: what can be made again. It need not exist.
+/// The program's folder within the user's cache folder, or that of temporary files where no home folder is known: what can be made
+/// again. It need not exist.
 pub fn cache_folder() -> PathBuf {
-    user_folder("XDG_CACHE_HOME", ".cache", "Library/Caches")
+    let own = user_folder("XDG_CACHE_HOME", ".cache", "Library/Caches");
+    own.unwrap_or_else(|| std::env::temp_dir().join("voltet"))
 }
 
-/// The program's folder within the user's state folder: what outlives a run and cannot be made again. It need not exist.
-pub fn state_folder() -> PathBuf {
+/// The program's folder within the user's state folder: what outlives a run and cannot be made again. It need not exist;
+/// `None` where no home folder is known: others may write into a folder for all.
+pub fn state_folder() -> Option<PathBuf> {
     user_folder("XDG_STATE_HOME", ".local/state", "Library/Application Support")
 }
 
-/// The program's folder within the user's configuration folder: what the user wrote. It need not exist.
-pub fn configuration_folder() -> PathBuf {
+/// The program's folder within the user's configuration folder: what the user wrote. It need not exist;
+/// `None` where no home folder is known: others may write into a folder for all.
+pub fn configuration_folder() -> Option<PathBuf> {
     user_folder("XDG_CONFIG_HOME", ".config", "Library/Application Support")
 }
 
@@ -48,12 +52,12 @@ pub fn home_folder() -> Option<PathBuf> {
 }
 
 /// By the variable, or within the user's home, on macOS elsewhere.
-fn user_folder(variable: &str, usual: &str, on_macos: &str) -> PathBuf {
+fn user_folder(variable: &str, usual: &str, on_macos: &str) -> Option<PathBuf> {
     let set = folder_of_variable;
     let home =
         || home_folder().map(|home| home.join(if cfg!(target_os = "macos") { on_macos } else { usual }));
-    let base = set(variable).or_else(|| set("LOCALAPPDATA")).or_else(home);
-    base.unwrap_or_else(std::env::temp_dir).join("voltet")
+    let base = set(variable).or_else(|| set("LOCALAPPDATA")).or_else(home)?;
+    Some(base.join("voltet"))
 }
 
 /// Names of what is in the folder of a path: where there is no such file, one of them may be meant.

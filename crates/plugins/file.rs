@@ -3,6 +3,7 @@
 use std::fs::{File, Metadata};
 use std::io::{Error as IoError, Read};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::SystemTime;
 use voltet_core::field::Plugin;
 use voltet_core::{Error, Result};
@@ -16,7 +17,7 @@ const MODULE_MAGIC: &[u8] = b"\0asm";
 /// A file as it was when it was read.
 pub struct PluginFile {
     path: PathBuf,
-    bytes: Vec<u8>,
+    bytes: Arc<Vec<u8>>,
     modified: Option<SystemTime>,
     /// True if every user of the machine may change it.
     is_open_to_all: bool,
@@ -47,7 +48,12 @@ impl PluginFile {
             return Err(wrong(format!("more than {} MiB", MAX_BYTES >> 20)));
         }
         let is_open_to_all = is_open_to_all(&metadata);
-        Ok(PluginFile { path: path.into(), bytes, modified: metadata.modified().ok(), is_open_to_all })
+        Ok(PluginFile {
+            path: path.into(),
+            bytes: Arc::new(bytes),
+            modified: metadata.modified().ok(),
+            is_open_to_all,
+        })
     }
 
     /// Its path, as the user gave it.
@@ -58,6 +64,12 @@ impl PluginFile {
     /// Its bytes.
     pub(crate) fn bytes(&self) -> &[u8] {
         &self.bytes
+    }
+
+    /// Its bytes, for a thread that outlives the file.
+    #[cfg(target_os = "linux")]
+    pub(crate) fn shared_bytes(&self) -> Arc<Vec<u8>> {
+        self.bytes.clone()
     }
 
     /// Its hash, as pictures record it.

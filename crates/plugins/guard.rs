@@ -1,20 +1,20 @@
 //! Guards of loading and calling: a crash in a plug-in, or its call of `exit`, ends the program with a message that names the
 //! plug-in, and work runs on a thread that can be given up, since a plug-in that does not return cannot be ended.
 
-use crate::supervisor;
-use crate::thread_state::with_same_folder;
+use crate::supervisor::{self, PluginWork};
+use crate::thread_state::{hold_folder, release_folder};
 use std::cell::Cell;
 use std::panic::AssertUnwindSafe;
-use std::ptr::null_mut;
 use std::sync::Arc;
 #[cfg(target_os = "linux")]
 use std::sync::atomic::AtomicI32;
-use std::sync::atomic::{AtomicPtr, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 use voltet_core::field::Plugin;
 
 /// Descriptions of crashes, in the order of the signals.
+#[cfg(unix)]
 const CAUSES: [&str; 5] = [
     "SIGSEGV, memory that is not there",
     "SIGBUS, memory that is not there",
@@ -23,31 +23,14 @@ const CAUSES: [&str; 5] = [
     "SIGABRT, it gave up, by an exception perhaps",
 ];
 
-/// Last words of the program about a plug-in.
-#[cfg_attr(not(unix), expect(dead_code, reason = "nothing is announced there"))]
-struct Messages {
-    /// Message of a crash, by each signal.
-    crashes: [String; CAUSES.len()],
-    /// Message of a call of `exit`.
-    exit: String,
-}
-
-/// Messages of the plug-ins that run; null where a slot is free.
-static MESSAGES: [AtomicPtr<Messages>; 16] = [const { AtomicPtr::new(null_mut()) }; 16];
-
 thread_local! {
-    /// Messages of the plug-in that this thread runs; null for none. A program may exit while a plug-in that was given up runs on
-    /// another thread.
-    static CURRENT: Cell<*mut Messages> = const { Cell::new(null_mut()) };
+    /// The work of a plug-in that this thread runs. A program may exit while a plug-in that was given up runs on another thread.
+    static CURRENT: Cell<Option<&'static PluginWork>> = const { Cell::new(None) };
 }
 
-/// The plug-in that this thread runs, for parts of its work on other threads.
+/// The work that this thread runs, for parts of it on other threads.
 #[derive(Clone, Copy)]
-pub(crate) struct Caller(*mut Messages);
-// SAFETY: the messages are read only, within the call that they are of.
-unsafe impl Send for Caller {}
-// SAFETY: the same.
-unsafe impl Sync for Caller {}
+pub(crate) struct Caller(Option<&'static PluginWork>);
 
 impl Caller {
     /// The caller of this thread.
@@ -57,44 +40,73 @@ impl Caller {
 
     /// Runs `work` as part of the caller's.
     pub fn run<T>(self, work: impl FnOnce() -> T) -> T {
-        let outer = CURRENT.replace(self.0);
-        let outcome = work();
-        CURRENT.set(outer);
-        outcome
+        let _outer = CallerGuard(CURRENT.replace(self.0));
+        work()
     }
 }
 
-/// Runs `work` of the plug-in; a crash or a call of `exit` meanwhile is announced as the plug-in's. `when`: a clause such as "in the gradient filter
-/// 'x'".
+/// Puts back the work that a thread ran before.
+struct CallerGuard(Option<&'static PluginWork>);
+
+impl Drop for CallerGuard {
+    fn drop(&mut self) {
+        CURRENT.set(self.0);
+    }
+}
+
+/// PluginWork of a plug-in, listed while it runs; the current folder is as before once none runs.
+struct Attribution {
+    work: Option<&'static PluginWork>,
+    is_over: AtomicBool,
+}
+
+impl Attribution {
+    fn begin(text: &str) -> Attribution {
+        hold_folder();
+        Attribution { work: supervisor::begin_work(text), is_over: AtomicBool::new(false) }
+    }
+
+    /// Ends it, once.
+    fn end(&self) {
+        if !self.is_over.swap(true, Ordering::AcqRel) {
+            if let Some(work) = self.work {
+                work.end();
+            }
+            release_folder();
+        }
+    }
+}
+
+impl Drop for Attribution {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+/// Like [`run`], of `work` of the plug-in: a crash or a call of `exit` meanwhile is announced as the plug-in's. `when`: a clause such as
+/// "in the gradient filter 'x'".
 ///
 /// An exception of another language that unwinds out of it ends the program a little later, and is announced, too.
-pub(crate) fn attribute<T>(plugin: &Plugin, when: &str, work: impl FnOnce() -> T) -> T {
+pub(crate) fn run_attributed<T: Send + 'static>(
+    plugin: &Plugin,
+    when: &str,
+    work: impl FnOnce() -> T + Send + 'static,
+    may_go_on: impl FnMut() -> bool,
+) -> Result<T, CallFailure> {
     install();
-    // Written at once, and beginning with a new line: another thread may be printing its own crash.
-    let message = |what: &str, expected: &str| {
-        format!(
-            "\nerror: {what} {when} of the {plugin}: the program ends\n |\n = help: expected a plug-in that {expected}; \
-             --plugin-process runs it in a process of its own, which may\n"
-        )
+    let attribution = Arc::new(Attribution::begin(&format!("{when} of the {plugin}")));
+    let own = attribution.clone();
+    let attributed = move || {
+        let outcome = Caller(own.work).run(work);
+        own.end();
+        outcome
     };
-    let messages = Messages {
-        crashes: CAUSES.map(|how| message(&format!("a crash ({how})"), "does not crash")),
-        exit: message("a call of exit", "does not end the program"),
-    };
-    supervisor::begin_work(&format!("{when} of the {plugin}"));
-    let own = Box::into_raw(Box::new(messages));
-    let is_free = |place: &&AtomicPtr<Messages>| {
-        place.compare_exchange(null_mut(), own, Ordering::SeqCst, Ordering::SeqCst).is_ok()
-    };
-    let place = MESSAGES.iter().find(is_free);
-    let outcome = with_same_folder(|| Caller(own).run(work));
-    if let Some(place) = place {
-        place.store(null_mut(), Ordering::SeqCst);
-    }
-    supervisor::end_work();
-    // SAFETY: made above and taken back once; a handler that reads it still ends the program.
-    drop(unsafe { Box::from_raw(own) });
-    outcome
+    // A thread that the plug-in ended leaves it to this one.
+    run(attributed, may_go_on).inspect_err(|failure| {
+        if *failure == CallFailure::ThreadEnded {
+            attribution.end();
+        }
+    })
 }
 
 #[cfg(not(unix))]
@@ -108,7 +120,7 @@ pub(crate) use unix::{disable_crash_messages, install};
 
 #[cfg(unix)]
 mod unix {
-    use super::{CAUSES, CURRENT, MESSAGES};
+    use super::{CAUSES, CURRENT};
     use crate::supervisor;
     use std::sync::OnceLock;
     use std::sync::atomic::{AtomicBool, Ordering};
@@ -120,9 +132,6 @@ mod unix {
     static FORMER: OnceLock<[libc::sigaction; CAUSES.len()]> = OnceLock::new();
 
     static DISABLED: AtomicBool = AtomicBool::new(false);
-
-    /// True once a crash is announced.
-    static ANNOUNCED: AtomicBool = AtomicBool::new(false);
 
     /// Leaves crashes to the parent process, which announces them.
     pub(crate) fn disable_crash_messages() {
@@ -156,60 +165,73 @@ mod unix {
     }
 
     extern "C" fn on_crash(signal: libc::c_int) {
-        let messages =
-            MESSAGES.iter().map(|place| place.load(Ordering::SeqCst)).find(|messages| !messages.is_null());
         let place = SIGNALS.iter().position(|known| *known == signal);
-        let (Some(messages), Some(place)) = (messages, place) else {
-            let last = supervisor::last_work_bytes();
-            if let (Some(place), false) = (place, last.is_empty() || ANNOUNCED.swap(true, Ordering::SeqCst)) {
-                let (what, after) = (
-                    CAUSES[place],
-                    ") after work of a plug-in, which may have damaged memory; the last ran ",
-                );
-                end(&[b"\nerror: a crash (", what.as_bytes(), after.as_bytes(), last, HELP.as_bytes()])
-            }
-            // It comes again, and does what it did without us.
-            match place.and_then(|place| FORMER.get().map(|former| &former[place])) {
-                // SAFETY: as it was.
-                Some(former) => drop(unsafe { libc::sigaction(signal, former, std::ptr::null_mut()) }),
-                // SAFETY: as it is without a handler.
-                None => drop(unsafe { libc::signal(signal, libc::SIG_DFL) }),
-            }
-            return;
-        };
-        // Threads of one plug-in may crash at once: the first speaks, and ends the program for all.
-        if ANNOUNCED.swap(true, Ordering::SeqCst) {
-            loop {
-                // SAFETY: `pause` may be called from a handler.
-                unsafe { libc::pause() };
+        let clause = supervisor::suspects(
+            CURRENT.get(),
+            "after work of a plug-in, which may have damaged memory; the last ran ",
+        );
+        let is_running = supervisor::is_work_running();
+        if let (Some(place), [_, ..]) = (place, clause.parts()) {
+            if !supervisor::announce_crash() {
+                let head: [&[u8]; 3] = [b"\nerror: a crash (", CAUSES[place].as_bytes(), b") "];
+                write(&head, clause.parts(), if is_running { CRASHES } else { DAMAGES });
+                if is_running {
+                    end()
+                }
+            } else if is_running {
+                // Threads of one plug-in may crash at once: the first speaks, and ends the program for all.
+                loop {
+                    // SAFETY: `pause` may be called from a handler.
+                    unsafe { libc::pause() };
+                }
             }
         }
-        // SAFETY: whoever made the texts is in the call that crashed.
-        end(&[unsafe { (*messages).crashes[place].as_bytes() }])
+        // It comes again, and does what it did without us: Rust's message about a stack, an image of memory.
+        match place.and_then(|place| FORMER.get().map(|former| &former[place])) {
+            // SAFETY: as it was.
+            Some(former) => drop(unsafe { libc::sigaction(signal, former, std::ptr::null_mut()) }),
+            // SAFETY: as it is without a handler.
+            None => drop(unsafe { libc::signal(signal, libc::SIG_DFL) }),
+        }
     }
 
     /// Announces the exit of a program whose plug-in called `exit`.
     extern "C" fn on_exit() {
-        let messages = CURRENT.get();
-        if !messages.is_null() {
-            // SAFETY: whoever made the texts is in the call that exits.
-            end(&[unsafe { (*messages).exit.as_bytes() }])
+        // The program itself may end within the call: for want of memory, or by a signal.
+        if let Some(work) = CURRENT.get().filter(|_| !supervisor::is_exit_stated()) {
+            write(
+                &[b"\nerror: a call of exit ".as_slice()],
+                supervisor::suspects(Some(work), "").parts(),
+                EXITS,
+            );
+            end()
         }
     }
 
-    /// End of the message of a crash after a plug-in ran.
-    const HELP: &str = "\n |\n = help: expected a plug-in that writes into its own memory alone; --plugin-process runs it in a process of \
-                        its own, which it may damage\n";
+    /// Ends of messages.
+    const CRASHES: &str = ": the program ends\n |\n = help: expected a plug-in that does not crash; --plugin-process runs it in a process of \
+                           its own, which may\n";
+    const EXITS: &str = ": the program ends\n |\n = help: expected a plug-in that does not end the program; --plugin-process runs it in a \
+                         process of its own, which may\n";
+    const DAMAGES: &str = "\n |\n = help: expected a plug-in that writes into its own memory alone; --plugin-process runs it in a process of \
+                           its own, which it may damage\n";
 
-    fn end(parts: &[&[u8]]) -> ! {
+    /// Writes a message at once, beginning with a new line: another thread may be printing its own crash.
+    fn write(head: &[&[u8]], clause: &[&[u8]], help: &str) {
+        let mut parts = [libc::iovec { iov_base: std::ptr::null_mut(), iov_len: 0 }; 32];
+        let all = head.iter().chain(clause).copied().chain([help.as_bytes()]);
+        let count = parts.iter_mut().zip(all).map(|(part, bytes)| {
+            *part = libc::iovec { iov_base: bytes.as_ptr().cast_mut().cast(), iov_len: bytes.len() };
+        });
+        let count = count.count() as libc::c_int;
+        // SAFETY: a system call, which may be made in a handler; the parts are texts that stay.
+        unsafe { libc::writev(2, parts.as_ptr(), count) };
+    }
+
+    fn end() -> ! {
         supervisor::state_exit(1);
-        // SAFETY: `write` and `_exit` may be called from a handler.
-        unsafe {
-            for part in parts {
-                libc::write(2, part.as_ptr().cast(), part.len());
-            }
-            libc::_exit(1)
-        }
+        // SAFETY: `_exit` may be called from a handler.
+        unsafe { libc::_exit(1) }
     }
 }
 

@@ -19,6 +19,7 @@ mod interface_tests;
 mod item;
 mod library;
 mod process;
+#[cfg_attr(not(unix), allow(dead_code, reason = "nothing is announced there"))]
 mod supervisor;
 mod thread_state;
 mod values;
@@ -28,7 +29,7 @@ mod wire;
 
 pub use file::PluginFile;
 pub use process::run_child;
-pub use supervisor::{last_work, state_exit, supervise};
+pub use supervisor::{EndRequest, last_work, state_exit, supervise, take_end_request};
 
 use crate::declaration::Family;
 use crate::item::PluginItem;

@@ -15,7 +15,7 @@ use crate::item::Runner;
 use crate::{declaration, guard};
 use std::ffi::{CStr, CString};
 use std::mem::ManuallyDrop;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -61,11 +61,12 @@ struct Library {
 impl Drop for Library {
     fn drop(&mut self) {
         if let Some(deinit) = self.deinit {
-            let (plugin, start) = (self.plugin.clone(), Instant::now());
+            let start = Instant::now();
             // SAFETY: init was carried out, and no function of the plug-in runs: each holds this library.
-            let work = move || guard::attribute(&plugin, "while it ended (deinit)", || unsafe { deinit() });
+            let work = move || unsafe { deinit() };
             // One that does not return keeps nobody: its work is done.
-            let _ = guard::run(work, || start.elapsed() < STOP_TIME_LIMIT);
+            let may_go_on = || start.elapsed() < STOP_TIME_LIMIT;
+            let _ = guard::run_attributed(&self.plugin, "while it ended (deinit)", work, may_go_on);
         }
     }
 }
@@ -78,12 +79,18 @@ pub(crate) fn load(file: &PluginFile) -> Result<Native> {
     let failed = |wrong: ValidationError| load_error(path, wrong);
     check_file(file.bytes()).map_err(failed)?;
     let whole = std::fs::canonicalize(path).map_err(|error| failed(error.to_string()))?;
-    let code = LibraryCode::new(file.bytes(), &whole).map_err(failed)?;
+    let code = LibraryCode {
+        #[cfg(target_os = "linux")]
+        bytes: file.shared_bytes(),
+        whole,
+    };
     let start = Instant::now();
     // Compilers can make a library change how its thread rounds; so that thread is none of ours.
     let nameless = Plugin { name: file_name(path), ..file.plugin() };
-    let open = move || guard::attribute(&nameless, "while it was loaded", || open(code, &whole, &nameless));
-    let loaded = guard::run(open, || start.elapsed() < START_TIME_LIMIT);
+    let own = nameless.clone();
+    let open = move || open(&code, &own);
+    let may_go_on = || start.elapsed() < START_TIME_LIMIT;
+    let loaded = guard::run_attributed(&nameless, "while it was loaded", open, may_go_on);
     match loaded {
         Ok(outcome) => outcome.map_err(failed),
         Err(CallFailure::GivenUp) => {
@@ -102,53 +109,78 @@ pub(crate) fn load_error(path: &Path, wrong: ValidationError) -> Error {
         .in_file(path)
 }
 
-/// Code to load: a private copy of the bytes that were hashed and checked.
+/// Code to load: the bytes that were hashed and checked, and the path of their file without links.
 struct LibraryCode {
     #[cfg(target_os = "linux")]
-    copy: Option<PrivateCopy>,
+    bytes: Arc<Vec<u8>>,
+    whole: PathBuf,
 }
 
 impl LibraryCode {
-    /// The code of a library whose file is at `whole`, a path without links.
+    /// Loads it; the library stays loaded.
     ///
-    /// Errors: a library that is loaded from its file, where that is another one now.
+    /// Errors: it cannot be loaded; another file is at its path, where it is loaded from there.
     #[cfg(target_os = "linux")]
-    fn new(bytes: &[u8], whole: &Path) -> CheckResult<LibraryCode> {
+    fn open(&self) -> CheckResult<ManuallyDrop<libloading::Library>> {
         // A library that looks for others or for data beside itself must lie where it lies.
         let is_bound = [&b"$ORIGIN"[..], b"${ORIGIN}", b"\0dladdr"]
             .iter()
-            .any(|name| bytes.windows(name.len()).any(|text| text == *name));
-        if let Some(copy) = PrivateCopy::new(bytes).ok().filter(|_| !is_bound) {
-            return Ok(LibraryCode { copy: Some(copy) });
+            .any(|name| self.bytes.windows(name.len()).any(|text| text == *name));
+        // Some systems run no code of memory without a file. Of what is wrong with the library, its file tells, too.
+        if let Some(copy) = PrivateCopy::new(&self.bytes).ok().filter(|_| !is_bound)
+            && let Ok(loaded) = open_library(&copy.path)
+        {
+            // Its descriptor stays open, as it stays loaded.
+            std::mem::forget(copy);
+            return Ok(ManuallyDrop::new(loaded));
         }
-        match std::fs::read(whole) {
-            Ok(now) if now == bytes => Ok(LibraryCode { copy: None }),
-            _ => Err("its file has changed since it was checked".into()),
-        }
+        let held = std::fs::File::open(&self.whole).map_err(|error| error.to_string())?;
+        self.refuse_another(&held)?;
+        let loaded = ManuallyDrop::new(open_library(&self.whole).map_err(by_its_name)?);
+        // The loader opened the path once more. Its start-up functions have run; no other has.
+        self.refuse_another(&held)?;
+        Ok(loaded)
     }
 
     #[cfg(not(target_os = "linux"))]
-    fn new(_: &[u8], _: &Path) -> CheckResult<LibraryCode> {
-        Ok(LibraryCode {})
+    fn open(&self) -> CheckResult<ManuallyDrop<libloading::Library>> {
+        open_library(&self.whole).map(ManuallyDrop::new).map_err(by_its_name)
     }
 
-    /// Path for the loader.
-    fn path<'a>(&'a self, whole: &'a Path) -> &'a Path {
-        #[cfg(target_os = "linux")]
-        if let Some(copy) = &self.copy {
-            return &copy.path;
+    /// Errors: the open file has other bytes, or is not the one at the path.
+    #[cfg(target_os = "linux")]
+    fn refuse_another(&self, held: &std::fs::File) -> CheckResult<()> {
+        use std::io::{BufReader, Read, Seek};
+        use std::os::unix::fs::MetadataExt;
+        let is_same = || -> std::io::Result<bool> {
+            let (own, at_path) = (held.metadata()?, std::fs::metadata(&self.whole)?);
+            if (own.dev(), own.ino(), own.len()) != (at_path.dev(), at_path.ino(), self.bytes.len() as u64) {
+                return Ok(false);
+            }
+            let mut file = BufReader::new(held);
+            file.rewind()?;
+            let mut part = [0; 1 << 16];
+            for wanted in self.bytes.chunks(part.len()) {
+                file.read_exact(&mut part[..wanted.len()])?;
+                if part[..wanted.len()] != *wanted {
+                    return Ok(false);
+                }
+            }
+            Ok(true)
+        };
+        match is_same() {
+            Ok(true) => Ok(()),
+            _ => Err("its file has changed since it was checked".into()),
         }
-        whole
     }
 }
 
-fn open(code: LibraryCode, whole: &Path, nameless: &Plugin) -> CheckResult<Native> {
-    let by_its_name = |error: libloading::Error| {
-        join_lines(&error.to_string()).replace(&*code.path(whole).to_string_lossy(), &whole.to_string_lossy())
-    };
-    let loaded = ManuallyDrop::new(open_library(code.path(whole)).map_err(by_its_name)?);
-    // Its descriptor stays open, as it stays loaded.
-    let _code = ManuallyDrop::new(code);
+fn by_its_name(error: libloading::Error) -> ValidationError {
+    join_lines(&error.to_string())
+}
+
+fn open(code: &LibraryCode, nameless: &Plugin) -> CheckResult<Native> {
+    let loaded = code.open()?;
     // SAFETY: the symbol is only taken for an address, and what is there read with care.
     let entry = unsafe { loaded.get::<*const Entry>(ENTRY.as_bytes()) };
     let entry = entry.map_err(|_| format!("it does not export the symbol '{ENTRY}'"))?;
@@ -159,7 +191,7 @@ fn open(code: LibraryCode, whole: &Path, nameless: &Plugin) -> CheckResult<Nativ
         let missing = if entry.init.is_none() { "init" } else { "get_factory" };
         return Err(format!("the function '{missing}' of its entry is a null pointer"));
     };
-    let path = CString::new(whole.to_string_lossy().into_owned()).map_err(|error| error.to_string())?;
+    let path = CString::new(code.whole.to_string_lossy().into_owned()).map_err(|error| error.to_string())?;
     let state = State::default();
     // SAFETY: the entry was checked; both arguments live through the call.
     let said = unsafe { init(path.as_ptr(), &state.host()) };
@@ -348,8 +380,10 @@ impl Native {
             std::thread::sleep(Duration::from_millis(5));
         }
         let (busy, when) = (BusyGuard(self.library.clone()), format!("in the {}", label.item()));
-        let work = move || guard::attribute(&busy.0.plugin, &when, work);
-        guard::run(work, may_go_on).inspect_err(|failure| {
+        // The next call begins once this one is over.
+        let work = move || (work(), busy);
+        let called = guard::run_attributed(&self.library.plugin, &when, work, may_go_on);
+        called.map(|(outcome, _)| outcome).inspect_err(|failure| {
             // The guard is gone with the thread's stack.
             if *failure == CallFailure::ThreadEnded {
                 self.library.busy.store(false, Ordering::Release);

@@ -1,6 +1,8 @@
 //! State of the thread and the process that a plug-in's function may change and that others would compute with: how the thread rounds
 //! (and whether it flushes tiny numbers to zero), and the current folder.
 
+use std::sync::{Mutex, PoisonError};
+
 /// Runs `work`; how the thread rounds is as before afterwards.
 pub(crate) fn with_same_rounding<T>(work: impl FnOnce() -> T) -> T {
     let before = rounding();
@@ -9,12 +11,27 @@ pub(crate) fn with_same_rounding<T>(work: impl FnOnce() -> T) -> T {
     outcome
 }
 
-/// Runs `work`; the current folder is as before afterwards.
-pub(crate) fn with_same_folder<T>(work: impl FnOnce() -> T) -> T {
-    let before = Folder::current();
-    let outcome = work();
-    before.enter();
-    outcome
+/// Number of calls that run, and the current folder before the first of them.
+static HELD: Mutex<(usize, Option<Folder>)> = Mutex::new((0, None));
+
+/// Notes that a call begins: the current folder is as before once none runs. Calls may overlap, and a process has one folder.
+pub(crate) fn hold_folder() {
+    let mut held = HELD.lock().unwrap_or_else(PoisonError::into_inner);
+    if held.0 == 0 {
+        held.1 = Some(Folder::current());
+    }
+    held.0 += 1;
+}
+
+/// Notes that it ended.
+pub(crate) fn release_folder() {
+    let mut held = HELD.lock().unwrap_or_else(PoisonError::into_inner);
+    held.0 -= 1;
+    if held.0 == 0
+        && let Some(folder) = held.1.take()
+    {
+        folder.enter();
+    }
 }
 
 /// MXCSR: its control bits without the flags of what happened.
@@ -62,7 +79,13 @@ struct Folder(#[cfg(unix)] Option<std::fs::File>);
 #[cfg(unix)]
 impl Folder {
     fn current() -> Folder {
-        Folder(std::fs::File::open(".").ok())
+        use std::os::unix::fs::OpenOptionsExt;
+        // A folder that may be entered and not be listed is opened, too.
+        #[cfg(target_os = "linux")]
+        let flags = libc::O_PATH | libc::O_DIRECTORY | libc::O_CLOEXEC;
+        #[cfg(not(target_os = "linux"))]
+        let flags = libc::O_DIRECTORY | libc::O_CLOEXEC;
+        Folder(std::fs::OpenOptions::new().read(true).custom_flags(flags).open(".").ok())
     }
 
     fn enter(&self) {

@@ -14,6 +14,7 @@ use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
+use voltet_plugins::EndRequest;
 
 /// An error or a warning as shown, by its level. `text`: the pipeline file that its span points into.
 pub fn shown(error: &Error, text: Option<&str>, level: Level) -> String {
@@ -164,9 +165,6 @@ fn is_unsafe(c: char) -> bool {
 /// Time before a bar is shown.
 const BAR_DELAY: Duration = Duration::from_secs(1);
 
-/// Time within which a signal is one, however often it comes.
-const SAME_SIGNAL: Duration = Duration::from_millis(100);
-
 /// True after Ctrl-C, or after the system's request to end.
 static STOP: AtomicBool = AtomicBool::new(false);
 
@@ -212,13 +210,12 @@ impl Bar {
     pub fn new(quiet: bool) -> Self {
         // The first Ctrl-C or request to end stops the run cleanly; the second one, should that take long, the program, and
         // so does the first where the run waits for a reader.
-        let mut first: Option<Instant> = None;
+        let mut direct_count = 0;
         let _ = ctrlc::set_handler(move || {
-            // A signal to all processes of a job comes once more from the one that supervises this one.
-            let is_second = first.is_some_and(|first| first.elapsed() > SAME_SIGNAL);
-            first.get_or_insert_with(Instant::now);
+            let request = voltet_plugins::take_end_request();
+            direct_count += u32::from(request == EndRequest::Direct);
             STOP.store(true, Ordering::Relaxed);
-            if is_second || files::is_waiting() {
+            if direct_count > 1 || request == EndRequest::ForwardedAgain || files::is_waiting() {
                 end_now();
             }
         });

@@ -12,6 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 #ifdef __linux__
+#include <sys/resource.h>
 #include <sys/syscall.h>
 #endif
 
@@ -62,7 +63,9 @@ static int32_t gradient(const voltet_call *call, const voltet_host *host) {
         for (;;) host->progress(host, NAN);
     }
     if (!strcmp(fault, "patient")) {
+        fputs("a plug-in waits\n", stderr);
         while (!host->cancelled(host)) usleep(1000);
+        fputs("a plug-in stopped\n", stderr);
         return VOLTET_CANCELLED;
     }
     /* Inputs that are written to. */
@@ -84,6 +87,19 @@ static int32_t gradient(const voltet_call *call, const voltet_host *host) {
     if (!strcmp(fault, "quiet exit at exit")) atexit(leave_quietly);
 #ifdef __linux__
     if (!strcmp(fault, "thread ended")) syscall(SYS_exit, 0);
+    if (!strcmp(fault, "memory ends")) {
+        /* All that is left is taken; the host then has no room for the text. */
+        struct rlimit limit;
+        static char text[3000];
+        getrlimit(RLIMIT_AS, &limit);
+        limit.rlim_cur = 0;
+        setrlimit(RLIMIT_AS, &limit);
+        for (size_t room = (size_t)1 << 24; room >= 16; room /= 2)
+            for (void *volatile taken = text; taken;) taken = malloc(room);
+        memset(text, 'x', sizeof text - 1);
+        host->error(host, text);
+        return VOLTET_ERROR;
+    }
 #endif
     if (!strcmp(fault, "exit in a loop")) host->parallel_for(host, 1000, 1, leave, NULL);
     if (!strcmp(fault, "deep")) recurse(0);

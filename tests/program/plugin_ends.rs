@@ -4,7 +4,24 @@
 
 use crate::plugin_node_scene::scene;
 use crate::support::{Folder, SLAB};
+use std::io::{BufRead, BufReader};
+use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::process::Stdio;
+use std::time::{Duration, Instant};
 use voltet_testing::compilers;
+
+unsafe extern "C" {
+    fn signal(signal: i32, action: usize) -> usize;
+    fn kill(process: i32, signal: i32) -> i32;
+}
+
+// As Linux numbers them on x86-64 and AArch64.
+const SIGABRT: i32 = 6;
+const SIGKILL: i32 = 9;
+const SIGUSR1: i32 = 10;
+const SIGTERM: i32 = 15;
+const SIGCHLD: i32 = 17;
+const SIG_IGN: usize = 1;
 
 const WHOSE: &str = "the gradient filter 'faulty' of the plug-in 'faulty' (filter.so)";
 
@@ -26,6 +43,18 @@ fn folder(fault: u32) -> Option<Folder> {
     let options = [&format!("-DFAULT={fault}")[..], "-D_DEFAULT_SOURCE"];
     compilers::library(folder.path(), "filter.so", &[source], &options)?;
     Some(folder)
+}
+
+/// What `look` finds, tried until it does; `None` after a time that no machine needs.
+fn by_deadline<T>(mut look: impl FnMut() -> Option<T>) -> Option<T> {
+    let start = Instant::now();
+    loop {
+        let found = look();
+        if found.is_some() || start.elapsed() > Duration::from_secs(300) {
+            return found;
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
 }
 
 const LOADED: [&str; 4] = ["run", "slab.toml", "--plugin", "filter.so"];
@@ -106,8 +135,14 @@ fn readers_and_filters_of_grids_and_images_are_named_too() {
 #[test]
 fn a_crash_after_the_work_of_a_plugin_names_it_last() {
     let Some(folder) = folder(0) else { return };
-    let ran = folder.voltet(&with_fault("gradient.fault=abort at exit", &[]));
-    ran.fails(1, &["a crash (SIGABRT", "after work of a plug-in, which may have damaged memory", WHOSE]);
+    let ran = folder.command(&with_fault("gradient.fault=abort at exit", &[])).output().unwrap();
+    let said = String::from_utf8(ran.stderr).unwrap();
+    for part in ["a crash (SIGABRT", "after work of a plug-in, which may have damaged memory", WHOSE] {
+        assert!(said.contains(part), "{said}");
+    }
+    // Once, and the program ends as without a plug-in: with an image of memory, where the system keeps any.
+    assert!(!said.contains("an end of the program"), "{said}");
+    assert_eq!(ran.status.signal(), Some(SIGABRT));
 }
 
 /// Nodes of several pipelines share the grid that was read.
@@ -138,19 +173,84 @@ fn what_a_plugin_sets_for_itself_holds_for_nobody_else() {
     }
 }
 
-/// Neither a signal to the program nor the program's own end leaves the process that works behind.
+/// Neither a signal to the program nor the program's own end leaves the process that works behind, and the program ends as that does.
 #[test]
 fn the_process_that_works_ends_with_the_one_that_the_user_knows() {
     let Some(folder) = folder(0) else { return };
-    let mut command = folder.command(&with_fault("gradient.fault=patient", &[]));
-    let mut child =
-        command.stderr(std::process::Stdio::null()).stdout(std::process::Stdio::piped()).spawn().unwrap();
-    std::thread::sleep(std::time::Duration::from_millis(500));
-    child.kill().unwrap();
-    // The output ends only when both processes have closed it.
-    let mut output = String::new();
-    std::io::Read::read_to_string(child.stdout.as_mut().unwrap(), &mut output).unwrap();
-    assert!(!child.wait().unwrap().success());
+    let cancelled = "a plug-in stopped";
+    for (signal, wanted, says) in [
+        (SIGKILL, (None, Some(SIGKILL)), ""),
+        // It cancels the call, which ends by itself.
+        (SIGTERM, (Some(1), None), cancelled),
+        (SIGUSR1, (None, Some(SIGUSR1)), ""),
+    ] {
+        let mut command = folder.command(&with_fault("gradient.fault=patient", &[]));
+        let mut child = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
+        let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
+        assert!(lines.any(|line| line.contains("a plug-in waits")), "it runs");
+        // SAFETY: a child of this process that was not waited for.
+        assert_eq!(unsafe { kill(child.id() as i32, signal) }, 0);
+        // The output ends only when both processes have closed it.
+        let rest: String = lines.map(|line| line + "\n").collect();
+        let ended = child.wait().unwrap();
+        assert_eq!((ended.code(), ended.signal()), wanted, "{signal}: {rest}");
+        assert!(rest.contains(says) && !rest.contains("an end of the program"), "{signal}: {rest}");
+    }
+}
+
+/// Some parents leave SIGCHLD ignored: the system then keeps no ends of children.
+#[test]
+fn where_ends_of_children_are_ignored_the_program_ends_all_the_same() {
+    let Some(folder) = folder(0) else { return };
+    for (fault, wanted) in [("none", 0), ("quiet exit", 1), ("exit", 1)] {
+        let set = format!("gradient.fault={fault}");
+        let mut command = folder.command(&with_fault(&set, &["--quiet"]));
+        // SAFETY: `signal` may be called between fork and exec.
+        unsafe {
+            command.pre_exec(|| {
+                signal(SIGCHLD, SIG_IGN);
+                Ok(())
+            })
+        };
+        let mut child = command.stderr(Stdio::null()).spawn().unwrap();
+        let code = by_deadline(|| child.try_wait().unwrap()).unwrap_or_else(|| {
+            child.kill().unwrap();
+            panic!("the program does not end ({fault})")
+        });
+        assert_eq!(code.code(), Some(wanted), "{fault}");
+    }
+}
+
+/// Threads of a library that is loaded before the program begins.
+#[test]
+fn a_program_that_cannot_be_supervised_says_so() {
+    let Some(folder) = folder(0) else { return };
+    let source = "#include <pthread.h>\n#include <unistd.h>\n\
+        static void *wait(void *user) { for (;;) pause(); return user; }\n\
+        __attribute__((constructor)) static void begin(void) { pthread_t t; pthread_create(&t, NULL, wait, NULL); }\n";
+    folder.write("thread.c", source);
+    compilers::library(folder.path(), "thread.so", &[folder.join("thread.c")], &["-pthread"]).unwrap();
+    let run = |options: &[&str]| {
+        let preloaded = ("LD_PRELOAD", folder.join("thread.so"));
+        let mut command = folder.command(&[&LOADED[..], options].concat());
+        String::from_utf8(command.env(preloaded.0, preloaded.1).output().unwrap().stderr).unwrap()
+    };
+    let said = run(&[]);
+    let warning = "warning: nothing supervises the plug-ins";
+    assert!(
+        said.contains(warning) && said.contains("other threads") && said.contains("--plugin-process"),
+        "{said}"
+    );
+    assert!(!run(&["--plugin-process"]).contains(warning));
+    assert!(!folder.voltet(&LOADED).ok().stderr.contains(warning));
+}
+
+#[test]
+fn an_end_of_memory_in_the_program_is_no_call_of_exit_of_the_plugin() {
+    let Some(folder) = folder(0) else { return };
+    let ran = folder.voltet(&with_fault("gradient.fault=memory ends", &[]));
+    let ran = ran.fails(1, &["memory ends: found no room"]);
+    assert!(!ran.stderr.contains("call of exit"), "{}", ran.stderr);
 }
 
 #[test]
@@ -165,6 +265,24 @@ fn the_file_that_was_hashed_is_the_one_that_is_loaded() {
     let program = env!("CARGO_BIN_EXE_voltet").into();
     let apart = voltet_plugins::load_apart(&hashed, program).map(drop).unwrap_err().to_string();
     assert!(apart.contains("its file has changed"), "{apart}");
+    // One that looks for others beside itself is loaded from its file, if that is still the same.
+    let build = |fault: &str| {
+        let options = [fault, "-D_DEFAULT_SOURCE", "-Wl,-rpath,$ORIGIN"];
+        compilers::library(
+            folder.path(),
+            "bound.so",
+            &[compilers::source("tests/plugins/faulty.c")],
+            &options,
+        )
+        .unwrap();
+        voltet_plugins::PluginFile::read(&folder.join("bound.so")).unwrap()
+    };
+    let hashed = build("-DFAULT=0");
+    build("-DFAULT=1");
+    let changed = voltet_plugins::load_file(&hashed).map(drop).unwrap_err().to_string();
+    assert!(changed.contains("its file has changed since it was checked"), "{changed}");
+    let loaded = voltet_plugins::load_file(&build("-DFAULT=0")).unwrap().plugin.unwrap();
+    assert_eq!(loaded.name, "faulty");
 }
 
 #[test]
@@ -203,7 +321,11 @@ fn paths_of_the_users_file_begin_in_the_home_folder_and_relative_variables_are_i
     assert_eq!(code, Some(0), "{said}");
     let (code, said) = run("plugins = ['~other/filter.so']\n", &[]);
     assert!(code == Some(2) && said.contains("home folders of other users are not looked up"), "{said}");
-    // Nor does a relative home: no file is found, and so no filter.
-    let (code, said) = run("plugins = ['~/filter.so']\n", &[("HOME", ".")]);
+    // Nor does a relative home: no file is found, and so no filter. Others may write into the folder of temporary files.
+    let shared = folder.join("tmp");
+    std::fs::create_dir_all(shared.join("voltet")).unwrap();
+    std::fs::write(shared.join("voltet/plugins.toml"), "plugins = ['../../filter.so']\n").unwrap();
+    let variables = [("HOME", "."), ("TMPDIR", shared.to_str().unwrap())];
+    let (code, said) = run("plugins = ['~/filter.so']\n", &variables);
     assert!(code == Some(2) && said.contains("unknown gradient filter 'faulty'"), "{said}");
 }

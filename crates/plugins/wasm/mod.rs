@@ -15,6 +15,7 @@ use crate::values::ParameterValues;
 use crate::{declaration, guard};
 use sandbox::{Guest, GuestArgs, RunningModule, Sandbox, Stop, message};
 use std::ffi::CString;
+use std::mem::offset_of;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use voltet_core::field::Plugin;
@@ -171,6 +172,13 @@ fn put_values(values: &ParameterValues, arguments: &mut GuestArgs) -> u32 {
     arguments.put(&[28, count, integers, numbers, texts, vectors, lengths])
 }
 
+/// Size of `voltet_call` in a module (bytes): behind its head pointers of 4 bytes, up to a multiple of its largest number.
+const CALL_BYTES: usize = {
+    let head = offset_of!(interface::GradientCall, points);
+    let pointers = (size_of::<interface::GradientCall>() - head) / size_of::<usize>();
+    (head + 4 * pointers).next_multiple_of(size_of::<u64>())
+};
+
 /// Appends `voltet_call`; returns its address and that of the gradient.
 fn put_call(task: &GradientTask, needs: u32, arguments: &mut GuestArgs) -> (u32, u32) {
     let mut put = |name, table: Option<Rows64>| match table {
@@ -197,9 +205,10 @@ fn put_call(task: &GradientTask, needs: u32, arguments: &mut GuestArgs) -> (u32,
     let [points_low, points_high] = halves(task.grid.points.len());
     let [cells_low, cells_high] = halves(task.grid.tetrahedra.len());
     let [[starts, items], [cell_starts, cell_items]] = [neighbours, cells_of_points];
-    let mut call = vec![76, 0, points_low, points_high, cells_low, cells_high, points, cells];
+    let mut call = vec![CALL_BYTES as u32, 0, points_low, points_high, cells_low, cells_high, points, cells];
     call.extend([starts, items, cell_starts, cell_items, scalar, arrays, values, out, at_boundary]);
     call.extend(second_rings);
+    call.resize(CALL_BYTES / 4, 0);
     (arguments.put(&call), out)
 }
 

@@ -2,13 +2,12 @@
 
 use crate::cli::arguments::Plugins;
 use crate::cli::present::{Level, say, shown};
-use crate::cli::process::is_single_threaded;
 use crate::core::field::Plugin;
 use crate::core::{Error, Result};
 use crate::graph::{Node, Registry};
 use crate::nodes::{external_formats, files};
 use std::path::{Path, PathBuf};
-use voltet_plugins::{Contents, PluginFile};
+use voltet_plugins::{Configured, Contents, PluginFile};
 
 /// The file in the user's configuration folder.
 const FILE: &str = "plugins.toml";
@@ -24,35 +23,58 @@ pub fn with(
     serves: impl FnOnce(&Registry) -> bool,
 ) -> Result<Registry> {
     let (mut told, mut loaded) = (Vec::new(), Vec::new());
-    for path in &wanted.plugin_files {
-        if is_new(&mut loaded, path) {
-            let (more, plugin) = add(&registry, path, None, wanted.plugin_process)?;
-            registry = more;
-            told.push(plugin);
-        }
-    }
-    let file = files::configuration_folder().join(FILE);
-    let configured = if serves(&registry) {
-        Vec::new()
-    } else {
-        voltet_plugins::configured(&file, files::home_folder().as_deref())?
+    let new = wanted.plugin_files.iter().filter(|path| is_new(&mut loaded, path));
+    let named = new.map(|path| PluginFile::read(path)).collect::<Result<Vec<PluginFile>>>()?;
+    let file = files::configuration_folder().map(|folder| folder.join(FILE));
+    // A sandbox has threads, and a program with threads can no more be supervised: what may follow it counts.
+    let may_follow = || {
+        let read =
+            |file| voltet_plugins::configured(file, files::home_folder().as_deref()).unwrap_or_default();
+        let configured: Vec<Configured> = file.as_deref().map(read).unwrap_or_default();
+        configured.iter().any(|own| PluginFile::read(&own.path).is_ok_and(|file| is_library(&file)))
     };
-    for own in configured.iter().filter(|own| is_new(&mut loaded, &own.path)) {
-        match add(&registry, &own.path, own.fingerprint.as_deref(), wanted.plugin_process) {
+    let admits =
+        !wanted.plugin_process && (named.iter().any(is_library) || !named.is_empty() && may_follow());
+    if admits {
+        admit_foreign_code()?;
+    }
+    for file in &named {
+        let (more, plugin) = add(&registry, file, None, wanted.plugin_process)?;
+        registry = more;
+        told.push(plugin);
+    }
+    let configured = match &file {
+        Some(file) if !serves(&registry) => {
+            voltet_plugins::configured(file, files::home_folder().as_deref())?
+        }
+        _ => Vec::new(),
+    };
+    let new = configured.iter().filter(|own| is_new(&mut loaded, &own.path));
+    let own: Vec<(&Configured, Result<PluginFile>)> =
+        new.map(|own| (own, PluginFile::read(&own.path))).collect();
+    let may_admit = !admits && !wanted.plugin_process;
+    if may_admit && own.iter().any(|(_, read)| read.as_ref().is_ok_and(is_library)) {
+        admit_foreign_code()?;
+    }
+    for (own, read) in own {
+        let added =
+            read.and_then(|file| add(&registry, &file, own.fingerprint.as_deref(), wanted.plugin_process));
+        match added {
             Ok((more, plugin)) => {
                 registry = more;
                 told.push(plugin);
             }
             Err(error) => {
                 say(&shown(&error, None, Level::WARNING));
-                let path = own.path.display();
-                told.push(format!("'{path}', named by {}, cannot be loaded", file.display()));
+                let (path, file) = (own.path.display(), file.as_deref().unwrap_or(Path::new(FILE)).display());
+                told.push(format!("'{path}', named by {file}, cannot be loaded"));
             }
         }
     }
-    registry.tell_plugins(match told.is_empty() {
-        true => format!("no plug-in is loaded: --plugin PATH does, and {}", file.display()),
-        false => format!("of the plug-ins: {}", told.join("; ")),
+    registry.tell_plugins(match (told.is_empty(), file) {
+        (true, Some(file)) => format!("no plug-in is loaded: --plugin PATH does, and {}", file.display()),
+        (true, None) => "no plug-in is loaded: --plugin PATH does".into(),
+        (false, _) => format!("of the plug-ins: {}", told.join("; ")),
     });
     Ok(registry)
 }
@@ -77,12 +99,21 @@ fn refuse_another(file: &PluginFile, wanted: Option<&str>) -> Result<()> {
     }
 }
 
+/// True if it is code that runs without a sandbox.
+fn is_library(file: &PluginFile) -> bool {
+    !file.is_module()
+}
+
 /// Prepares this process for code of others: prints of it go to the standard error, and an end of it is not taken for the program's.
+/// Where it cannot be told from that, it is warned of.
 fn admit_foreign_code() -> Result<()> {
     files::take_standard_output().map_err(|error| files::unwritable_output(&error))?;
-    if is_single_threaded() {
-        // SAFETY: no other thread runs.
-        unsafe { voltet_plugins::supervise() };
+    if let Err(found) = voltet_plugins::supervise() {
+        let warning =
+            Error::usage("nothing supervises the plug-ins: one that ends the program may go unnoticed");
+        let warning =
+            warning.got(found).expected("--plugin-process, which runs them in processes of their own");
+        say(&shown(&warning, None, Level::WARNING));
     }
     Ok(())
 }
@@ -90,26 +121,20 @@ fn admit_foreign_code() -> Result<()> {
 /// The registry with what one more plug-in offers, and what is said of it.
 fn add(
     registry: &Registry,
-    path: &Path,
+    file: &PluginFile,
     fingerprint: Option<&str>,
     apart: bool,
 ) -> Result<(Registry, String)> {
-    let file = PluginFile::read(path)?;
-    refuse_another(&file, fingerprint)?;
+    refuse_another(file, fingerprint)?;
     if let Some(warning) = file.warning() {
         say(&shown(&Error::usage(warning), None, Level::WARNING));
     }
     let contents = match apart {
-        true => voltet_plugins::load_apart(&file, own_program()?)?,
-        false => {
-            if !file.is_module() {
-                admit_foreign_code()?;
-            }
-            voltet_plugins::load_file(&file)?
-        }
+        true => voltet_plugins::load_apart(file, own_program()?)?,
+        false => voltet_plugins::load_file(file)?,
     };
     let mut registry = registry.clone();
-    let in_file = |error: Error| error.in_file(path);
+    let in_file = |error: Error| error.in_file(file.path());
     for filter in &contents.filters {
         registry.add_filter(filter.clone()).map_err(in_file)?;
     }
