@@ -17,8 +17,8 @@ inputs = { volume = "grid" }
 
 [[nodes.look.widgets]]
 kind = "gaussian"
-centre = ["p70"]
-sigma = ["10%"]
+centre = "p70"
+sigma = "10%"
 extinction = 9.0
 color = [1.0, 0.4, 0.1]
 

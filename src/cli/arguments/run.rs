@@ -36,14 +36,14 @@ pub struct Run {
     /// {step}, {step:04}, {time}, {time:.3} and {stem} stand for the time step, its time and the data file's name without ending.
     #[arg(long, short, value_name = "PATH")]
     pub output: Option<PathBuf>,
-    #[command(flatten)]
-    pub frames: FrameOptions,
     /// Let a grid take so much memory, such as 4GiB; one that takes more is read and drawn part after part.
     ///
     /// For files in pieces (.pvtu, VTKHDF partitions, parts of Exodus, processor folders of OpenFOAM, blocks). The picture is the
-    /// same but for rounding, some 1e-7. The picture itself and what is kept of the pieces' borders come on top.
+    /// same but for rounding, some 1e-6. The picture itself and what is kept of the pieces' borders come on top.
     #[arg(long, value_name = "SIZE", value_parser = bytes, conflicts_with = "exhaustive")]
     pub memory: Option<u64>,
+    #[command(flatten)]
+    pub frames: FrameOptions,
     /// Do everything that could be done, needed or not, and say how much longer that takes.
     ///
     /// Runs each file once to warm up, then in turn twice as usual and twice reading every array, computing the gradient and
