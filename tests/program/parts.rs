@@ -16,9 +16,8 @@ type = "transfer-function"
 inputs = { volume = "grid" }
 
 [[nodes.look.widgets]]
-kind = "gaussian"
-centre = "p70"
-sigma = "10%"
+kind = "uniform"
+region = { s = ["p60", "100%"] }
 extinction = 9.0
 color = [1.0, 0.4, 0.1]
 
