@@ -151,6 +151,13 @@ impl Series {
                 node.parameters.optional(BETWEEN).is_some_and(|word| word.text() == Some("linear"));
             series.readers.push(reader);
         }
+        if series.is_interpolated
+            && let Some(other) = series.readers.iter().find(|reader| reader.times != series.times)
+        {
+            let error = Error::usage("readers of values between steps have series of different times");
+            let error = error.got(format!("'{}' and '{}'", series.readers[0].node, other.node));
+            return Err(error.expected("series of the same times, or between_steps = \"nearest\""));
+        }
         Ok(series)
     }
 
@@ -320,13 +327,14 @@ fn input_of(node: &GraphNode, edge: &Edge) -> Option<&'static Port> {
     node.node.all_inputs().nth(edge.port)
 }
 
-/// The output whose volume is drawn with the transfer function of a node, as a wire names it.
+/// The output whose volume is drawn with the transfer function of a node, as a wire names it; none where several are.
 fn drawn_with(graph: &Graph, look: usize) -> Option<String> {
     let uses = |node: &&GraphNode| node.inputs.iter().any(|edge| edge.node == look);
     let is_volume = |node: &GraphNode, edge: &&Edge| {
         input_of(node, edge).is_some_and(|port| port.port_type == PortType::Volume)
     };
-    graph.order.iter().map(|&place| &graph.nodes[place]).filter(uses).find_map(|node| {
+    let users = graph.order.iter().map(|&place| &graph.nodes[place]).filter(uses);
+    let mut drawn = users.filter_map(|node| {
         let edge = node.inputs.iter().find(|edge| is_volume(node, edge))?;
         let source = &graph.nodes[edge.node];
         let outputs = source.node.outputs;
@@ -334,7 +342,9 @@ fn drawn_with(graph: &Graph, look: usize) -> Option<String> {
             1 => source.name.clone(),
             _ => format!("{}.{}", source.name, outputs[edge.output].name),
         })
-    })
+    });
+    let first = drawn.next()?;
+    drawn.all(|other| other == first).then_some(first)
 }
 
 /// True if some number is relative to data, also within widgets.

@@ -1,6 +1,6 @@
 //! `voltet run --resume`: the pictures that are left out, and those that are drawn again.
 
-use crate::series::series;
+use crate::series::{relative, series};
 use crate::support::{Folder, cube_of};
 use std::fs::File;
 use std::time::Duration;
@@ -16,16 +16,6 @@ fn shift(folder: &Folder, name: &str, forward: bool, by: Duration) {
     let file = File::options().write(true).open(folder.join(name)).unwrap();
     let time = file.metadata().unwrap().modified().unwrap();
     file.set_modified(if forward { time + by } else { time - by }).unwrap();
-}
-
-/// A pipeline whose widget stands at a share of the range of T over the series.
-fn relative(folder: &Folder) {
-    let scene = std::fs::read_to_string(folder.join("p.toml")).unwrap();
-    let scene = scene.replace("centre = [1.5, 0.0]", "centre = [\"50 %\", 0.0]");
-    folder.write(
-        "p.toml",
-        scene.replace("unit_distance = 0.5", "unit_distance = 0.5\ninputs = { volume = \"gradient\" }"),
-    );
 }
 
 #[test]

@@ -141,7 +141,7 @@ fn a_broken_step_is_named_and_the_others_are_drawn() {
 }
 
 /// A pipeline whose widget stands at a share of the range of T.
-fn relative(folder: &Folder) {
+pub fn relative(folder: &Folder) {
     let scene = std::fs::read_to_string(folder.join("p.toml")).unwrap();
     let scene = scene.replace("centre = [1.5, 0.0]", "centre = [\"50 %\", 0.0]");
     folder.write(
@@ -525,4 +525,22 @@ fn a_session_holds_no_more_after_many_steps() {
     assert!(held[1].iter().all(|&count| count > 0), "{:?}", held[1]);
     assert_eq!(held[199], held[1]);
     assert!(held.iter().all(|counts| *counts == held[1] || *counts == held[0]), "{held:?}");
+}
+
+/// Values between steps go by time, so two readers must have the same times.
+#[test]
+fn values_between_steps_of_series_with_other_times_are_refused() {
+    let folder = series(3);
+    let others = std::fs::read_to_string(folder.join("run.pvd"))
+        .unwrap()
+        .replace("timestep=\"0.2\"", "timestep=\"7.0\"");
+    folder.write("other.pvd", others);
+    let mut scene = std::fs::read_to_string(folder.join("p.toml")).unwrap();
+    scene += "\n[nodes.other]\ntype = \"reader\"\npath = \"other.pvd\"\nscalar = \"T\"\n\n[nodes.copy]\ntype = \"grid-writer\"\n\
+              path = \"copy.vtu\"\ninputs = { volume = \"other\" }\n";
+    folder.write("two.toml", &scene);
+    let reader = scene.lines().find_map(|line| line.strip_prefix("[nodes.")?.strip_suffix(']')).unwrap();
+    let linear = format!("{reader}.between_steps=linear");
+    let command = ["run", "two.toml", "--times", "0.05", "--set", &linear];
+    folder.voltet(&command).fails(2, &["series of different times", "'other'"]);
 }

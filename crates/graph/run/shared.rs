@@ -126,7 +126,9 @@ impl Share {
         let mut state = self.shared.lock();
         let needed = needed_by(graph);
         for node in &needed {
-            state.to_come.iter_mut().filter(|(known, _)| known == node).for_each(|(_, count)| *count -= 1);
+            // Graphs that were not foretold may need the same.
+            let known = state.to_come.iter_mut().filter(|(known, _)| known == node);
+            known.for_each(|(_, count)| *count = count.saturating_sub(1));
         }
         state.to_come.retain(|(_, count)| *count > 0);
         self.need(&mut state, needed);

@@ -11,7 +11,7 @@ use crate::cli::ranks::Launch;
 use crate::core::Result;
 use crate::document::LocatedError;
 use crate::graph::{Observer, Registry, Session};
-use std::sync::{Mutex, PoisonError};
+use crate::io::memory;
 
 /// One call of the command: what its runs share.
 pub(super) struct Runner<'a> {
@@ -83,11 +83,11 @@ impl<'a> Runner<'a> {
             bar.clear();
             attempt
         };
-        // The next step is read while one is drawn. Its errors are met when its turn comes.
-        let ahead = Mutex::new(session.beside());
+        // The next step is read while one is drawn, where memory is ample. Its errors are met when its turn comes.
         let prepare = |number: usize| {
-            let mut session = ahead.lock().unwrap_or_else(PoisonError::into_inner);
-            drop(tasks[number].read_ahead(arguments, registry, &mut session, &several));
+            if number > 1 && has_room_ahead() {
+                drop(tasks[number].read_ahead(arguments, registry, &mut session.beside(), &several));
+            }
         };
         let mut goes_on = true;
         let take = |number: usize, attempt: &mut dyn FnMut() -> Outcome<Attempt>| {
@@ -108,4 +108,10 @@ impl<'a> Runner<'a> {
         jobs::in_order((tasks.len(), jobs), || session.beside(), (work, prepare), take)?;
         Ok(self.messages.finish(goes_on)?)
     }
+}
+
+/// True if memory is left for another step beside the one that is drawn: three times what all took so far, of which drawing may take one
+/// again. So a step that can be drawn alone is not refused for one that was read too early.
+fn has_room_ahead() -> bool {
+    memory::available().zip(memory::peak()).is_some_and(|(left, most)| left / 3 >= most)
 }
