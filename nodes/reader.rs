@@ -7,6 +7,7 @@ use std::sync::Arc;
 use voltet_core::grid::Grid;
 use voltet_core::reading::FileArray;
 use voltet_core::{Error, Result};
+use voltet_cpu::drawing_bytes;
 use voltet_graph::{
     DefaultValue, Demand, Diagnostics, GridPart, Node, Outputs, Parameter, ParameterType, ParameterValue,
     Parameters, PartWork, PlanContext, Port, PortType, Preparation, Range, RunContext, SavedWork, Steps,
@@ -15,6 +16,7 @@ use voltet_graph::{
 use voltet_io::formats::{
     self, Association, CellValues, Options, Request, SelectedArrays, TimeStep, existing_file,
 };
+use voltet_io::memory::GridSize;
 
 /// The declaration.
 pub const NODE: Node = Node {
@@ -222,22 +224,20 @@ fn read_part(call: &RunContext, part: &GridPart, path: &Path, request: &Request)
     formats::read_part(path, request, &part.pieces, &borders, call.progress())
 }
 
-/// Bytes of memory that a tetrahedron takes when it is drawn: its corners, its faces with those of its neighbours, its place in the
-/// order of rays.
-const TETRAHEDRON_BYTES: u64 = 96;
-
-/// Bytes that a point takes: its position, the scalar, the gradient and its length, its place on the screen.
-const POINT_BYTES: u64 = 96;
-
 /// Tetrahedra that cells are split into at most, on the average, by cell and by point: of hexahedra as many as 6 by either.
 const MAX_SPLIT: u64 = 6;
+
+/// Quantities that segments carry in a scene with all of them: s, g and the components of ∇s.
+const LIT_ATTRIBUTES: u64 = 5;
 
 fn piece_bytes(preparation: &Preparation) -> Result<Vec<u64>> {
     let request = request(preparation.parameters, None)?;
     let bytes = |size: formats::PieceSize| {
         let by_points = size.points.saturating_mul(MAX_SPLIT).max(size.cells);
         let tetrahedra = size.cells.saturating_mul(MAX_SPLIT).min(by_points);
-        tetrahedra.saturating_mul(TETRAHEDRON_BYTES).saturating_add(size.points.saturating_mul(POINT_BYTES))
+        let grid = GridSize { points: size.points, tetrahedra, split: None };
+        // The picture is there once, whatever the parts.
+        grid.bytes().saturating_add(drawing_bytes(tetrahedra, size.points, LIT_ATTRIBUTES, [0; 2]))
     };
     // What is wrong with the file is said when it is read.
     let sizes = formats::piece_sizes(&preparation.path("path")?, &request).unwrap_or_default();

@@ -70,10 +70,7 @@ impl VolumeExtent {
     pub fn joined(&self, other: &VolumeExtent) -> VolumeExtent {
         let wider = |[a, b]: [f64; 2], [c, d]: [f64; 2]| [a.min(c), b.max(d)];
         VolumeExtent {
-            bounds: match (self.bounds, other.bounds) {
-                (Some([a, b]), Some([c, d])) => Some([a.min(c), b.max(d)]),
-                (own, other) => own.or(other),
-            },
+            bounds: extent::joined(self.bounds, other.bounds),
             ranges: [0, 1].map(|k: usize| wider(self.ranges[k], other.ranges[k])),
             max_gradient: self.max_gradient.max(other.max_gradient),
         }

@@ -15,6 +15,7 @@ use glam::DVec3;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
+use voltet_core::grid::extent;
 use voltet_core::transfer::{
     AxisScale, DataStatistics, StatisticsRequest, on_axes, resolved, statistics_request, with_placeholders,
 };
@@ -133,10 +134,7 @@ pub(crate) fn bounds(call: &mut RunContext) -> Result<Option<[DVec3; 2]>> {
     let mut bounds: Option<[DVec3; 2]> = None;
     call.each_step("volume", &demand, Some(&steps), &mut |_, value| {
         let Some(volume) = value.volume().transpose()? else { return Ok(()) };
-        if let Some([low, high]) = volume.grid.bounds() {
-            let [a, b] = bounds.unwrap_or([low, high]);
-            bounds = Some([a.min(low), b.max(high)]);
-        }
+        bounds = extent::joined(bounds, volume.grid.bounds());
         Ok(())
     })?;
     kept.push(SeriesBounds(steps, bounds));
@@ -147,16 +145,13 @@ pub(crate) fn bounds(call: &mut RunContext) -> Result<Option<[DVec3; 2]>> {
 fn bounds_of_parts(call: &mut RunContext) -> Result<Option<[DVec3; 2]>> {
     let mut bounds: Option<[DVec3; 2]> = None;
     call.each_part(&mut |call| {
-        if let Some([low, high]) = call.volume("volume")?.grid.bounds() {
-            let [a, b] = bounds.unwrap_or([low, high]);
-            bounds = Some([a.min(low), b.max(high)]);
-        }
+        bounds = extent::joined(bounds, call.volume("volume")?.grid.bounds());
         Ok(())
     })?;
     let own = bounds.map_or(Vec::new(), |bounds| bounds.map(|place| place.to_array()).concat());
     let of_all = call.gather(&own)?;
-    let of_all = of_all.iter().filter_map(|own| Some([own.get(..3)?, own.get(3..)?].map(DVec3::from_slice)));
-    Ok(of_all.reduce(|[a, b], [low, high]| [a.min(low), b.max(high)]))
+    let bounds_of = |own: &Vec<f64>| Some([own.get(..3)?, own.get(3..)?].map(DVec3::from_slice));
+    Ok(of_all.iter().map(bounds_of).fold(None, extent::joined))
 }
 
 /// Bounds of some steps of a series, which a session keeps.

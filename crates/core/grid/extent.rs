@@ -25,6 +25,14 @@ pub fn corners([low, high]: [DVec3; 2]) -> [DVec3; 8] {
     })
 }
 
+/// The box around two boxes, where there are such.
+pub fn joined(one: Option<[DVec3; 2]>, other: Option<[DVec3; 2]>) -> Option<[DVec3; 2]> {
+    match (one, other) {
+        (Some([a, b]), Some([low, high])) => Some([a.min(low), b.max(high)]),
+        (one, other) => one.or(other),
+    }
+}
+
 /// Diagonal of a box; 0 without extent, not finite where that is beyond 64-bit floats.
 pub fn diagonal([low, high]: [DVec3; 2]) -> f64 {
     let sides = high - low;
