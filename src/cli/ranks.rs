@@ -7,8 +7,12 @@ use crate::graph::ranks::{OneRank, Ranks};
 use std::cell::Cell;
 use std::sync::Arc;
 
-/// Variables by which launchers tell a process how many there are: Open MPI's, that of MPICH and Intel MPI, and Slurm's.
-const COUNTS: [&str; 3] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"];
+/// Variables by which launchers tell a process how many there are: Open MPI's, that of MPICH and Intel MPI, and Slurm's, which starts
+/// programs without MPI, too.
+const COUNTS: &[&str] = match cfg!(feature = "mpi") {
+    true => &["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"],
+    false => &["OMPI_COMM_WORLD_SIZE", "PMI_SIZE"],
+};
 
 /// The processes of this run; MPI ends with it.
 pub struct Launch {
@@ -21,13 +25,14 @@ pub struct Launch {
 
 impl Launch {
     /// Joins the other processes, if a launcher started any. Those after the first say nothing from here on but why they fail.
+    /// `is_apart`: each has pictures of its own, and none waits for another.
     ///
     /// # Errors
     /// - several processes of a program that was built without MPI; an MPI that does not start.
-    pub fn join() -> Result<Launch> {
+    pub fn join(is_apart: bool) -> Result<Launch> {
         let count = COUNTS.iter().find_map(|name| std::env::var(name).ok()?.parse::<usize>().ok());
         let launch = match count {
-            Some(2..) => Launch::of_several(count.unwrap_or_default())?,
+            Some(2..) if !is_apart => Launch::of_several(count.unwrap_or_default())?,
             _ => Launch {
                 ranks: Arc::new(OneRank),
                 is_announced: Cell::new(false),
@@ -42,7 +47,8 @@ impl Launch {
     #[cfg(not(feature = "mpi"))]
     fn of_several(count: usize) -> Result<Launch> {
         let error = Error::usage("the program was built without MPI, and is run by several processes");
-        let expected = "a program built by: cargo build --release --features mpi; or one process";
+        let expected =
+            "a program built by: cargo build --release --features mpi; one process; or --part for each";
         Err(error.got(format!("{count} of them")).expected(expected))
     }
 
@@ -55,7 +61,9 @@ impl Launch {
             let error =
                 Error::run("the launcher is of another MPI than the one that the program was built with");
             let found = format!("{count} processes, of which MPI knows {}", ranks.count());
-            return Err(error.got(found).expected("mpirun of the same MPI as mpicc when it was built"));
+            return Err(error
+                .got(found)
+                .expected("mpirun of the same MPI as mpicc when it was built, or --part for each"));
         }
         Ok(Launch { ranks: Arc::new(ranks), is_announced: Cell::new(false), _universe: Some(universe) })
     }

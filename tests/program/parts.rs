@@ -55,3 +55,17 @@ fn a_grid_is_drawn_in_parts_where_memory_is_little() {
     assert!(folder.report("r.json")["counts"]["ray_stretches"].is_null());
     folder.voltet(&["run", "scene.toml", "--memory", "much"]).fails(2, &["4GiB"]);
 }
+
+/// Without MPI: several processes would write one picture, unless each has its own share of several.
+#[test]
+#[cfg(not(feature = "mpi"))]
+fn several_processes_need_mpi_or_a_share_each() {
+    let folder = super::series::series(2);
+    let run = |name: &str, further: &[&str]| {
+        folder.voltet_where((name, "3"), &[&["run", "p.toml", "--steps", "all"], further].concat())
+    };
+    run("OMPI_COMM_WORLD_SIZE", &[]).fails(2, &["built without MPI", "--part"]);
+    run("OMPI_COMM_WORLD_SIZE", &["--part", "1/2"]).ok();
+    // Slurm starts programs without MPI, too.
+    run("SLURM_STEP_NUM_TASKS", &[]).ok();
+}

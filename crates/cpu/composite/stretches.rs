@@ -18,7 +18,6 @@ pub(crate) struct TileStretches {
 }
 
 /// Recorder of a tile's shaded segments.
-#[derive(Default)]
 pub(crate) struct StretchRecorder {
     pixels: Vec<Vec<Fragment>>,
 }

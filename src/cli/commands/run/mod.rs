@@ -23,7 +23,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 
 pub fn run(arguments: &Run, registry: &Registry) -> Outcome {
-    let launch = Launch::join()?;
+    let launch = Launch::join(arguments.frames.part.is_some())?;
     if launch.ranks.count() == 1 {
         return run_on(arguments, registry, &launch);
     }
