@@ -2,7 +2,7 @@
 //! plug-in, and work runs on a thread that can be given up, since a plug-in that does not return cannot be ended.
 
 use crate::supervisor::{self, PluginWork};
-use crate::thread_state::{hold_folder, release_folder};
+use crate::thread_state::{hold_process_state, release_process_state};
 use std::cell::Cell;
 use std::panic::AssertUnwindSafe;
 use std::sync::Arc;
@@ -54,7 +54,7 @@ impl Drop for CallerGuard {
     }
 }
 
-/// PluginWork of a plug-in, listed while it runs; the current folder is as before once none runs.
+/// PluginWork of a plug-in, listed while it runs; the state of the process is as before once none runs.
 struct Attribution {
     work: Option<&'static PluginWork>,
     is_over: AtomicBool,
@@ -62,7 +62,7 @@ struct Attribution {
 
 impl Attribution {
     fn begin(text: &str) -> Attribution {
-        hold_folder();
+        hold_process_state();
         Attribution { work: supervisor::begin_work(text), is_over: AtomicBool::new(false) }
     }
 
@@ -72,7 +72,7 @@ impl Attribution {
             if let Some(work) = self.work {
                 work.end();
             }
-            release_folder();
+            release_process_state();
         }
     }
 }

@@ -268,6 +268,9 @@ mod linux {
     /// Signals that ask for an end.
     const REQUESTS: [libc::c_int; 3] = [libc::SIGINT, libc::SIGTERM, libc::SIGHUP];
 
+    /// Bytes of memory that cannot be written, before and after what the processes share: pages of any size.
+    const GUARD_BYTES: usize = 1 << 16;
+
     /// The process that works.
     static CHILD: AtomicI32 = AtomicI32::new(0);
 
@@ -324,9 +327,17 @@ mod linux {
         // SAFETY: a new mapping, zeroed: numbers and bytes. It stays until the process ends. The only thread forks, so that the child has
         // every state of the program. Signals wait meanwhile.
         unsafe {
-            let place = libc::mmap(null_mut(), size_of::<Shared>(), read_write, kind, -1, 0);
-            if place == libc::MAP_FAILED {
+            // Pages that cannot be written lie before and after it: an overrun of other memory ends there.
+            let length = size_of::<Shared>().next_multiple_of(GUARD_BYTES) + 2 * GUARD_BYTES;
+            let guarded = libc::mmap(null_mut(), length, libc::PROT_NONE, kind, -1, 0);
+            if guarded == libc::MAP_FAILED {
                 return Err(no_process(std::io::Error::last_os_error()));
+            }
+            let place = guarded.byte_add(GUARD_BYTES);
+            if libc::mprotect(place, size_of::<Shared>(), read_write) != 0 {
+                let failure = std::io::Error::last_os_error();
+                libc::munmap(guarded, length);
+                return Err(no_process(failure));
             }
             let mut all: libc::sigset_t = std::mem::zeroed();
             let mut before: libc::sigset_t = std::mem::zeroed();
@@ -359,7 +370,7 @@ mod linux {
                 0 => SHARED.store(place.cast(), Ordering::Release),
                 1.. => wait(child, &*place.cast::<Shared>()),
                 _ => {
-                    libc::munmap(place, size_of::<Shared>());
+                    libc::munmap(guarded, length);
                     return Err(no_process(failure));
                 }
             }

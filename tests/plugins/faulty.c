@@ -13,6 +13,7 @@
 #include <unistd.h>
 #ifdef __linux__
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #endif
 
@@ -41,6 +42,12 @@ static void round_up(void *user, uint64_t first, uint64_t end, uint32_t thread) 
 }
 
 static void leave_quietly(void) { _exit(0); }
+
+/* Writes over all memory from its own stack upwards. */
+static void overrun(void) {
+    volatile char room[1];
+    for (size_t i = 0; i < (size_t)1 << 40; i++) ((volatile char *)room)[i] = 1;
+}
 
 static int recurse(volatile int depth) {
     volatile char room[4096];
@@ -86,6 +93,11 @@ static int32_t gradient(const voltet_call *call, const voltet_host *host) {
     if (!strcmp(fault, "abort at exit")) atexit(abort);
     if (!strcmp(fault, "quiet exit at exit")) atexit(leave_quietly);
 #ifdef __linux__
+    if (!strcmp(fault, "private files")) umask(0777);
+    if (!strcmp(fault, "small files")) {
+        struct rlimit limit = {1, RLIM_INFINITY};
+        setrlimit(RLIMIT_FSIZE, &limit);
+    }
     if (!strcmp(fault, "thread ended")) syscall(SYS_exit, 0);
     if (!strcmp(fault, "memory ends")) {
         /* All that is left is taken; the host then has no room for the text. */
@@ -103,6 +115,7 @@ static int32_t gradient(const voltet_call *call, const voltet_host *host) {
 #endif
     if (!strcmp(fault, "exit in a loop")) host->parallel_for(host, 1000, 1, leave, NULL);
     if (!strcmp(fault, "deep")) recurse(0);
+    if (!strcmp(fault, "overrun")) overrun();
     if (!strcmp(fault, "prints")) puts("a plug-in prints"), fflush(stdout);
     if (!strcmp(fault, "notes")) {
         char text[9000];

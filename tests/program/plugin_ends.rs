@@ -145,6 +145,15 @@ fn a_crash_after_the_work_of_a_plugin_names_it_last() {
     assert_eq!(ran.status.signal(), Some(SIGABRT));
 }
 
+/// What the processes share is not among it.
+#[test]
+fn an_overrun_of_all_memory_names_the_plugin() {
+    let Some(folder) = folder(0) else { return };
+    let ran = folder.command(&with_fault("gradient.fault=overrun", &[])).output().unwrap();
+    let said = String::from_utf8(ran.stderr).unwrap();
+    assert!(!ran.status.success() && said.contains(&format!("in {WHOSE}")), "{said}");
+}
+
 /// Nodes of several pipelines share the grid that was read.
 #[test]
 fn what_a_plugin_wrote_into_the_grid_is_put_back_for_other_pipelines() {
@@ -160,15 +169,18 @@ fn what_a_plugin_wrote_into_the_grid_is_put_back_for_other_pipelines() {
     }
 }
 
-/// The way in which threads round, and the current folder, are the program's.
+/// The way in which threads round, the current folder, permissions of new files and limits of resources are the program's.
 #[test]
 fn what_a_plugin_sets_for_itself_holds_for_nobody_else() {
     let Some(folder) = folder(0) else { return };
     folder.voltet(&LOADED).ok();
     let right = folder.floats("slab.exr").1;
-    for fault in ["rounds", "elsewhere"] {
+    let mode = || std::fs::metadata(folder.join("slab.exr")).unwrap().permissions();
+    let usual = mode();
+    for fault in ["rounds", "elsewhere", "private files", "small files"] {
         std::fs::remove_file(folder.join("slab.exr")).unwrap();
         folder.voltet(&with_fault(&format!("gradient.fault={fault}"), &[])).ok();
+        assert_eq!(mode(), usual, "{fault}");
         assert_eq!(folder.floats("slab.exr").1, right, "{fault}");
     }
 }
