@@ -48,6 +48,7 @@ mod transfer_function;
 mod wavelet;
 
 pub use camera::VIEW_PARAMETERS;
+pub use color_scale::{ScalarColors, scalar_colors};
 pub use transfer_function::load_image as table_image;
 
 use std::path::Path;

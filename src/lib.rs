@@ -56,7 +56,7 @@ mod facade;
 pub mod series;
 
 #[cfg(feature = "cli")]
-pub use cli::{ExitOnOutOfMemory, registry, run};
+pub use cli::{ExitOnOutOfMemory, registry, run, run_command_line};
 pub use document::{Change, Document, Source};
 pub use facade::*;
 pub use voltet_core as core;

@@ -27,6 +27,42 @@ const THIN: f64 = 1e-4;
 /// Extinction under which nothing is seen, as a share of the peak.
 const NEGLIGIBLE_EXTINCTION: f64 = 1e-6;
 
+/// The colours along a scalar, as its bar shows them.
+#[derive(Debug, Clone)]
+pub struct ScalarColors {
+    /// Scale of the axis.
+    pub axis: AxisScale,
+    /// Values at the ends of the colours.
+    pub range: [f64; 2],
+    /// Linear RGB of pieces of the range, each as long as another on the axis; black where nothing is seen.
+    pub colors: Vec<[f32; 3]>,
+}
+
+/// The colours of so many pieces along the scalar: between the ends of colour maps, else over the range of the data. `None` where they
+/// depend on more than the scalar, or nothing has a colour.
+///
+/// Errors: a transfer function that cannot be compiled.
+pub fn scalar_colors(
+    function: &TransferFunction,
+    volume: &Volume,
+    count: usize,
+) -> Result<Option<ScalarColors>> {
+    let peak =
+        function.widgets.iter().map(|widget| widget.peak()).fold(0.0, f64::max) / function.unit_distance;
+    if function.uses_gradient_magnitude() || !function.fields().is_empty() || peak <= 0.0 {
+        return Ok(None);
+    }
+    let axis = function.axes[0];
+    let of_data = || extent::range(&volume.scalar).map(|range| axis.positions(range));
+    let Some([low, high]) = drawn_range(function, true).or_else(of_data) else { return Ok(None) };
+    let s = NamedAxis { name: String::new(), scale: axis, range: [low, high] };
+    let scale = ColorScale { function: CompiledTransferFunction::new(function)?, peak, s, plane: None };
+    let place = |step: usize| [low + (high - low) * step as f64 / count as f64, 0.0];
+    let color = |step| scale.shade(place(step), place(step + 1)).color.unwrap_or_default();
+    let range = [axis.value(low), axis.value(high)];
+    Ok(Some(ScalarColors { axis, range, colors: (0..count).map(color).collect() }))
+}
+
 /// The range that the parameter gives.
 pub(crate) fn limits(p: &Parameters) -> Result<Option<[f64; 2]>> {
     let Some(_) = p.optional("bar_range") else { return Ok(None) };

@@ -3,12 +3,14 @@
 //! The package's Python files hold the documentation for users and the numpy side of arrays.
 
 mod background;
+mod command;
 mod declarations;
 mod error;
 mod filter;
 mod grid;
 mod measurements;
 mod memory;
+mod picture_axes;
 mod pipeline;
 mod reader;
 mod state;
@@ -18,6 +20,8 @@ use pyo3::prelude::*;
 
 #[pymodule]
 mod _native {
+    #[pymodule_export]
+    use super::command::main;
     #[pymodule_export]
     use super::declarations::declarations;
     #[pymodule_export]

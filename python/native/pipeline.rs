@@ -5,6 +5,7 @@ use crate::error::{exception, guarded, is_forked, refuse_freeing};
 use crate::grid::Grid;
 use crate::measurements::{Rendition, study_options};
 use crate::memory::{Lent, Piece, any_changed, array, handed_over, in_caller_order, is_changed};
+use crate::picture_axes::picture_axes;
 use crate::state::State;
 use crate::value::{object, settings, table};
 use pyo3::prelude::*;
@@ -309,6 +310,17 @@ impl Pipeline {
             })
         })?;
         handed_over(py, drawn)
+    }
+
+    /// The plane of the picture's camera and the scale of its colours (JSON).
+    fn picture_axes(&self, py: Python<'_>, node: Option<&str>) -> PyResult<String> {
+        self.long(py, None, |state, observer| {
+            let picture = state.pipeline.picture_node(node)?;
+            state.pipeline.with_graph(Some(&picture), |graph, session| {
+                let subject = Subject::gather(graph, None, false, session, observer)?;
+                Ok((picture_axes(&subject.scene)?.to_string(), subject.warnings))
+            })
+        })
     }
 
     /// Runs all of it, as `voltet run` does: pictures by node, and the report.

@@ -23,7 +23,8 @@ pub struct State {
 }
 
 impl State {
-    /// From a file, or a picture that carries one; from a text; or empty.
+    /// From a file, or a picture that carries one; from a text; from a text that was opened from a file or picture, as another process
+    /// hands it over; or empty.
     pub fn open(path: Option<PathBuf>, text: Option<String>) -> Result<State> {
         let empty = path.is_none() && text.is_none();
         let (document, picture) = match (path, text) {
@@ -34,7 +35,13 @@ impl State {
                     None => (Document::open(&path)?, None),
                 }
             }
-            (path, Some(text)) => (Document::from_text(text, path), None),
+            (Some(path), Some(text)) => {
+                // The file may be gone, or not be seen from here: the text is what counts.
+                let carried = Source::read(&path).ok().and_then(|source| source.embedded);
+                let picture = carried.map(|carried| (path.clone(), carried));
+                (Document::from_text(text, picture.is_none().then_some(path)), picture)
+            }
+            (None, Some(text)) => (Document::from_text(text, None), None),
             (None, None) => (Document::new(), None),
         };
         let epoch = filter::epoch();

@@ -49,11 +49,49 @@ def test_annotations_are_sound():
     assert done.returncode == 0, done.stdout
 
 
+EXAMPLES = sorted((ROOT / "examples/python").glob("*.py"))
+
+
+@pytest.mark.parametrize("script", EXAMPLES, ids=lambda script: script.stem)
+def test_examples_draw_their_pictures(script, tmp_path):
+    for package in ("matplotlib", "pyvista"):
+        pytest.importorskip(package)
+    picture = tmp_path / f"{script.stem}.jpg"
+    done = subprocess.run([sys.executable, script, picture], capture_output=True, text=True, cwd=tmp_path, timeout=600)
+    assert done.returncode == 0, done.stderr
+    assert picture.read_bytes().startswith(b"\xff\xd8"), "a JPEG"
+
+
+def test_examples_are_typed():
+    pytest.importorskip("mypy")
+    config = ["--config-file", ROOT / "python/pyproject.toml"]
+    done = subprocess.run([sys.executable, "-m", "mypy", "--strict", *config, *EXAMPLES], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
+
+
+def test_the_gallery_has_every_example():
+    page = (ROOT / "docs/src/gallery.md").read_text()
+    assert len(EXAMPLES) > 3 and all(f"images/gallery/{script.stem}.jpg" in page for script in EXAMPLES)
+
+
+def test_the_example_of_the_page_on_migration_runs(tmp_path, monkeypatch):
+    import re
+
+    pytest.importorskip("pyvista")
+    monkeypatch.chdir(tmp_path)
+    page = (ROOT / "docs/src/how-to/migration.md").read_text()
+    (block,) = re.findall(r"```python\n(.*?)```", page, re.S)
+    names = {}
+    exec(compile(block, "docs/src/how-to/migration.md", "exec"), names)
+    assert names["picture"].shape == (480, 640, 4) and (tmp_path / "T.png").exists()
+
+
 def test_the_page_is_true(cube, tmp_path, monkeypatch):
     import re
 
     import numpy as np
 
+    matplotlib = pytest.importorskip("matplotlib")
     page = (ROOT / "docs/src/how-to/python.md").read_text()
     (tmp_path / "scene.toml").write_text((ROOT / "pipelines/quickstart.toml").read_text())
     (tmp_path / "pipelines").mkdir()
@@ -61,11 +99,12 @@ def test_the_page_is_true(cube, tmp_path, monkeypatch):
     (tmp_path / "pipelines/quickstart.toml").write_text((ROOT / "pipelines/quickstart.toml").read_text())
     write_series(tmp_path)
     monkeypatch.chdir(tmp_path)
+    matplotlib.use("agg")
     tetrahedra = cube["tetrahedra"]
     names = {
         "voltet": voltet, "np": np, "points": cube["points"], "temperature": cube["point_data"]["T"],
         "cell_types": np.full(len(tetrahedra), 10), "offsets": np.arange(0, tetrahedra.size + 1, 4),
-        "connectivity": tetrahedra.reshape(-1), "gradient": None,
+        "connectivity": tetrahedra.reshape(-1), "gradient": None, "mesh": {key: cube[key] for key in ("points", "tetrahedra", "point_data")},
     }
     vtk = pytest.importorskip("vtk")
     names["reader"] = vtk.vtkRTAnalyticSource(whole_extent=(-4, 4, -4, 4, -4, 4))
@@ -78,7 +117,7 @@ def test_the_page_is_true(cube, tmp_path, monkeypatch):
         exec(compile(block.replace('0, "T")', '0, "RTData")'), "docs/src/how-to/python.md", "exec"), names)
     first, last = [(tmp_path / f"run_{step:04}.png").read_bytes() for step in (0, 5)]
     assert first != last and not (tmp_path / "run_0001.png").exists()
-    assert names["picture"].shape == (600, 800, 4) and (tmp_path / "T.toml").exists()
+    assert names["picture"].shape == (600, 800, 4) and (tmp_path / "T.toml").exists() and (tmp_path / "figure.png").exists()
 
 
 def write_series(folder):

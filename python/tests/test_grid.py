@@ -247,3 +247,37 @@ def test_what_is_no_grid_cannot_be_given(slab):
     slab.give(None)
     with pytest.raises(voltet.UsageError, match="no grid"):
         slab.render()
+
+
+@pytest.mark.parametrize(
+    ("order", "found", "call"),
+    [
+        (("points", "tetrahedra"), "ndarray of shape", r"Grid\(points, tetrahedra=cells\)"),
+        (("tetrahedra", "points"), "the points are argument 2", r"Grid\(points, tetrahedra=cells\)"),
+        (("cells", "types", "points"), "the points are argument 3", r"Grid\(points, cells=cells, types=types\)"),
+        (("points", "types", "offsets", "connectivity"), "ndarray", r"Grid\(points, types=types, offsets=offsets, connectivity=connectivity\)"),
+    ],
+)
+def test_arguments_by_position_give_the_right_call(cube, order, found, call):
+    tetrahedra = cube["tetrahedra"]
+    known = {
+        "points": cube["points"], "tetrahedra": tetrahedra, "types": np.full(len(tetrahedra), 10),
+        "offsets": np.arange(0, tetrahedra.size + 1, 4), "connectivity": tetrahedra.reshape(-1),
+        "cells": np.column_stack([np.full(len(tetrahedra), 4), tetrahedra]).reshape(-1),
+    }
+    with pytest.raises(voltet.ArgumentTypeError, match=f"only the points are given by position.*{found}.*expected {call}"):
+        voltet.Grid(*[known[name] for name in order])
+    by_name = {name: known[name] for name in order if name != "points"}
+    assert voltet.Grid(known["points"], **by_name, point_data=cube["point_data"]).cell_count == len(tetrahedra)
+
+
+def test_points_and_cells_in_each_others_place_and_meshes_give_the_right_call(cube):
+    with pytest.raises(voltet.UsageError, match=r"found shape .*expected \(n, 3\), as in Grid\(points, tetrahedra=cells\)"):
+        voltet.Grid(cube["tetrahedra"], tetrahedra=cube["points"])
+    with pytest.raises(voltet.UsageError, match=r"cells are not stated: found nothing; expected Grid\(points, tetrahedra=cells\)"):
+        voltet.Grid(cube["points"])
+    with pytest.raises(voltet.ArgumentTypeError, match=r"found dict; expected Grid.from_mesh\(mesh\)"):
+        voltet.Grid(cube)
+    import inspect
+
+    assert list(inspect.signature(voltet.Grid).parameters)[:2] == ["points", "tetrahedra"]

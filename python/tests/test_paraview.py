@@ -10,7 +10,7 @@ from conftest import ROOT
 
 import voltet
 
-PLUGIN = ROOT / "python/paraview/VoltetFilters.py"
+PLUGIN = Path(voltet.__file__).parent / "paraview_plugin/VoltetFilters.py"
 
 
 def paraview(script, folder, *before, options=()):

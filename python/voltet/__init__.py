@@ -7,6 +7,7 @@ and its gradient magnitude.
 (48, 64, 4)
 
 ====================  =====================================================================================
+`render`              the picture of a mesh of PyVista, VTK, meshio, xarray or numpy, in one line
 `run`, `check`        pipeline files and the pictures that carry one
 `Pipeline`            a pipeline opened or built in code, changed, drawn again and again, saved
 `Grid`                a grid of numpy arrays, lent without a copy where their layout allows
@@ -41,7 +42,7 @@ if TYPE_CHECKING:
     from ._pipeline import Pipeline as Pipeline
     from ._gradient_test import gradient_test as gradient_test
     from ._run import check as check, run as run
-    from ._scene import scene as scene
+    from ._scene import render as render, scene as scene
     from ._shown import Shown as Shown
 
 # Mesa's layer that chooses among Vulkan devices asks for a Wayland display, and complains of a missing one, wherever devices are looked
@@ -63,6 +64,7 @@ _HOMES = {
     "gradient_test": "_gradient_test",
     "grid_reader": "_readers",
     "nodes": "",
+    "render": "_scene",
     "run": "_run",
     "scene": "_scene",
     "widgets": "",

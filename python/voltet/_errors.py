@@ -93,6 +93,13 @@ def usage(what: str, found: object = None, expected: str | None = None, item: st
     return _worded(UsageError, what, found, expected, item)
 
 
+def argument_type(what: str, found: object = None, expected: str | None = None) -> ArgumentTypeError:
+    """The exception for an argument of a wrong type."""
+    error = _worded(ArgumentTypeError, what, found, expected, None)
+    assert isinstance(error, ArgumentTypeError)
+    return error
+
+
 def whole(name: str, value: object, low: int = 0, high: int = 2**32 - 1) -> int:
     """A whole number within limits, of any integer type. Others are refused: nothing is rounded."""
     expected = f"a whole number, {low} or more" if high == 2**32 - 1 else f"a whole number, {low} to {high}"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _native
-from ._errors import usage, whole
+from ._errors import argument_type, usage, whole
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -58,6 +58,15 @@ class Grid:
     (1, ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)))
     """
 
+    def __new__(cls, *arguments: Any, **named: Any) -> Grid:
+        # Python's own message for a second argument by position says nothing of the right call.
+        if len(arguments) > 1:
+            raise _by_position(arguments)
+        is_mesh = [hasattr(value, "GetClassName") or isinstance(value, Mapping) for value in arguments]
+        if any(is_mesh) or arguments and type(arguments[0]).__module__.partition(".")[0] in ("meshio", "xarray"):
+            raise argument_type("the points are no array", _kind(arguments[0]), "Grid.from_mesh(mesh), or Grid(points, tetrahedra=cells)")
+        return super().__new__(cls)
+
     def __init__(
         self,
         points: ArrayLike,
@@ -93,6 +102,33 @@ class Grid:
             "degrees": degrees,
         }
         self._set([given], scalar=scalar, subdivision=subdivision, constant_cells=constant_cells, watch=watch)
+
+    @classmethod
+    def from_mesh(cls, mesh: Any, *, scalar: str | None = None, watch: bool = True, **options: Any) -> Grid:
+        """The grid of a mesh of another package.
+
+        Parameters
+        ----------
+        mesh : mesh
+            A PyVista or VTK data set (also a composite one), a `meshio.Mesh`, an `xarray.Dataset` of the UGRID conventions with a
+            topology of three dimensions, a mapping of the arguments of `Grid`, or an array of three dimensions: values at
+            points one unit apart, `values[i, j, k]` at (i, j, k).
+        scalar : str
+            The quantity that is drawn where the pipeline names none. Default: the mesh's active scalars, else the only one of one
+            component.
+        watch, **options
+            As of `Grid`: `subdivision`, `constant_cells`.
+
+        >>> import numpy as np, voltet
+        >>> voltet.Grid.from_mesh(np.zeros((3, 3, 3))).point_count
+        27
+        """
+        if isinstance(mesh, Grid) and scalar is None and not options:
+            return mesh
+        from ._meshes import pieces_of
+
+        pieces, active, notes = pieces_of(mesh)
+        return cls._of_pieces(pieces, scalar=scalar or active, watch=watch, warnings=notes, **options)
 
     @classmethod
     def from_pieces(
@@ -138,6 +174,12 @@ class Grid:
         grid = cls.__new__(cls)
         grid._set(pieces, **options)
         return grid
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"pieces": self._pieces, "watch": self._watch, **self._options}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self._set(**state)
 
     def _set(
         self,
@@ -224,11 +266,42 @@ class Grid:
         return table("Grid", rows, about["warnings"])
 
 
+# What help and editors show: the arguments of __init__.
+Grid.__signature__ = signature(Grid.__init__).replace(  # type: ignore[attr-defined]
+    parameters=list(signature(Grid.__init__).parameters.values())[1:]
+)
+
+
+def _kind(value: object) -> str:
+    """The type of a value, and its shape where it has one."""
+    shape = getattr(value, "shape", None)
+    return type(value).__qualname__ + (f" of shape {tuple(shape)}" if isinstance(shape, tuple) else "")
+
+
+def _by_position(arguments: tuple[Any, ...]) -> Exception:
+    """The exception for arguments by position beyond the points, with the call that they look like."""
+
+    def is_points(value: Any) -> bool:
+        return getattr(value, "ndim", 0) == 2 and value.shape[1] == 3 and value.dtype.kind == "f"
+
+    places = [place for place, value in enumerate(arguments) if is_points(value)]
+    rest = len(arguments) - 1
+    if rest == 1:
+        call = "Grid(points, tetrahedra=cells), or Grid(points, cells=cells, types=types)"
+    elif rest == 2:
+        call = "Grid(points, cells=cells, types=types)"
+    else:
+        call = "Grid(points, types=types, offsets=offsets, connectivity=connectivity)"
+    order = f"; the points are argument {places[0] + 1}" if places and places[0] > 0 else ""
+    found = ", ".join(map(_kind, arguments)) + order
+    return argument_type("only the points are given by position, and first", found, call)
+
+
 def _piece(given: Mapping[str, Any], taken: _Taken) -> dict[str, Any]:
     """A piece in the form in which it is lent."""
     points = taken.floats("points", given["points"])
     if points.ndim != 2 or points.shape[1] != 3:
-        raise usage("the points are not three numbers each", f"shape {points.shape}", "(n, 3)", "points")
+        raise usage("the points are not three numbers each", f"shape {points.shape}", "(n, 3), as in Grid(points, tetrahedra=cells)", "points")
     cells, cell_count = _cells(given, taken)
     arrays = []
     for key, count, what in (("point_data", len(points), "point"), ("cell_data", cell_count, "cell")):
@@ -343,7 +416,10 @@ def _cells(given: Mapping[str, Any], taken: _Taken) -> tuple[dict[str, Any], int
         connectivity = taken.whole("connectivity", given["connectivity"], narrow=True)
     else:
         found = ", ".join(sorted(stated)) or "nothing"
-        expected = "tetrahedra; types, offsets and connectivity; or types and cells"
+        expected = (
+            "Grid(points, tetrahedra=cells), Grid(points, cells=cells, types=types), or "
+            "Grid(points, types=types, offsets=offsets, connectivity=connectivity)"
+        )
         raise usage("the grid's cells are not stated", found, expected)
     types = taken.whole("types", given["types"])
     for name, array in (("types", types), ("offsets", offsets), ("connectivity", connectivity)):

@@ -17,19 +17,27 @@ _OPAQUE = 1.0 - 2.0**-12
 
 
 class Look:
-    """A quantity of a data set and its transfer function."""
+    """A quantity of a data set and its transfer function, by PyVista's words."""
 
     def __init__(
         self,
         data: Any,
-        scalars: Any,
-        preference: str,
-        clim: float | Sequence[float] | None,
-        cmap: Any,
-        opacity: Any,
-        n_colors: int,
-        opacity_unit_distance: float | None,
-        widgets: Sequence[Mapping[str, Any]] | None,
+        scalars: Any = None,
+        *,
+        preference: str = "point",
+        component: int | None = None,
+        clim: float | Sequence[float] | None = None,
+        cmap: Any = None,
+        opacity: Any = "linear",
+        n_colors: int = 256,
+        flip_scalars: bool = False,
+        categories: bool | int = False,
+        log_scale: bool = False,
+        above_color: Any = None,
+        below_color: Any = None,
+        annotations: Mapping[float, str] | None = None,
+        opacity_unit_distance: float | None = None,
+        widgets: Sequence[Mapping[str, Any]] | None = None,
     ):
         if preference not in ("point", "cell"):
             raise usage("'preference' is neither", repr(preference), '"point" or "cell"')
@@ -46,14 +54,42 @@ class Look:
         self.names = list(dict.fromkeys([self.name, *fields]))
         grid = self.grid()
         known = grid.about["arrays"][self.name]
-        self.scalar = self.name if known["components"] == 1 else f"{self.name}:magnitude"
-        self._cmap, self._n_colors, self._opacity = cmap, whole("n_colors", n_colors, 2, 65536), opacity
+        self.scalar = self._component(known["components"], component)
+        self._given_range = known["range"]
+        table = cmap if isinstance(cmap, pv.LookupTable) else None
+        if table is not None:
+            # As PyVista does: it states all of it.
+            clim, log_scale, opacity = table.scalar_range, table.log_scale, table.values[:, 3] / 255.0
+            n_colors = table.n_values
+            above_color = table.above_range_color if table.GetUseAboveRangeColor() else None
+            below_color = table.below_range_color if table.GetUseBelowRangeColor() else None
         self.range = known["range"] or self._range_of_magnitude()
-        self.clim = _limits(clim, self.range)
+        self.clim = _limits(clim, self.range, log_scale)
+        if categories:
+            n_colors = max(2, self._category_count() if categories is True else whole("categories", categories, 1, 65536))
+        self._n_colors, self._opacity, self._log = whole("n_colors", n_colors, 2, 65536), opacity, bool(log_scale)
+        self._cmap = _reversed(cmap) if flip_scalars and table is None else cmap
+        self._above, self._below = _color("above_color", above_color), _color("below_color", below_color)
+        self._annotations = dict(annotations or {})
         self.unit_distance = self._distance(opacity_unit_distance, widgets)
-        self.widgets = [dict(widget) for widget in widgets] if widgets is not None else [self._widget()]
+        self.widgets = [dict(widget) for widget in widgets] if widgets is not None else self._colormap()
+        #: Parameters of the node `transfer-function` beside widgets and unit distance.
+        self.axes = {"s_scale": "log"} if self._log else {}
         # Those of a colour map are composited as they are, as VTK does; widgets state linear ones.
         self.linear = widgets is not None
+
+    def _component(self, count: int, component: int | None) -> str:
+        """The scalar of an array of so many components."""
+        if component is not None:
+            return f"{self.name}:{whole('component', component, 0, count - 1)}" if count > 1 else self.name
+        return self.name if count == 1 else f"{self.name}:magnitude"
+
+    def _category_count(self) -> int:
+        """The number of different values, of which none is NaN."""
+        from ._scene import scene
+
+        values = scene(self.grid(), self.scalar, widgets=[]).volume("gradient", gradient_magnitude=False)["scalar"]
+        return len(np.unique(values[np.isfinite(values)]))
 
     def grid(self) -> Grid:
         """The data as a grid, as they are now: the same one while nothing has changed."""
@@ -65,9 +101,23 @@ class Look:
 
     def lookup_table(self) -> pv.LookupTable:
         """The colours, for a scalar bar."""
-        table = pv.LookupTable(cmap=self._cmap or pv.global_theme.cmap, n_values=min(self._n_colors, 256))
+        table = self._colors() if self._n_colors <= 256 else self._colors(256)
         table.scalar_range = self.clim
+        table.log_scale = self._log
+        if self._above is not None:
+            table.above_range_color = self._above
+        if self._below is not None:
+            table.below_range_color = self._below
+        if self._annotations:
+            table.annotations = self._annotations
         return table
+
+    def _colors(self, count: int | None = None) -> pv.LookupTable:
+        if isinstance(self._cmap, pv.LookupTable):
+            table = pv.LookupTable()
+            table.DeepCopy(self._cmap)
+            return table
+        return pv.LookupTable(cmap=self._cmap or pv.global_theme.cmap, n_values=count or self._n_colors)
 
     def _named(self, scalars: Any) -> str:
         if scalars is None:
@@ -97,31 +147,66 @@ class Look:
         # PyVista's own defaults.
         return 1.0 if dimensions is None else float(self.data.length / (np.mean(dimensions) - 1))
 
-    def _widget(self) -> dict[str, Any]:
+    def _colormap(self) -> list[dict[str, Any]]:
         count = self._n_colors
         try:
-            colors = pv.LookupTable(cmap=self._cmap or pv.global_theme.cmap, n_values=count).values[:, :3] / 255.0
-            alphas = np.asarray(pv.opacity_transfer_function(self._opacity, count), float) / 255.0
+            colors = self._colors().values[:, :3] / 255.0
+            alphas = np.asarray(self._opacity if isinstance(self._cmap, pv.LookupTable) else pv.opacity_transfer_function(self._opacity, count) / 255.0, float)
         except Exception as error:
             raise usage("the colour map or opacity is not known to PyVista", error, "what add_volume takes") from error
         extinction = -np.log1p(-np.minimum(alphas, _OPAQUE))
-        at = np.linspace(*self.clim, count)
+        at = np.geomspace(*self.clim, count) if self._log else np.linspace(*self.clim, count)
         points = [[float(s), *map(float, color), float(k)] for s, color, k in zip(at, colors, extinction)]
-        # Beyond the limits the ends hold.
-        low, high = self.range
-        if low < self.clim[0]:
-            points.insert(0, [low, *points[0][1:]])
-        if high > self.clim[1]:
-            points.append([high, *points[-1][1:]])
-        return {"kind": "piecewise-linear", "points": points}
+        if self._above is None and self._below is None:
+            # Beyond the limits the ends hold.
+            low, high = self.range
+            if low < self.clim[0] and not (self._log and low <= 0.0):
+                points.insert(0, [low, *points[0][1:]])
+            if high > self.clim[1]:
+                points.append([high, *points[-1][1:]])
+            return [{"kind": "piecewise-linear", "points": points}]
+        within = [-np.inf, np.inf]
+        widgets = []
+        for color, end, side in ((self._below, 0, 0), (self._above, -1, 1)):
+            if color is not None:
+                limit = self.clim[side]
+                within[side] = limit
+                region = [5e-324 if self._log else -np.inf, limit] if side == 0 else [limit, np.inf]
+                widgets.append({"kind": "uniform", "color": color, "extinction": points[end][4], "region": {"s": region}})
+        return [{"kind": "piecewise-linear", "points": points, "region": {"s": within}}, *widgets]
 
 
-def _limits(clim: float | Sequence[float] | None, range: Sequence[float]) -> tuple[float, float]:
+def _limits(clim: float | Sequence[float] | None, range: Sequence[float], log: bool) -> tuple[float, float]:
     if clim is None:
         low, high = range
+        if log and low <= 0.0:
+            raise usage("'log_scale' needs values above 0", f"{low} to {high}", "clim=(low, high), both above 0")
         # A field that is the same everywhere.
         return (low, high) if high > low else (low, low + max(abs(low), 1.0) * 1e-6)
     low, high = (-clim, clim) if isinstance(clim, (int, float)) else clim
     if not (np.isfinite([low, high]).all() and low < high):
         raise usage("'clim' is out of range", clim, "two numbers, the first the less")
+    if log and low <= 0.0:
+        raise usage("'clim' is out of range", clim, "numbers above 0, with log_scale")
     return float(low), float(high)
+
+
+def _reversed(cmap: Any) -> Any:
+    """A colour map from its other end."""
+    cmap = cmap or pv.global_theme.cmap
+    if isinstance(cmap, (list, tuple)):
+        return list(cmap)[::-1]
+    try:
+        return pv.plotting.colors.get_cmap_safe(cmap).reversed()
+    except Exception as error:
+        raise usage("the colour map is not known to PyVista", error, "what add_volume takes") from error
+
+
+def _color(name: str, color: Any) -> list[float] | None:
+    """A colour in PyVista's words, as shares of red, green and blue."""
+    if color is None:
+        return None
+    try:
+        return list(pv.Color(color).float_rgb)
+    except Exception as error:
+        raise usage(f"'{name}' is no colour", repr(color), "a name, '#rrggbb' or three numbers from 0 to 1") from error

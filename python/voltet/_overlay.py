@@ -15,6 +15,7 @@ from ._vtk_scene import look_from
 
 if TYPE_CHECKING:
     from ._pipeline import Pipeline
+    from ._shown import Shown
     from ._vtk_volume import VoltetVolume
 
 #: Left, bottom, right and top in pixels, rows from below.
@@ -38,7 +39,7 @@ class Overlay:
 
     pipeline: Pipeline
 
-    def __init__(self, scale: float = 1.0, linear: bool = True):
+    def __init__(self, scale: float = 1.0, linear: bool = True, headlight: bool = False):
         if not 0.1 <= scale <= 1.0:
             raise usage("'scale' is out of range", scale, "0.1 to 1")
         self.picture: Picture | None = None
@@ -47,6 +48,7 @@ class Overlay:
         #: Pixels of the picture per pixel of the window.
         self._scale = scale
         self._linear = linear
+        self._headlight = headlight
         self._seen: tuple | None = None
         self._pixels: Any = None
 
@@ -58,6 +60,13 @@ class Overlay:
         """Raises what the last frame raised, if it did."""
         if self.error is not None:
             raise self.error
+
+    def pick(self, x: int, y: int) -> Shown:
+        """The cells along the ray of a pixel, as `Pipeline.pixel` gives them: with entry, exit, values and share of the colour. x, y:
+        column from the left and row from the top of the renderer, pixels of the window. Opaque surfaces do not end the ray."""
+        if self.picture is None:
+            raise usage("nothing was drawn yet", None, "a frame: show() or render() of the plotter")
+        return self.pipeline.pixel(int(x * self._scale), int(y * self._scale), "picture")
 
     def frame(self, renderer: Any) -> None:
         """Lays it over what the renderer has drawn; to be called when it has, while its window is current."""
@@ -89,7 +98,7 @@ class Overlay:
         current = self._current()
         camera = renderer.GetActiveCamera()
         ends = _ends(window, camera, place, part, (width, height), size)
-        look_from(self.pipeline, camera, size, tiles=window.GetTileScale()[1])
+        look_from(self.pipeline, camera, size, tiles=window.GetTileScale()[1], headlight=self._headlight)
         seen = (self.pipeline.text, current, (width, height), None if ends is None else hash(ends.tobytes()))
         if seen != self._seen:
             picture = self.pipeline.render("picture") if ends is None else self.pipeline.render_until(ends, "picture")

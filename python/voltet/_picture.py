@@ -22,6 +22,9 @@ class Account:
     def __init__(self, native: _native.Report):
         self._native = native
 
+    def __getstate__(self) -> dict[str, Any]:
+        return {"report": self.report}
+
     @cached_property
     def report(self) -> dict[str, Any]:
         whole = json.loads(self._native.json())
@@ -40,6 +43,15 @@ class Picture(np.ndarray):
     def report(self) -> dict[str, Any]:
         """What was done for it, as `voltet run --report` says it; empty where nothing is known."""
         return {} if self._account is None else self._account.report
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # What rebuilds the array, its arguments, and its state.
+        parts: Any = super().__reduce__()
+        return parts[0], parts[1], (parts[2], self._account)
+
+    def __setstate__(self, state: Any) -> None:
+        array, self._account = state
+        super().__setstate__(array)
 
     def __array_wrap__(self, array, context=None, return_scalar=False):
         # What was computed of a picture is an array.
@@ -80,11 +92,14 @@ class Picture(np.ndarray):
         return self._encoded("a.png", (0.0, 0.0, 0.0))
 
 
-def _srgb8(linear: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """IEC 61966-2-1, in bytes."""
+def encoded_srgb(linear: NDArray[Any]) -> NDArray[Any]:
+    """IEC 61966-2-1, from 0 to 1."""
     v = np.clip(linear, 0.0, 1.0)
-    encoded = np.where(v <= 0.0031308, 12.92 * v, 1.055 * np.power(v, 1.0 / 2.4) - 0.055)
-    return np.rint(255.0 * encoded).astype(np.uint8)
+    return np.where(v <= 0.0031308, 12.92 * v, 1.055 * np.power(v, 1.0 / 2.4) - 0.055)
+
+
+def _srgb8(linear: NDArray[np.float32]) -> NDArray[np.uint8]:
+    return np.rint(255.0 * encoded_srgb(linear)).astype(np.uint8)
 
 
 class Result:

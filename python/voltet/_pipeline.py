@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from os import PathLike, fspath
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,10 @@ from ._measured import Measured
 from ._node import Node, sources
 from ._picture import Account, Picture, Result, picture
 from ._progress import Progress, followed
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.image import AxesImage
 
 
 class Pipeline(Measured):
@@ -54,6 +58,21 @@ class Pipeline(Measured):
         pipeline = cls.__new__(cls)
         pipeline._begin(fspath(path), None)
         return pipeline
+
+    def __getstate__(self) -> dict[str, Any]:
+        # Files are found from its folder, wherever the other process works.
+        path = None if self.path is None else str(Path(self.path).absolute())
+        grids = {name: grid for name, (grid, _) in self._grids.items() if name in self}
+        return {"path": path, "text": self.text, "title": self.title, "nodes": len(self), "grids": grids}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        # A text without nodes is no pipeline yet.
+        path, text = (state["path"], state["text"]) if state["nodes"] else (None, None)
+        self._begin(path, text)
+        if text is None:
+            self.title = state["title"]
+        for name, grid in state["grids"].items():
+            self.give(grid, name)
 
     # --- what is stated
 
@@ -224,6 +243,40 @@ class Pipeline(Measured):
         self._lend()
         with followed(progress) as told:
             return picture(self._native.render_until(node, depths, told))
+
+    def imshow(
+        self,
+        ax: Axes | None = None,
+        node: str | None = None,
+        *,
+        colorbar: bool = True,
+        progress: bool | None | Progress = None,
+        **options: Any,
+    ) -> AxesImage:
+        """Draws the picture of a node into axes of matplotlib, over their face colour, with a colour bar beside them.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes
+            The axes. Default: the current ones.
+        node : str
+            The node whose picture is drawn, where there are several.
+        colorbar : bool
+            Whether a colour bar is added, where the colours depend on the scalar alone.
+        **options
+            Of `Axes.imshow`.
+
+        The extent is that of the plane through the camera's target, in the grid's units. An orthographic camera along an axis of space
+        gives ticks that are coordinates; other cameras give none.
+
+        >>> import matplotlib.pyplot as plt, numpy as np, voltet
+        >>> pipeline = voltet.scene(np.random.rand(4, 4, 4), camera={"view": "+z", "height": "auto"}, size=(64, 64))
+        >>> pipeline.imshow(plt.figure().add_subplot()).axes.get_ylabel()
+        'y'
+        """
+        from ._axes import imshow
+
+        return imshow(self, ax, node, colorbar, progress, options)
 
     def size(self, node: str | None = None) -> tuple[int, int]:
         """Width and height of a node's picture, pixels."""

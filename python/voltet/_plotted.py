@@ -21,13 +21,14 @@ class Plotted(Overlay, pv.Actor):
     bounds, fully transparent; the picture is laid over the frames of the renderers that have the actor, while it is visible.
     Its attributes are those of `Overlay`."""
 
-    def __init__(self, plotter: Any, look: Look, method: Any, scale: float, options: Mapping[str, Any]):
-        Overlay.__init__(self, scale, look.linear)
+    def __init__(self, plotter: Any, look: Look, method: Any, scale: float, headlight: bool, options: Mapping[str, Any]):
+        Overlay.__init__(self, scale, look.linear, headlight)
         self._plotter = weakref.ref(plotter)
         self._look = look
         self._given = look.grid()
         self.pipeline = scene(
-            self._given, look.scalar, widgets=look.widgets, unit_distance=look.unit_distance, method=method, annotation=None, **options
+            self._given, look.scalar, widgets=look.widgets, unit_distance=look.unit_distance, look=look.axes, method=method,
+            annotation=None, **options
         )
         low, high = self._given.bounds
         box = pv.Box(tuple(value for pair in zip(low, high) for value in pair)).outline()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from . import _native
 from ._errors import usage
 from ._filters import Parameter, declaration, takes
 from ._grid import Grid, _piece, _Taken, components
+from ._meshes import EXPECTED, pieces_of
 
 #: What states the cells, and what else a mapping may hold.
 _CELLS = ("tetrahedra", "types", "offsets", "connectivity", "cells", "faces", "face_locations")
@@ -152,21 +153,10 @@ def _shape(name: str, values: Any) -> tuple[int, ...]:
 
 def _piece_of(mesh: Any) -> tuple[dict[str, Any], str | None, list[str]]:
     """A mesh as the arguments of `Grid`, the scalar that it marks, and what was left out."""
-    notes: Iterable[str] = ()
-    scalar = None
-    if isinstance(mesh, Grid):
-        pieces, scalar = mesh._pieces, mesh._options["scalar"]
-    else:
-        if type(mesh).__module__.partition(".")[0] == "meshio":
-            import pyvista
-
-            mesh = pyvista.wrap(mesh)
-        if not hasattr(mesh, "GetClassName"):
-            found = f"a {type(mesh).__module__}.{type(mesh).__qualname__}"
-            raise usage("the reader gave no grid", found, "a mapping, a voltet.Grid, or a PyVista, VTK or meshio mesh")
-        from . import _vtk_grid
-
-        pieces, notes = _vtk_grid.pieces_of(mesh)
+    if not isinstance(mesh, Grid) and not hasattr(mesh, "GetClassName") and type(mesh).__module__.partition(".")[0] not in ("meshio", "xarray"):
+        found = f"a {type(mesh).__module__}.{type(mesh).__qualname__}"
+        raise usage("the reader gave no grid", found, EXPECTED)
+    pieces, scalar, notes = pieces_of(mesh)
     if len(pieces) != 1:
         raise usage("the reader gave several grids", len(pieces), "one; PyVista's combine() makes one of blocks")
-    return dict(pieces[0]), scalar, list(notes)
+    return dict(pieces[0]), scalar, notes

@@ -8,21 +8,29 @@ from typing import Any
 
 import numpy as np
 
+from ._colors import colormap_widget
 from ._declared import ports
 from ._errors import picture_size, usage, warn
 from ._grid import Grid
+from ._picture import Picture
 from ._pipeline import Pipeline
+from ._progress import Progress
 
 
 def scene(
-    grid: Grid,
+    grid: Any,
     scalar: str | None = None,
     *,
+    cmap: Any = None,
+    clim: Sequence[Any] | None = None,
+    opacity: str | Sequence[Sequence[float]] | None = None,
+    extinction: float | None = None,
     widgets: Sequence[Mapping[str, Any]] | None = None,
     camera: Mapping[str, Any] | None = None,
     size: tuple[int, int] = (640, 480),
     method: str | Mapping[str, Any] | None = None,
     unit_distance: float | None = None,
+    look: Mapping[str, Any] | None = None,
     surfaces: Sequence[Mapping[str, Any]] = (),
     clip: Sequence[Mapping[str, Any]] | None = None,
     annotation: Mapping[str, Any] | None = None,
@@ -33,12 +41,20 @@ def scene(
 
     Parameters
     ----------
-    grid : Grid
-        The grid.
+    grid : Grid or mesh
+        The grid, or what `Grid.from_mesh` makes one of: a PyVista, VTK or meshio mesh, an xarray.Dataset of UGRID, an array, ….
     scalar : str
         The quantity that is drawn: `"T"`, `"U:magnitude"`, `"U:0"`. Default: the grid's.
+    cmap : str, path, Colormap or list of colours
+        Colours along the scalar: a colour map of voltet (`"viridis"`, `"inferno_r"`, …), a file of ParaView's, or one of matplotlib.
+    clim : pair
+        The scalar at the ends of the colours: numbers, or `"5 %"` and `"p95"` for maps of voltet. Default: the range of the data.
+    opacity : str or list of [place, share]
+        The extinction along the colours: `"ramp"` (default), `"fall"`, `"constant"`, …, or points from 0 to 1.
+    extinction : float
+        That where opacity is 1, per unit distance. Default: 0.08.
     widgets : list of dict
-        The transfer function, by `voltet.widgets`. Default: viridis over the range of the scalar, the higher the denser.
+        A transfer function over s and g in their place, by `voltet.widgets`.
     camera : mapping
         Parameters of the node `camera`; those that are left out are chosen so that the whole grid is seen, also from the side of a
         `view` such as `"+x"` or from a `direction`.
@@ -48,6 +64,8 @@ def scene(
         The gradient filter, or a mapping of `method` and its parameters.
     unit_distance : float
         The length over which extinction is stated. Default: a hundredth of the grid's diagonal.
+    look : mapping
+        Further parameters of the node `transfer-function`, such as `{"s_scale": "log"}`.
     surfaces : list of mapping
         Surfaces in the volume: the `type` of a node that makes one, `"contour"`, `"slice"`, `"boundary"` or `"surface-reader"`, and its
         parameters, such as `{"type": "slice", "normal": [0, 0, 1]}`.
@@ -67,6 +85,8 @@ def scene(
     (24, 32, 4)
     """
     size = picture_size("size", size)
+    if not isinstance(grid, Grid):
+        grid = Grid.from_mesh(grid)
     about = grid.about
     scalar = scalar or about["scalar"]
     if scalar is None:
@@ -78,10 +98,13 @@ def scene(
     pipeline.give(grid, "grid")
     # Before anything is drawn, since a volume that is plotted may never be.
     warn(about["warnings"])
+    words = {"cmap": cmap, "clim": clim, "opacity": opacity, "extinction": extinction}
     if widgets is None:
-        widgets = [{"kind": "colormap", "extinction": 0.08}]
+        widgets = [colormap_widget(cmap, clim, opacity, 0.08 if extinction is None else float(extinction))]
+    elif both := [word for word, value in words.items() if value is not None]:
+        raise usage("the transfer function is stated twice", f"'widgets' and '{both[0]}'", "one of them")
     # By which numbers may be relative to the data.
-    pipeline.add("look", "transfer-function", volume="gradient", widgets=list(widgets), unit_distance=unit_distance)
+    pipeline.add("look", "transfer-function", volume="gradient", widgets=list(widgets), unit_distance=unit_distance, **(look or {}))
     camera = dict(camera or {})
     placed = {"volume": "gradient", "size": list(size)} if {"view", "direction"} & camera.keys() else _fitted(about["bounds"], size)
     pipeline.add("view", "camera", **{**placed, **camera})
@@ -91,6 +114,34 @@ def scene(
     if annotation is not None:
         pipeline.add("figure", "annotation", image="picture", **wires, **annotation)
     return pipeline
+
+
+def render(mesh: Any, scalars: str | None = None, *, progress: bool | None | Progress = None, **options: Any) -> Picture:
+    """The picture of a mesh, in one line: `voltet.render(mesh, "T", cmap="inferno")`.
+
+    Parameters
+    ----------
+    mesh : mesh
+        A PyVista or VTK data set, a `meshio.Mesh`, an `xarray.Dataset` of UGRID, a `Grid`, a mapping of its arguments, or an array of
+        three dimensions; see `Grid.from_mesh`.
+    scalars : str
+        The quantity that is drawn: `"T"`, `"U:magnitude"`, `"U:0"`. Default: the mesh's active scalars, or its only one.
+    progress : True or function
+        A bar, or a function of (node, stage, fraction); what it raises stops the run.
+    **options
+        As of `scene`: `cmap`, `clim`, `opacity`, `widgets`, `camera`, `size`, `surfaces`, `clip`, `annotation`, `engine`, ….
+
+    Returns
+    -------
+    Picture
+        A float32 array, height × width × 4, premultiplied linear RGBA, row 0 at the top, with its `report`; notebooks show it.
+
+    >>> import numpy as np, voltet
+    >>> x, y, z = np.mgrid[-1:1:8j, -1:1:8j, -1:1:8j]
+    >>> voltet.render(x * x + y * y + z * z, cmap="inferno", size=(32, 24), engine="cpu").shape
+    (24, 32, 4)
+    """
+    return scene(mesh, scalars, **options).render(progress=progress)
 
 
 def _surface(pipeline: Pipeline, name: str, given: Mapping[str, Any]) -> str:

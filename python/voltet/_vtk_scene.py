@@ -37,12 +37,18 @@ def camera_parameters(camera: vtkCamera, size: Sequence[int], tiles: int = 1) ->
     return {**seen, "fov_y": fov_y, "height": None}
 
 
-def look_from(pipeline: Pipeline, camera: vtkCamera, size: Sequence[int], node: str = "view", tiles: int = 1) -> bool:
-    """Gives a node the parameters of a vtkCamera; whether they are others than before."""
+def look_from(
+    pipeline: Pipeline, camera: vtkCamera, size: Sequence[int], node: str = "view", tiles: int = 1, headlight: bool = False
+) -> bool:
+    """Gives a node the parameters of a vtkCamera; whether they are others than before. `headlight`: the light of the node `picture`
+    comes from the eye."""
     stated = pipeline[node].parameters
     seen = camera_parameters(camera, size, tiles)
     other = {key: value for key, value in seen.items() if stated.get(key) != value}
     pipeline.set({f"{node}.{key}": value for key, value in other.items()})
+    if headlight and pipeline["picture"]["light.direction"] != (direction := list(camera.GetViewPlaneNormal())):
+        pipeline.set({"picture.light.direction": direction})
+        return True
     return bool(other)
 
 

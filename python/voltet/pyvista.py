@@ -31,6 +31,7 @@ from ._pipeline import Pipeline
 from ._scene import scene
 from ._vtk_scene import look_from
 from ._vtk_values import VoltetGradientMagnitude
+from ._words import headlight, options_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -62,6 +63,15 @@ class GridAccessor:
         camera: Any = None,
         window_size: Sequence[int] | None = None,
         preference: str = "point",
+        component: int | None = None,
+        flip_scalars: bool = False,
+        categories: bool | int = False,
+        log_scale: bool = False,
+        above_color: Any = None,
+        below_color: Any = None,
+        shade: bool = False,
+        ambient: float | None = None,
+        diffuse: float | None = None,
         method: str | Mapping[str, Any] | None = None,
         **renderer: Any,
     ) -> Picture:
@@ -71,8 +81,14 @@ class GridAccessor:
         ----------
         scalars : str or array
             The quantity; default: the active scalars. Of vectors the magnitude.
-        clim, cmap, opacity, n_colors, opacity_unit_distance
+        component : int
+            The component of an array of several, from 0, in place of the magnitude.
+        clim, cmap, opacity, n_colors, opacity_unit_distance, flip_scalars, categories, log_scale
             As of `pyvista.Plotter.add_volume`. The colours are composited as they are, as VTK does.
+        above_color, below_color
+            Colours of values beyond `clim`, with the opacity of its ends.
+        shade, ambient, diffuse
+            Light from the eye: colour times (ambient + diffuse |gradient · view|); default 0 and 0.7.
         widgets : list of dict
             A transfer function over s and g in their place, by `voltet.widgets`: colours are linear then.
         camera : pyvista.Camera or camera position
@@ -84,15 +100,22 @@ class GridAccessor:
         method : str or mapping
             The gradient filter.
         **renderer
-            Parameters of the node `renderer`: `integrator`, `engine`, `light`, …; `annotation` as of `voltet.scene`.
+            Parameters of the node `renderer`: `integrator`, `engine`, `light`, …; `annotation` as of `voltet.scene`. Other words of
+            `add_volume` are refused with the reason.
         """
-        look = Look(self._data, scalars, preference, clim, cmap, opacity, n_colors, opacity_unit_distance, widgets)
+        options = options_of(renderer, headlight(shade, ambient, diffuse))
+        look = Look(
+            self._data, scalars, preference=preference, component=component, clim=options.pop("clim", clim),
+            cmap=options.pop("cmap", cmap), opacity=opacity, n_colors=n_colors, flip_scalars=flip_scalars, categories=categories,
+            log_scale=log_scale, above_color=above_color, below_color=below_color, opacity_unit_distance=opacity_unit_distance,
+            widgets=widgets,
+        )
         size = picture_size("window_size", pv.global_theme.window_size if window_size is None else window_size)
         pipeline = scene(
-            look.grid(), look.scalar, widgets=look.widgets, unit_distance=look.unit_distance, size=size,
-            method=method, **renderer,
+            look.grid(), look.scalar, widgets=look.widgets, unit_distance=look.unit_distance, look=look.axes, size=size,
+            method=method, **options,
         )
-        look_from(pipeline, _camera(self._data, camera, size), size)
+        look_from(pipeline, _camera(self._data, camera, size), size, headlight=shade)
         return pipeline.render()
 
     def gradient(
@@ -139,6 +162,29 @@ def _camera(data: Any, camera: Any, size: Sequence[int]) -> Any:
         plotter.close()
 
 
+#: Pixels that a label of a scalar bar takes, at most: nine characters.
+_LABEL_WIDTH = 90
+
+
+def _bar(plotter: Any, given: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Arguments of a scalar bar whose labels do not reach beyond the window, nor into each other, where PyVista's own would."""
+    bar = dict(given or {})
+    is_vertical = bar.get("vertical")
+    if is_vertical is None:
+        is_vertical = pv.global_theme.colorbar_orientation == "vertical"
+    if not is_vertical:
+        width = bar.get("width") or pv.global_theme.colorbar_horizontal.width
+        left, _, right, _ = plotter.renderer.viewport
+        room = width * (right - left) * plotter.window_size[0]
+        bar.setdefault("position_x", 0.5 - width / 2)
+        bar.setdefault("n_labels", min(5, max(2, int(room / _LABEL_WIDTH))))
+        if room < 2 * _LABEL_WIDTH:
+            # VTK makes letters no smaller by itself.
+            bar.setdefault("label_font_size", 8)
+            bar.setdefault("title_font_size", 10)
+    return bar
+
+
 @pv.register_plotter_component("voltet")
 class PlotterAccessor:
     """What voltet draws in a plotter."""
@@ -160,6 +206,16 @@ class PlotterAccessor:
         opacity_unit_distance: float | None = None,
         widgets: Sequence[Mapping[str, Any]] | None = None,
         preference: str = "point",
+        component: int | None = None,
+        flip_scalars: bool = False,
+        categories: bool | int = False,
+        log_scale: bool = False,
+        above_color: Any = None,
+        below_color: Any = None,
+        annotations: Mapping[float, str] | None = None,
+        shade: bool = False,
+        ambient: float | None = None,
+        diffuse: float | None = None,
         method: str | Mapping[str, Any] | None = None,
         name: str | None = None,
         show_scalar_bar: bool = True,
@@ -175,8 +231,10 @@ class PlotterAccessor:
         ----------
         volume : data set with cells, or a composite one
             What is drawn; unstructured grids share their memory.
-        scalars, clim, opacity, n_colors, cmap, opacity_unit_distance, preference
+        scalars, clim, opacity, n_colors, cmap, opacity_unit_distance, preference, flip_scalars, categories, log_scale, annotations
             As of `pyvista.Plotter.add_volume`.
+        component, above_color, below_color, shade, ambient, diffuse
+            As of `render`.
         widgets : list of dict
             A transfer function over s and g in place of `cmap` and `opacity`, by `voltet.widgets`.
         method : str or mapping
@@ -184,7 +242,7 @@ class PlotterAccessor:
         name : str
             A volume of this name is replaced.
         show_scalar_bar, scalar_bar_args
-            As of `add_volume`; none with `widgets`.
+            As of `add_volume`; none with `widgets`. A level bar stands in the middle, with as many labels as have room.
         reset_camera : bool
             Whether the camera is set to see all; default: where none was set.
         scale : float
@@ -192,7 +250,7 @@ class PlotterAccessor:
         render : bool
             Whether to draw at once, where the plotter is shown already.
         **renderer
-            Parameters of the node `renderer`.
+            Parameters of the node `renderer`. Other words of `add_volume` are refused with the reason.
 
         Returns
         -------
@@ -207,8 +265,14 @@ class PlotterAccessor:
         plotter = self._plotter
         if getattr(plotter, "_closed", False) or getattr(plotter, "render_window", None) is None:
             raise usage("the plotter is closed", None, "a plotter that is open")
-        look = Look(volume, scalars, preference, clim, cmap, opacity, n_colors, opacity_unit_distance, widgets)
-        overlay = Plotted(plotter, look, method, scale, renderer)
+        options = options_of(renderer, headlight(shade, ambient, diffuse))
+        look = Look(
+            volume, scalars, preference=preference, component=component, clim=options.pop("clim", clim), cmap=options.pop("cmap", cmap),
+            opacity=opacity, n_colors=n_colors, flip_scalars=flip_scalars, categories=categories, log_scale=log_scale,
+            above_color=above_color, below_color=below_color, annotations=annotations,
+            opacity_unit_distance=opacity_unit_distance, widgets=widgets,
+        )
+        overlay = Plotted(plotter, look, method, scale, shade, options)
         name = name or next(name for i in count() if (name := f"voltet {i}") not in self.volumes)
         for follower in plotter.renderers:
             if (address := follower.GetAddressAsString("")) not in self._followed:
@@ -219,7 +283,7 @@ class PlotterAccessor:
         plotter.add_actor(overlay, name=name, reset_camera=reset_camera, pickable=False, render=False)
         if show_scalar_bar and widgets is None:
             plotter.add_scalar_bar(
-                **{"title": look.name, **dict(scalar_bar_args or {})}, mapper=overlay.mapper, render=False
+                **{"title": look.name, **_bar(plotter, scalar_bar_args)}, mapper=overlay.mapper, render=False
             )
         if render and plotter.render_window is not None and getattr(plotter, "_rendered_once", False):
             plotter.render()

@@ -22,7 +22,8 @@ use crate::core::Result;
 use crate::graph::Registry;
 use arguments::Arguments;
 use clap::Parser;
-use process::{FAILED, is_single_threaded};
+use process::{FAILED, command_line, is_single_threaded};
+use std::ffi::OsString;
 use std::panic::AssertUnwindSafe;
 use std::process::ExitCode;
 
@@ -35,21 +36,33 @@ use std::process::ExitCode;
 /// # }
 /// ```
 pub fn run(registry: Result<Registry>) -> ExitCode {
+    ExitCode::from(exit_code(registry))
+}
+
+/// Like [`run`], within a process of another program, such as an interpreter's: with this command line (the file that starts the
+/// program, then its arguments), to the exit code. Once in a process.
+pub fn run_command_line(words: Vec<OsString>, registry: Result<Registry>) -> u8 {
+    process::give_command_line(words);
+    exit_code(registry)
+}
+
+fn exit_code(registry: Result<Registry>) -> u8 {
     quieten_drivers();
     panic_hook::install();
     // A panic was shown where it happened.
-    let ended = std::panic::catch_unwind(AssertUnwindSafe(|| match Arguments::try_parse() {
-        Ok(arguments) => {
-            note_former_options();
-            commands::dispatch(&arguments, registry)
-        }
-        Err(answer) => {
-            commands::help_of_node(&registry).unwrap_or_else(|| commands::answer(&answer, &registry))
-        }
-    }));
+    let ended =
+        std::panic::catch_unwind(AssertUnwindSafe(|| match Arguments::try_parse_from(command_line()) {
+            Ok(arguments) => {
+                note_former_options();
+                commands::dispatch(&arguments, registry)
+            }
+            Err(answer) => {
+                commands::help_of_node(&registry).unwrap_or_else(|| commands::answer(&answer, &registry))
+            }
+        }));
     let exit_code = ended.unwrap_or(FAILED);
     voltet_plugins::state_exit(exit_code);
-    ExitCode::from(exit_code)
+    exit_code
 }
 
 /// The registry of the program: the nodes, gradient filters and integrators that ship, the reference integrator and those for studies.
@@ -68,7 +81,7 @@ const FORMER_OPTIONS: [(&str, &str); 1] = [("--no-leave-out", "--exhaustive")];
 /// Prints a note for each option that was given by its former name.
 fn note_former_options() {
     for (former, present) in FORMER_OPTIONS {
-        if std::env::args_os().any(|argument| argument == former) {
+        if command_line().iter().any(|argument| argument == former) {
             present::say(&format!("note: {former} is now called {present}\n"));
         }
     }

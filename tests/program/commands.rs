@@ -68,6 +68,36 @@ fn arrays_of_widgets_and_methods_are_asked_of_the_reader() {
 }
 
 #[test]
+fn completions_and_manual_pages_know_every_command_and_option() {
+    let folder = Folder::new();
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let script = folder.voltet(&["completions", shell]).ok().stdout;
+        for word in ["gradient-test", "completions", "exhaustive", "adapter"] {
+            assert!(script.contains(word), "{shell}: {word}");
+        }
+    }
+    let ran = folder.voltet(&["completions", "tcsh"]);
+    assert_eq!(ran.code, 2, "{}", ran.stderr);
+    let ran = folder.voltet(&["man", "a/b"]).ok();
+    let pages: Vec<String> = std::fs::read_dir(folder.join("a/b"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    assert!(ran.stderr.contains(&format!("{} pages in a/b", pages.len())), "{}", ran.stderr);
+    for name in ["voltet.1", "voltet-run.1", "voltet-gradient-test.1", "voltet-man.1"] {
+        let page = std::fs::read_to_string(folder.join("a/b").join(name)).unwrap();
+        assert!(page.contains(".SH SYNOPSIS"), "{name}");
+    }
+    let page = std::fs::read_to_string(folder.join("a/b/voltet-run.1")).unwrap();
+    assert!(page.contains("\\-\\-exhaustive") && page.contains("WIDTHxHEIGHT"), "{page}");
+    assert!(!pages.iter().any(|name| name.contains("plugin-process")), "{pages:?}");
+    // A file stands where the folder should.
+    let ran = folder.voltet(&["man", "slab.toml"]);
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    assert!(ran.stderr.contains("the pages cannot be written"), "{}", ran.stderr);
+}
+
+#[test]
 fn nodes_are_listed_and_shown() {
     let folder = Folder::new();
     let list = folder.voltet(&["nodes"]).ok().stdout;

@@ -121,6 +121,11 @@ pub enum Command {
     /// quadratic fields, invariance under translation, rotation, scaling, numbering and the scalar's units, amplification of
     /// noise, time, memory, and the error of a picture, beside the other filters.
     GradientTest(GradientTest),
+    /// Print a script that lets a shell complete commands, options and paths.
+    #[command(after_help = COMPLETIONS_EXAMPLES)]
+    Completions(Completions),
+    /// Write manual pages: voltet.1, and one of each command.
+    Man(Manual),
     /// Child process of --plugin-process: loads the library and answers on the standard output.
     #[command(hide = true)]
     PluginProcess {
@@ -171,7 +176,11 @@ impl Command {
             Command::Nodes(nodes) => data(&nodes.plugins, &[]),
             Command::Edit(edit) => data(&edit.plugins, &[]),
             Command::GradientTest(test) => data(&test.plugins, &[]),
-            Command::Diff(_) | Command::Stability(_) | Command::PluginProcess { .. } => return None,
+            Command::Completions(_)
+            | Command::Man(_)
+            | Command::Diff(_)
+            | Command::Stability(_)
+            | Command::PluginProcess { .. } => return None,
             #[cfg(feature = "papers")]
             Command::Papers(_) => return None,
         })
@@ -197,6 +206,27 @@ pub struct Nodes {
     pub markdown: bool,
     #[command(flatten)]
     pub plugins: Plugins,
+}
+
+const COMPLETIONS_EXAMPLES: &str = "\
+Examples:
+  voltet completions bash > ~/.local/share/bash-completion/completions/voltet
+  voltet completions zsh > ~/.zfunc/_voltet             with ~/.zfunc in fpath
+  voltet completions fish > ~/.config/fish/completions/voltet.fish
+  voltet completions powershell >> $PROFILE";
+
+#[derive(Debug, Args)]
+pub struct Completions {
+    /// The shell.
+    #[arg(value_name = "SHELL")]
+    pub shell: clap_complete::Shell,
+}
+
+#[derive(Debug, Args)]
+pub struct Manual {
+    /// The folder, made where it is not there; `man -l FOLDER/voltet.1` shows a page.
+    #[arg(value_name = "FOLDER")]
+    pub folder: PathBuf,
 }
 
 #[derive(Debug, Args)]

@@ -16,6 +16,7 @@ mod pixel;
 mod plugins;
 mod run;
 mod shared;
+mod shell;
 mod stability;
 mod start;
 mod study;
@@ -23,6 +24,7 @@ mod time;
 
 use super::arguments::{Arguments, Command, Inputs};
 use super::present::print;
+use super::process::command_line;
 use crate::Document;
 use crate::core::{Error, Result, counted};
 use crate::graph::{Registry, suggest};
@@ -62,9 +64,9 @@ fn is_sufficient(inputs: &Inputs, registry: &Registry) -> bool {
 
 /// Carries out `help NAME` where that is no command but a node type or a gradient filter; `None` for other command lines.
 pub fn help_of_node(registry: &Result<Registry>) -> Option<u8> {
-    let mut words = std::env::args().skip(1);
-    let name = words.next().filter(|word| word == "help").and_then(|_| words.next())?;
-    let text = nodes::one(&name, false, registry.as_ref().ok()?).ok()?;
+    let mut words = command_line().iter().skip(1).filter_map(|word| word.to_str());
+    let name = words.next().filter(|word| *word == "help").and_then(|_| words.next())?;
+    let text = nodes::one(name, false, registry.as_ref().ok()?).ok()?;
     Some(print(&text).map_or_else(|error| show(&error.into()), |_| DONE))
 }
 
@@ -102,7 +104,7 @@ fn unknown_command(name: &str, registry: &Result<Registry>) -> Error {
     let commands = Arguments::command();
     let shown = commands.get_subcommands().filter(|command| !command.is_hide_set());
     let mut names: Vec<&str> = shown.map(|command| command.get_name()).collect();
-    let is_help = std::env::args().nth(1).as_deref() == Some("help");
+    let is_help = command_line().get(1).is_some_and(|word| word == "help");
     let what = match registry {
         Ok(registry) if is_help => {
             nodes::names(registry).for_each(|name| names.push(name));
@@ -170,6 +172,8 @@ fn run_command(command: &Command, registry: &Registry) -> Outcome {
         #[cfg(feature = "papers")]
         Command::Papers(arguments) => papers::papers(arguments, registry),
         Command::GradientTest(arguments) => gradient_test::gradient_test(arguments, registry),
+        Command::Completions(arguments) => shell::completions(arguments),
+        Command::Man(arguments) => shell::manual(arguments),
         Command::PluginProcess { path } => voltet_plugins::run_child(path),
     }
 }

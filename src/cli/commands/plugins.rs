@@ -2,6 +2,7 @@
 
 use crate::cli::arguments::Plugins;
 use crate::cli::present::{Level, say, shown};
+use crate::cli::process::own_program;
 use crate::core::field::Plugin;
 use crate::core::{Error, Result};
 use crate::graph::{Node, Registry};
@@ -142,13 +143,6 @@ fn add(
     let nodes: Vec<&'static Node> = readers.chain(contents.nodes.iter().copied()).collect();
     nodes.iter().try_for_each(|node| registry.add(node)).map_err(in_file)?;
     Ok((registry, describe(&contents, &nodes)))
-}
-
-/// The file of this program.
-fn own_program() -> Result<PathBuf> {
-    std::env::current_exe().map_err(|error| {
-        Error::run("the program does not find its own file, which --plugin-process starts").got(error)
-    })
 }
 
 /// "plug-in 'name' (path) with a, b".

@@ -1,6 +1,7 @@
 //! Films of the pictures of frames: GIF and animated PNG by the program itself, others by the program ffmpeg.
 
 use crate::cli::arguments::Run;
+use crate::cli::process::command_line;
 use crate::core::picture::Picture;
 use crate::core::{Error, Result, counted};
 use crate::document::{Document, LocatedError};
@@ -322,7 +323,7 @@ fn missing(path: &Path, error: &io::Error, options: &[String]) -> Error {
     let line = |words: &mut dyn Iterator<Item = String>| {
         words.map(|word| quoted(&word)).collect::<Vec<String>>().join(" ")
     };
-    let given = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
+    let given = command_line().iter().skip(1).map(|word| word.to_string_lossy().into_owned());
     let mut given: Vec<String> = given.collect();
     if !given.iter().any(|word| word == "--resume") {
         given.push("--resume".into());

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: (Apache-2.0 OR MIT)
+
+from spack.package import *
+
+
+class Voltet(CargoPackage):
+    """Volume pictures of simulation results on unstructured grids, straight from the cells, with transfer functions over a scalar and
+    its gradient magnitude."""
+
+    homepage = "https://github.com/voltet/voltet"
+    git = "https://github.com/voltet/voltet.git"
+    url = "https://github.com/voltet/voltet/archive/refs/tags/v0.2.0.tar.gz"
+
+    maintainers("voltet")
+
+    license("MIT OR Apache-2.0", checked_by="voltet")
+
+    version("main", branch="main")
+    version("0.2.0", tag="v0.2.0")
+
+    variant("gpu", default=True, description="Draws on graphics devices by Vulkan, too")
+    variant("mpi", default=False, description="Shares one grid out among processes")
+    variant("editor", default=False, description="Node editor, voltet edit")
+
+    depends_on("rust@1.89:", type="build")
+    depends_on("mpi", when="+mpi")
+    depends_on("llvm+clang", type="build", when="+mpi")
+
+    # The loader is opened at run time.
+    depends_on("vulkan-loader", type="run", when="+gpu")
+
+    @property
+    def build_args(self):
+        features = ["cli"] + [name for name in ("gpu", "mpi", "editor") if self.spec.satisfies(f"+{name}")]
+        return ["--locked", "--package", "voltet", "--no-default-features", "--features", ",".join(features)]
+
+    @property
+    def check_args(self):
+        return ["--locked", "--package", "voltet", "--lib"]
+
+    def install(self, spec, prefix):
+        mkdirp(prefix.bin)
+        install("target/release/voltet", prefix.bin)
+
+    @run_after("install")
+    def manual_and_completions(self):
+        program = Executable(self.prefix.bin.voltet)
+        program("man", self.prefix.share.man.man1)
+        for shell, folder, name in (
+            ("bash", "bash-completion/completions", "voltet"),
+            ("zsh", "zsh/site-functions", "_voltet"),
+            ("fish", "fish/vendor_completions.d", "voltet.fish"),
+        ):
+            mkdirp(join_path(self.prefix.share, folder))
+            with open(join_path(self.prefix.share, folder, name), "w") as file:
+                program("completions", shell, output=file)

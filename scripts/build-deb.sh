@@ -1,0 +1,18 @@
+#!/usr/bin/env bash
+# Builds the program as a package for Debian and Ubuntu: scripts/build-deb.sh [FOLDER]
+# Needs Rust and cargo-deb (cargo install --locked cargo-deb); FOLDER, standard dist, gets the .deb.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+folder=${1:-dist}
+program=${CARGO_TARGET_DIR:-target}/release/voltet
+cargo build --locked --release -p voltet
+# Where Cargo.toml's [package.metadata.deb] takes them from.
+shared=target/deb
+rm -rf "$shared"
+mkdir -p "$shared" "$folder"
+"$program" man "$shared"
+gzip --no-name --best "$shared"/*.1
+"$program" completions bash > "$shared/voltet.bash"
+"$program" completions zsh > "$shared/_voltet"
+"$program" completions fish > "$shared/voltet.fish"
+cargo deb --no-build --output "$folder"
