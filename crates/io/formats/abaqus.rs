@@ -1,6 +1,7 @@
 //! Input of Abaqus (.inp) as a mesh: nodes and solid elements of parts and their instances; element sets are blocks. It holds no arrays.
+//! Files that it includes are read as if they stood in it.
 //!
-//! Source: Abaqus keywords reference guide (*NODE, *ELEMENT, *ELSET, *PART, *INSTANCE); the order of nodes in "Three-dimensional solid
+//! Source: Abaqus keywords reference guide (*NODE, *ELEMENT, *ELSET, *PART, *INSTANCE, *INCLUDE); the order of nodes in "Three-dimensional solid
 //! element library", which is VTK's.
 
 use super::contents::Dataset;
@@ -12,9 +13,10 @@ use super::tagged::{
     PART_SHIFT, TaggedElement, TaggedMesh, VisitElement, VisitNode, dataset, number_in_part,
 };
 use super::text::{TextPiece, TextRange};
+use super::xml::{beside, open_named};
 use glam::{DQuat, DVec3};
 use std::collections::{BTreeMap, HashMap};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::grid::code;
 use voltet_core::{Error, Result};
@@ -54,6 +56,13 @@ const FAMILIES: [&str; 4] = ["C3D", "DC3D", "AC3D", "DCC3D"];
 /// Elements in ranges of all sets for each byte of the file, of which an element takes about forty: a hundred sets of all elements.
 const MAX_IN_RANGES: u64 = 4;
 
+/// Keywords whose lines of data are read, which may stand in a file of their own.
+const WITH_LINES: [&str; 3] = ["NODE", "ELEMENT", "ELSET"];
+
+/// Files that a file may include in all, and within one another.
+const MAX_FILES: usize = 1 << 10;
+const MAX_DEPTH: usize = 16;
+
 /// A line of an element has two numbers with a comma at least.
 const MIN_ELEMENT_BYTES: u64 = 4;
 
@@ -92,6 +101,7 @@ struct AbaqusMesh {
 }
 
 /// A line with a keyword: its name and parameters in capitals, with values as they stand.
+#[derive(Clone)]
 struct Keyword {
     name: String,
     parameters: BTreeMap<String, String>,
@@ -116,31 +126,9 @@ impl Keyword {
 }
 
 fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
-    let mut scan = Scan {
-        cursor: Cursor::new(&source),
-        part: 0,
-        parts: Vec::new(),
-        file_bytes: source.len(),
-        range_sum: 0,
-        mesh: AbaqusMesh {
-            nodes: Vec::new(),
-            elements: Vec::new(),
-            instances: Vec::new(),
-            sets: HashMap::new(),
-        },
-    };
-    let mut begin = 0;
-    while let Some(line) = scan.cursor.line()? {
-        if line.trim_ascii_start().first() == Some(&b'*') {
-            let line = String::from_utf8_lossy(line).into_owned();
-            if let Some(keyword) = Keyword::of_line(&line) {
-                scan.end_lines(begin);
-                scan.keyword(&keyword)?;
-            }
-        }
-        begin = scan.cursor.position();
-    }
-    let Scan { parts, mut mesh, .. } = scan;
+    let mut scan = Scan::new(&source);
+    scan.lines()?;
+    let Scan { parts, mut mesh, file_bytes, .. } = scan;
     let place = |part: usize, name: &str| Instance {
         part,
         name: name.to_owned(),
@@ -153,7 +141,20 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
         mesh.instances = parts.iter().enumerate().map(|(part, name)| place(part + 1, name)).collect();
     }
     mesh.instances.insert(0, place(0, ""));
-    dataset(&source, "Abaqus input".to_owned(), mesh, Vec::new(), request)
+    let dataset = dataset(&source, "Abaqus input".to_owned(), mesh, Vec::new(), request)?;
+    Ok(Dataset { file_bytes, ..dataset })
+}
+
+/// The files that a file includes; none for other formats.
+pub(super) fn files_named(path: &Path) -> Vec<PathBuf> {
+    let Ok(source) = Source::open(path) else { return Vec::new() };
+    if !source.head(256).is_ok_and(|head| matches(&head, path, &Request::default())) {
+        return Vec::new();
+    }
+    let mut scan = Scan::new(&source);
+    // What is damaged is an error of the reading itself.
+    let _ = scan.lines();
+    scan.included
 }
 
 /// State of the pass that finds the keywords.
@@ -163,32 +164,109 @@ struct Scan {
     part: usize,
     /// Names of the parts from number 1 on.
     parts: Vec<String>,
+    /// The file that includes the others, those that were included, and how many of these the lines are within.
+    path: PathBuf,
+    included: Vec<PathBuf>,
+    depth: usize,
+    /// Bytes of all files.
     file_bytes: u64,
     /// Number of elements in all ranges so far.
     range_sum: u64,
+    /// Numbers of runs of nodes and of elements whose end is known.
+    ended: [usize; 2],
     mesh: AbaqusMesh,
 }
 
 impl Scan {
-    /// Ends the lines of data that went on to here; those before have ended.
+    fn new(source: &Arc<Source>) -> Scan {
+        Scan {
+            cursor: Cursor::new(source),
+            part: 0,
+            parts: Vec::new(),
+            path: source.path().to_owned(),
+            included: Vec::new(),
+            depth: 0,
+            file_bytes: source.len(),
+            range_sum: 0,
+            ended: [0; 2],
+            mesh: AbaqusMesh {
+                nodes: Vec::new(),
+                elements: Vec::new(),
+                instances: Vec::new(),
+                sets: HashMap::new(),
+            },
+        }
+    }
+
+    /// Passes over the rest of the file.
+    fn lines(&mut self) -> Result<()> {
+        let (mut begin, mut last) = (self.cursor.position(), None);
+        while let Some(line) = self.cursor.line()? {
+            if line.trim_ascii_start().first() == Some(&b'*') {
+                let line = String::from_utf8_lossy(line).into_owned();
+                if let Some(keyword) = Keyword::of_line(&line) {
+                    self.end_lines(begin);
+                    // An included file may begin with lines of data of the keyword before it.
+                    match keyword.name.as_str() {
+                        "INCLUDE" => self.include(&keyword, last.as_ref())?,
+                        _ => self.keyword(&keyword)?,
+                    }
+                    last = Some(keyword).filter(|own| WITH_LINES.contains(&own.name.as_str()));
+                }
+            }
+            begin = self.cursor.position();
+        }
+        self.end_lines(u64::MAX);
+        Ok(())
+    }
+
+    /// Ends the lines of data that went on to here.
     fn end_lines(&mut self, end: u64) {
-        let of_nodes = self.mesh.nodes.last_mut().map(|own| &mut own.lines);
-        let of_elements = self.mesh.elements.last_mut().map(|own| &mut own.lines);
-        for lines in of_nodes.into_iter().chain(of_elements) {
+        let [nodes, elements] = self.ended;
+        let of_nodes = self.mesh.nodes[nodes..].iter_mut().map(|own| &mut own.lines);
+        let of_elements = self.mesh.elements[elements..].iter_mut().map(|own| &mut own.lines);
+        for lines in of_nodes.chain(of_elements) {
             *lines = lines.until(end);
         }
+        self.ended = [self.mesh.nodes.len(), self.mesh.elements.len()];
+    }
+
+    /// Goes on in a file that the keyword names, first with another keyword before its lines, then back here.
+    fn include(&mut self, keyword: &Keyword, first: Option<&Keyword>) -> Result<()> {
+        let name = keyword.parameter("INPUT");
+        if name.is_empty() {
+            let error = self.cursor.error("a keyword does not say which file it includes");
+            return Err(error.got(format_args!("*{}", keyword.name)).expected("INPUT= and a file"));
+        }
+        if self.depth == MAX_DEPTH || self.included.len() == MAX_FILES {
+            let error = self.cursor.error("the file includes too many others").got(format_args!("'{name}'"));
+            return Err(error.expected(format_args!(
+                "at most {MAX_FILES}, {MAX_DEPTH} within one another, none within itself"
+            )));
+        }
+        // As Abaqus and CalculiX do: names are relative to the first file's folder.
+        let path = beside(&self.path, name);
+        let source = open_named(&self.path, &path, self.included.len())?;
+        self.file_bytes += source.len();
+        self.included.push(path.clone());
+        let outer = std::mem::replace(&mut self.cursor, Cursor::new(&source));
+        self.depth += 1;
+        let read = first.map_or(Ok(()), |first| self.keyword(first)).and_then(|()| self.lines());
+        self.depth -= 1;
+        self.cursor = outer;
+        read.map_err(|error| error.in_file(path))
     }
 
     fn keyword(&mut self, keyword: &Keyword) -> Result<()> {
         match keyword.name.as_str() {
-            "INCLUDE" | "NGEN" | "ELGEN" | "NFILL" | "NCOPY" | "ELCOPY" | "SYSTEM" => {
-                let error = self.cursor.error("a keyword that makes parts of the mesh is not read");
-                Err(error.got(format_args!("*{}", keyword.name)).expected("nodes and elements in this file"))
+            name if WITH_LINES.contains(&name) && keyword.parameters.contains_key("INPUT") => {
+                let mut own = keyword.clone();
+                own.parameters.remove("INPUT");
+                self.include(keyword, Some(&own))
             }
-            "NODE" | "ELEMENT" | "ELSET" if !keyword.parameter("INPUT").is_empty() => {
-                let error = self.cursor.error("lines of a file of their own are not read");
-                let found = format!("*{}, INPUT={}", keyword.name, keyword.parameter("INPUT"));
-                Err(error.got(found).expected("nodes and elements in this file"))
+            "NGEN" | "ELGEN" | "NFILL" | "NCOPY" | "ELCOPY" | "SYSTEM" => {
+                let error = self.cursor.error("a keyword that makes parts of the mesh is not read");
+                Err(error.got(format_args!("*{}", keyword.name)).expected("nodes and elements one by one"))
             }
             "NODE" if !["", "R", "r"].contains(&keyword.parameter("SYSTEM")) => {
                 let error = self.cursor.error("coordinates of this system are not read");
@@ -428,12 +506,13 @@ impl TaggedMesh for AbaqusMesh {
     fn each_node(&self, visit: VisitNode) -> Result<()> {
         for (number, instance) in self.instances.iter().enumerate() {
             for own in self.nodes.iter().filter(|own| own.part == instance.part) {
-                own.lines.rows(node, |(node, position)| {
+                let read = own.lines.rows(node, |(node, position)| {
                     // Moved first, then turned.
                     let moved = position + instance.translation;
                     let placed = instance.rotation * (moved - instance.pivot) + instance.pivot;
                     visit(tag(number, node)?, placed)
-                })?;
+                });
+                read.map_err(|error| error.in_file(own.lines.path()))?;
             }
         }
         Ok(())
@@ -444,7 +523,7 @@ impl TaggedMesh for AbaqusMesh {
             for own in self.elements.iter().filter(|own| own.part == instance.part) {
                 let of_all = (!own.set.is_empty()).then(|| self.block(instance, own, 0));
                 let mut nodes = Vec::new();
-                own.each(|numbers| {
+                let read = own.each(|numbers| {
                     nodes.clear();
                     for &node in &numbers[1..] {
                         nodes.push(tag(number, node)?);
@@ -463,7 +542,8 @@ impl TaggedMesh for AbaqusMesh {
                         block,
                         nodes: &nodes,
                     })
-                })?;
+                });
+                read.map_err(|error| error.in_file(own.lines.path()))?;
             }
         }
         Ok(())

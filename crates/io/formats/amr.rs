@@ -8,6 +8,7 @@ use super::contents::{Compute, Dataset, Encoding, GHOST_TYPE, Meter, PieceArray,
 use super::lattice::{Axis, HeaderProgress, LatticeBox, refuse_too_many};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 use voltet_core::grid::Association;
@@ -223,11 +224,13 @@ impl<'a> FinerPatches<'a> {
 
     /// For each cell of a patch: true where finer patches lie over it; empty where none does.
     ///
-    /// Errors: a finer patch begins or ends within a cell that no other covers.
+    /// Errors: a finer patch begins or ends within a cell of which others do not cover the rest.
     fn over(&self, own: &LatticePatch) -> Result<Vec<bool>> {
         let cells: [usize; 3] =
             std::array::from_fn(|axis| ((own.end[axis] - own.low[axis]) / own.size) as usize);
-        let (mut touched, mut covered) = (Vec::new(), Vec::new());
+        let mut covered = Vec::new();
+        // Cells of which a finer patch covers a part, and what it covers.
+        let mut parts: HashMap<[usize; 3], Vec<LatticeRange>> = HashMap::new();
         let mut first = 0;
         for &(size, end, extent) in self.sizes.iter().take_while(|(size, ..)| *size < own.size) {
             let same = &self.patches[first..end];
@@ -244,22 +247,56 @@ impl<'a> FinerPatches<'a> {
                 if (0..3).any(|axis| low[axis] >= end[axis]) {
                     continue;
                 }
-                touched.resize(cells.iter().product(), false);
-                covered.resize(touched.len(), false);
+                covered.resize(cells.iter().product(), false);
                 let outer =
                     |axis: usize| (low[axis] / own.size) as usize..end[axis].div_ceil(own.size) as usize;
                 let inner =
                     |axis: usize| low[axis].div_ceil(own.size) as usize..(end[axis] / own.size) as usize;
-                fill(&mut touched, cells, [outer(0), outer(1), outer(2)]);
-                fill(&mut covered, cells, [inner(0), inner(1), inner(2)]);
+                let [outer, inner] = [[outer(0), outer(1), outer(2)], [inner(0), inner(1), inner(2)]];
+                fill(&mut covered, cells, inner.clone());
+                if outer != inner {
+                    let [x, y, z] = outer;
+                    let row = |[j, k]: [usize; 2]| x.clone().map(move |i| [i, j, k]);
+                    let rows = z.flat_map(|k| y.clone().map(move |j| [j, k]));
+                    let is_part = |cell: &[usize; 3]| !(0..3).all(|axis| inner[axis].contains(&cell[axis]));
+                    rows.flat_map(row)
+                        .filter(is_part)
+                        .for_each(|cell| parts.entry(cell).or_default().push([low, end]));
+                }
             }
         }
-        if touched.iter().zip(&covered).any(|(touched, covered)| *touched && !covered) {
-            let error = Error::run("a finer patch begins or ends within a cell of a coarser one");
-            return Err(error.expected("finer patches over whole cells"));
+        for ([i, j, k], boxes) in parts {
+            let is_covered = &mut covered[i + cells[0] * (j + cells[1] * k)];
+            let low = [i, j, k].map(|at| at as u32 * own.size);
+            if !*is_covered && !cover(&boxes, [low, low.map(|low| low + own.size)]) {
+                let error = Error::run("a finer patch begins or ends within a cell of a coarser one");
+                return Err(error.expected("finer patches that cover whole cells together"));
+            }
+            *is_covered = true;
         }
         Ok(covered)
     }
+}
+
+/// Low corner of a box on the lattice, and its end.
+type LatticeRange = [[u32; 3]; 2];
+
+/// True if boxes cover all of another.
+fn cover(boxes: &[LatticeRange], [low, end]: LatticeRange) -> bool {
+    // Between these planes lies what is in a box as a whole or not at all.
+    let planes: [Vec<u32>; 3] = std::array::from_fn(|axis| {
+        let ends = boxes.iter().flatten().map(|corner| corner[axis]).filter(|at| *at < end[axis]);
+        let mut planes: Vec<u32> = ends.map(|at| at.max(low[axis])).chain([low[axis]]).collect();
+        planes.sort_unstable();
+        planes.dedup();
+        planes
+    });
+    let is_in = |at: [u32; 3]| {
+        let holds = |[low, end]: &LatticeRange| (0..3).all(|axis| (low[axis]..end[axis]).contains(&at[axis]));
+        boxes.iter().any(holds)
+    };
+    let [x, y, z] = &planes;
+    x.iter().all(|&x| y.iter().all(|&y| z.iter().all(|&z| is_in([x, y, z]))))
 }
 
 /// Marks cells of a box of so many.

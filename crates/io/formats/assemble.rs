@@ -363,9 +363,10 @@ pub(super) fn load(piece: &Piece, mut cells: Cells, wanted: &PieceRequest, meter
     let ids = wanted.ids.and_then(|name| piece.array(Association::Point, name));
     let global_ids = ids.map(|ids| ids.load(meter)).transpose()?;
     let points = load_points(piece, meter)?;
+    let trimmed = cells::leave_out_further_points(&mut cells);
     let warning = hexahedra::restore_order(&mut cells, &points, degrees.as_deref(), piece.is_old_order);
     let mut raw = RawGrid { ghost, degrees, global_ids, ..RawGrid::new(points, cells) };
-    raw.origin.warnings.extend(warning);
+    raw.origin.warnings.extend(trimmed.into_iter().chain(warning));
     // Means of cell values alone look at hanging points.
     if let Geometry::Adaptive(lattice) = &piece.geometry
         && is_averaged(wanted.request, wanted.choices)
@@ -443,6 +444,10 @@ fn columns(piece: &Piece, wanted: &PieceRequest, meter: &Meter) -> Result<Vec<Ve
     for (i, choice) in choices.iter().enumerate().filter(|choice| choice.1.component != Component::All) {
         if columns[i].is_none() {
             let values = decoded(choice)?;
+            if choice.component_count == 1 && choice.component != Component::Magnitude {
+                columns[i] = Some(values);
+                continue;
+            }
             let is_same = |other: &ArraySelection| {
                 let whole = ArraySelection { component: choice.component, ..other.clone() };
                 whole == *choice && other.component != Component::All

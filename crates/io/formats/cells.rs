@@ -1,8 +1,9 @@
 //! Cells from a file: types, connectivity, faces of polyhedra.
 
 use super::contents::{Geometry, Meter, Piece, Stored, StoredCells, StoredFaces};
+use super::lazy::GatheredCells;
 use rayon::prelude::*;
-use voltet_core::grid::{CellSet, Cells, Polyhedron, code};
+use voltet_core::grid::{CellSet, CellType, Cells, Polyhedron, code};
 use voltet_core::{Error, Result};
 
 /// Reads the cells of a piece.
@@ -10,12 +11,12 @@ pub(super) fn load(piece: &Piece, meter: &Meter) -> Result<Cells> {
     match &piece.geometry {
         Geometry::Unstructured { cells, .. } => match &**cells {
             StoredCells::Offsets { connectivity, offsets, types, faces } => {
-                let types: Vec<u8> = types.load(meter)?;
-                if all_tetrahedra(&types) {
-                    return tetrahedra(connectivity, offsets, types.len(), meter)
+                let count = types.count_if_all(meter, |_, _, own: &[u8]| all_tetrahedra(own))?;
+                if let Some(count) = count.filter(|&count| count > 0) {
+                    return tetrahedra(connectivity, offsets, count, meter)
                         .map(|own| Cells::Tetrahedra(own.into()));
                 }
-                mixed(types, connectivity, offsets, faces, meter).map(Cells::Mixed)
+                mixed(types.load(meter)?, connectivity, offsets, faces, meter).map(Cells::Mixed)
             }
             StoredCells::Counted { list, types } => counted(list, types, meter),
             StoredCells::Converted(convert) => convert(meter),
@@ -41,6 +42,31 @@ pub(super) fn has_types(piece: &Piece, is_of_kind: impl Fn(u8) -> bool, meter: &
     Ok(types.into_iter().any(is_of_kind))
 }
 
+/// Leaves out points of cells beyond those that their type has, as VTK passes over them; a sentence for the user where there are such.
+pub(super) fn leave_out_further_points(cells: &mut Cells) -> Option<String> {
+    let Cells::Mixed(set) = cells else { return None };
+    let end_of = |code: u8, ends: &[u64]| {
+        let own = CellType::from_code(code).and_then(|own| own.point_count).map_or(u64::MAX, u64::from);
+        ends[1].min(ends[0].saturating_add(own))
+    };
+    let ends = set.offsets.par_windows(2).with_min_len(PART);
+    let cells = set.types.par_iter().with_min_len(PART).zip(ends);
+    let count = cells.filter(|&(&code, ends)| end_of(code, ends) < ends[1]).count();
+    if count == 0 {
+        return None;
+    }
+    let mut trimmed = GatheredCells::default();
+    for (&code, ends) in set.types.iter().zip(set.offsets.windows(2)) {
+        // Damaged offsets are an error once the grid is built.
+        let own = set.connectivity.get(ends[0] as usize..end_of(code, ends) as usize)?;
+        trimmed.add(code, own.iter().copied());
+    }
+    let polyhedra = std::mem::take(&mut set.polyhedra);
+    *set = CellSet { polyhedra, ..trimmed.into_set() };
+    let cells = voltet_core::counted(count, "cell");
+    Some(format!("The points of {cells} beyond those that their type of cell has are left out."))
+}
+
 fn types_of(cells: Cells) -> Vec<u8> {
     match cells {
         Cells::Mixed(set) => set.types,
@@ -49,7 +75,7 @@ fn types_of(cells: Cells) -> Vec<u8> {
 }
 
 fn all_tetrahedra(types: &[u8]) -> bool {
-    !types.is_empty() && types.par_chunks(1 << 16).all(|part| part.iter().all(|&t| t == code::TETRA))
+    types.iter().fold(true, |all, &own| all & (own == code::TETRA))
 }
 
 /// Bounds that one task looks at.
@@ -57,21 +83,21 @@ const PART: usize = 1 << 14;
 
 /// Connectivity of tetrahedra alone, straight into its destination.
 fn tetrahedra(connectivity: &Stored, offsets: &Stored, count: usize, meter: &Meter) -> Result<Vec<[u32; 4]>> {
-    let found: Vec<u64> = offsets.load(meter)?;
-    // The first bound, 0, may be left out.
-    let first = (count + 1).wrapping_sub(found.len());
-    let is_regular = |(part, own): (usize, &[u64])| {
-        let bounds = own.iter().zip(part * PART + first..);
-        bounds.fold(true, |is_regular, (&bound, number)| is_regular & (bound == 4 * number as u64))
-    };
-    let is_regular = first <= 1 && found.par_chunks(PART).enumerate().all(is_regular);
-    let bounds = if is_regular { Vec::new() } else { with_first(found, count, &offsets.name)? };
-    if let Some((number, end)) = bounds.iter().enumerate().find(|&(i, &bound)| bound != 4 * i as u64) {
-        let cell = number.saturating_sub(1);
-        let error = Error::run(format!("the offset of cell {cell}, a tetrahedron, is wrong"));
-        return Err(error.got(end).expected(4 * number).at_item(&offsets.name));
+    let is_regular = offsets.count_if_all(meter, |begin, found, own: &[u64]| {
+        // The first bound, 0, may be left out.
+        let first = (count + 1).wrapping_sub(found);
+        let bounds = own.iter().zip(begin.wrapping_add(first)..);
+        first <= 1
+            && bounds.fold(true, |is_regular, (&bound, number)| is_regular & (bound == 4 * number as u64))
+    })?;
+    if is_regular.is_none_or(|found| found < count) {
+        let bounds = bounds(offsets, count, meter)?;
+        if let Some((number, end)) = bounds.iter().enumerate().find(|&(i, &bound)| bound != 4 * i as u64) {
+            let cell = number.saturating_sub(1);
+            let error = Error::run(format!("the offset of cell {cell}, a tetrahedron, is wrong"));
+            return Err(error.got(end).expected(4 * number).at_item(&offsets.name));
+        }
     }
-    drop(bounds);
     let mut connectivity = connectivity.clone();
     (connectivity.tuple_count, connectivity.component_count) = (Some(count as u64), 4);
     connectivity.load_tuples::<u32, _>(meter)
@@ -79,11 +105,7 @@ fn tetrahedra(connectivity: &Stored, offsets: &Stored, count: usize, meter: &Met
 
 /// Beginning of each cell's part of the connectivity, and the end of the last one. Most writers leave the first, 0, out.
 fn bounds(offsets: &Stored, cell_count: usize, meter: &Meter) -> Result<Vec<u64>> {
-    with_first(offsets.load(meter)?, cell_count, &offsets.name)
-}
-
-/// Bounds with the first; `name`: of their array.
-fn with_first(mut bounds: Vec<u64>, cell_count: usize, name: &str) -> Result<Vec<u64>> {
+    let (mut bounds, name): (Vec<u64>, _) = (offsets.load(meter)?, &offsets.name);
     let found = bounds.len();
     if found == cell_count {
         bounds.insert(0, 0);
@@ -236,7 +258,10 @@ fn from_streams(types: Vec<u8>, offsets: &[u64], streams: Vec<u32>) -> Result<Ce
 fn counted(list: &Stored, types: &Stored, meter: &Meter) -> Result<Cells> {
     let types: Vec<u8> = types.load(meter)?;
     let list: Vec<u32> = list.load(meter)?;
-    if all_tetrahedra(&types) && list.len() == types.len() * 5 && list.par_chunks(5).all(|cell| cell[0] == 4)
+    if types.par_chunks(PART).all(all_tetrahedra)
+        && !types.is_empty()
+        && list.len() == types.len() * 5
+        && list.par_chunks(5).all(|cell| cell[0] == 4)
     {
         let corners = |cell: &[u32]| [cell[1], cell[2], cell[3], cell[4]];
         return Ok(Cells::Tetrahedra(

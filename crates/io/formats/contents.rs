@@ -1,12 +1,12 @@
 //! The table of contents of a data set: what lies in which file, before anything is decoded.
 
 use super::codec::Codec;
+use super::decode::join;
 use super::hdf5_chunks::ChunkRows;
 use super::lattice::Lattice;
 use super::numbers::{ByteOrder, NumberType};
 use super::source::Source;
 use glam::{DMat3, DVec3};
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -357,12 +357,8 @@ impl Stored {
     /// Three arrays of one number each as vectors.
     pub fn joined(name: &str, planes: [Stored; 3]) -> Stored {
         let (source, tuple_count) = (planes[0].source.clone(), planes[0].tuple_count.unwrap_or(0));
-        let interleave: Compute = Arc::new(move |meter| {
-            let [x, y, z]: [Vec<f64>; 3] =
-                [planes[0].load(meter)?, planes[1].load(meter)?, planes[2].load(meter)?];
-            Ok(x.into_par_iter().zip(y).zip(z).flat_map_iter(|((x, y), z)| [x, y, z]).collect())
-        });
-        Stored::of_f64(&source, name, 3, tuple_count, Encoding::Computed(interleave))
+        let compute: Compute = Arc::new(move |meter| join(&planes, meter));
+        Stored::of_f64(&source, name, 3, tuple_count, Encoding::Computed(compute))
     }
 
     /// Number of values that the headers promise.

@@ -1,9 +1,10 @@
 //! A position in a file of text, or of text and bytes, that is read from front to back through a window.
 
 use super::contents::{Encoding, Meter, Stored};
+use super::decode::join;
 use super::numbers::{self, ByteOrder, NumberType, Target, convert};
 use super::source::Source;
-use super::text::{TextRange, is_space, line_ends, word_starts};
+use super::text::{BLOCK, TextRange, is_space, line_ends, word_starts};
 use rayon::prelude::*;
 use std::sync::Arc;
 use voltet_core::progress::NoProgress;
@@ -13,8 +14,6 @@ use voltet_core::{Error, Result};
 const WINDOW: usize = 1 << 18;
 /// No word or line of a sound file is longer.
 const LONGEST: usize = 1 << 22;
-/// Bytes whose words are counted at once.
-const BLOCK: usize = 254;
 /// Numbers that are too few for several threads.
 const FEW: u64 = 64;
 
@@ -333,6 +332,23 @@ impl Cursor {
             (0..count).try_for_each(|_| self.number::<T>(number_type, what).map(|_| ()))?;
             Err(error)
         })
+    }
+
+    /// The next numbers, all of the first component, then of the next, as tuples.
+    pub fn tuples(&mut self, number_type: NumberType, count: u64, n: usize, what: &str) -> Result<Vec<f64>> {
+        let begin = self.position();
+        let Some((order, bytes)) = self.binary.zip(number_type.byte_count(count)) else {
+            let numbers: Vec<f64> = self.numbers(number_type, count.saturating_mul(n as u64), what)?;
+            let count = count as usize;
+            let of_tuple = |i: usize| numbers[i..].iter().step_by(count).copied();
+            return Ok((0..count).flat_map(of_tuple).collect());
+        };
+        self.skip(bytes.saturating_mul(n as u64))?;
+        let plane = |component: u64| {
+            let place = Encoding::Bytes(begin + component * bytes);
+            Stored { number_type, order, ..Stored::of_f64(&self.source, what, 1, count, place) }
+        };
+        join(&(0..n as u64).map(plane).collect::<Vec<_>>(), &Meter::new(&NoProgress, 1))
     }
 
     /// The next numbers of nodes of `what`, which are 1 to `node_count`, from 0.

@@ -14,8 +14,8 @@ use rayon::prelude::*;
 use std::ops::Range;
 use voltet_core::{Error, Result, counted};
 
-/// Values that one task decodes from data that is not cut into blocks: 2 MB of 64-bit values.
-const PART: usize = 1 << 18;
+/// Values that one task decodes from data that is not cut into blocks: what they take is in the cache until they are converted.
+const PART: usize = 1 << 15;
 
 impl Stored {
     /// Reads all values. Allocates once their number is known to lie in the file.
@@ -24,8 +24,69 @@ impl Stored {
     }
 
     fn load_values<T: Target>(&self, meter: &Meter) -> Result<Vec<T>> {
+        self.load_found(self.find(meter)?, meter)
+    }
+
+    /// Number of the values if all parts of them are good, by the place of a part's first value, the number of all, and the part; of plain
+    /// values and of blocks none is kept. `None`: some part is not good.
+    pub fn count_if_all<T: Target>(
+        &self,
+        meter: &Meter,
+        is_good: impl Fn(usize, usize, &[T]) -> bool + Sync,
+    ) -> Result<Option<usize>> {
+        let counted = || {
+            let found = self.find(meter)?;
+            let Some((count, part_len)) = self.parts(&found)? else {
+                let values: Vec<T> = self.load_found(found, meter)?;
+                let is_part_good = |(part, own)| is_good(part * PART, values.len(), own);
+                return Ok(values.par_chunks(PART).enumerate().all(is_part_good).then_some(values.len()));
+            };
+            let is_part_good = |(buffers, values): &mut (Buffers, Vec<T>), first: usize| {
+                values.resize(part_len.min(count - first), T::default());
+                self.decode_part(&found, first, values, buffers, meter)?;
+                Ok(is_good(first, count, values))
+            };
+            let firsts = (0..count.div_ceil(part_len)).into_par_iter().map(|part| part * part_len);
+            let results = firsts.map_init(Default::default, is_part_good);
+            // The first error or part that is not good ends it.
+            let ended = results.find_map_any(|result: Result<bool>| match result {
+                Ok(true) => None,
+                ended => Some(ended),
+            });
+            ended.unwrap_or(Ok(true)).map(|all| all.then_some(count))
+        };
+        counted().map_err(|error: Error| error.at_item(&self.name))
+    }
+
+    /// Number of the values, and of those of a part that is decoded by itself; `None` where they are not decoded so.
+    fn parts(&self, found: &Decodable) -> Result<Option<(usize, usize)>> {
         let promised = self.promised()?;
-        let values = match self.find(meter)? {
+        Ok(match found {
+            Decodable::Plain(payload) => Some((self.count(payload.len(), promised)?, PART)),
+            &Decodable::Blocks { size, total, .. } => {
+                let value_size = self.number_type.size().filter(|&value| size.is_multiple_of(value as u64));
+                match value_size {
+                    Some(value) => Some((self.count(total, promised)?, (size as usize / value).max(1))),
+                    None => None,
+                }
+            }
+            _ => None,
+        })
+    }
+
+    fn load_found<T: Target>(&self, found: Decodable, meter: &Meter) -> Result<Vec<T>> {
+        let promised = self.promised()?;
+        if let Some((count, part_len)) = self.parts(&found)? {
+            let mut values = vec![T::default(); count];
+            values
+                .par_chunks_mut(part_len)
+                .enumerate()
+                .try_for_each_init(Buffers::default, |buffers, (part, to)| {
+                    self.decode_part(&found, part * part_len, to, buffers, meter)
+                })?;
+            return Ok(values);
+        }
+        let values = match found {
             Decodable::Text(parts) => {
                 // A value takes a letter and a space.
                 let most = parts.iter().map(|part| part.len() / 2 + 1).sum::<u64>();
@@ -41,31 +102,17 @@ impl Stored {
                 self.decode_chunks(&chunks, &mut values, meter)?;
                 values
             }
-            Decodable::Plain(payload) => {
-                let mut values = vec![T::default(); self.count(payload.len(), promised)?];
-                self.decode(&Decodable::Plain(payload), PART, &mut values, meter)?;
-                values
-            }
+            // Values lie across the blocks, whose bytes are put side by side.
             blocks @ Decodable::Blocks { size, total, .. } => {
-                let mut values = vec![T::default(); self.count(total, promised)?];
-                match self.number_type.size().filter(|&value| size.is_multiple_of(value as u64)) {
-                    Some(value_size) => {
-                        self.decode(&blocks, (size as usize / value_size).max(1), &mut values, meter)?;
-                    }
-                    // Values lie across the blocks, whose bytes are put side by side.
-                    None => {
-                        let mut bytes = vec![0; total as usize];
-                        let parts = bytes.chunks_mut((size as usize).max(1)).enumerate();
-                        let mut buffers = Buffers::default();
-                        for (index, to) in parts {
-                            self.block(&blocks, index, &mut buffers, to, meter)?;
-                        }
-                        let plain = Decodable::Plain(Payload::Memory(bytes));
-                        self.decode(&plain, PART, &mut values, meter)?;
-                    }
+                let mut bytes = vec![0; total as usize];
+                let parts = bytes.chunks_mut((size as usize).max(1)).enumerate();
+                let mut buffers = Buffers::default();
+                for (index, to) in parts {
+                    self.block(&blocks, index, &mut buffers, to, meter)?;
                 }
-                values
+                return self.load_found(Decodable::Plain(Payload::Memory(bytes)), meter);
             }
+            Decodable::Plain(_) => Vec::new(),
         };
         match promised {
             Some(promised) if promised != values.len() as u64 => {
@@ -79,7 +126,7 @@ impl Stored {
     }
 
     /// Reads all values as tuples of type `D`, which hold the array's components.
-    pub fn load_tuples<T: Target + Pod, D: Pod>(&self, meter: &Meter) -> Result<Vec<D>> {
+    pub fn load_tuples<T: Target, D: Pod>(&self, meter: &Meter) -> Result<Vec<D>> {
         let copied = |(_, values): (_, Vec<T>)| bytemuck::cast_slice(&values).to_vec();
         Ok(bytemuck::try_cast_vec(self.load(meter)?).unwrap_or_else(copied))
     }
@@ -95,40 +142,55 @@ impl Stored {
         }
     }
 
-    /// Decodes parts of `part_len` values in parallel; those of blocks are one block each.
-    fn decode<T: Target>(
+    /// Decodes the values of a part from its first on; those of blocks are one block.
+    fn decode_part<T: Target>(
         &self,
         found: &Decodable,
-        part_len: usize,
-        values: &mut [T],
+        first: usize,
+        to: &mut [T],
+        buffers: &mut Buffers,
         meter: &Meter,
     ) -> Result<()> {
-        let decode_part = |buffers: &mut Buffers, (part, to): (usize, &mut [T])| {
-            let first = part * part_len;
-            let convert_to = |bytes: &[u8], to: &mut [T]| {
-                convert(self.number_type, self.order, bytes, to).map_err(|index| {
-                    Error::run(format!("value {} of the array is out of range", first + index))
-                        .expected(T::ACCEPTED)
-                })
-            };
-            let Decodable::Plain(payload) = found else {
-                let len = to.len() * self.number_type.size().unwrap_or(1);
+        let is_same = T::OWN == self.number_type && self.order == ByteOrder::NATIVE;
+        let convert_to = |bytes: &[u8], to: &mut [T]| {
+            convert(self.number_type, self.order, bytes, to).map_err(|index| {
+                Error::run(format!("value {} of the array is out of range", first + index))
+                    .expected(T::ACCEPTED)
+            })
+        };
+        match found {
+            Decodable::Plain(payload) => {
+                // A part is a multiple of 8 values, so parts of bit arrays begin with a byte.
+                let (at, end) = match self.number_type.size() {
+                    Some(size) => (first * size, (first + to.len()) * size),
+                    None => (first / 8, (first + to.len()).div_ceil(8)),
+                };
+                match payload {
+                    Payload::File { at: start, .. } if is_same => {
+                        self.source.read_at(start + at as u64, bytemuck::cast_slice_mut(to))?;
+                    }
+                    _ => {
+                        convert_to(payload.get(&self.source, at as u64, end - at, &mut buffers.read)?, to)?;
+                    }
+                }
+                meter.advance((end - at) as u64)
+            }
+            Decodable::Blocks { size, .. } => {
+                let value_size = self.number_type.size().unwrap_or(1);
+                let index = first * value_size / (*size as usize).max(1);
+                if is_same {
+                    return self.block(found, index, buffers, bytemuck::cast_slice_mut(to), meter);
+                }
                 let mut bytes = std::mem::take(&mut buffers.decompressed);
-                bytes.resize(len, 0);
-                self.block(found, part, buffers, &mut bytes, meter)?;
+                bytes.resize(to.len() * value_size, 0);
+                self.block(found, index, buffers, &mut bytes, meter)?;
                 convert_to(&bytes, to)?;
                 buffers.decompressed = bytes;
-                return Ok(());
-            };
-            // A part is a multiple of 8 values, so parts of bit arrays begin with a byte.
-            let (at, end) = match self.number_type.size() {
-                Some(size) => (first * size, (first + to.len()) * size),
-                None => (first / 8, (first + to.len()).div_ceil(8)),
-            };
-            convert_to(payload.get(&self.source, at as u64, end - at, &mut buffers.read)?, to)?;
-            meter.advance((end - at) as u64)
-        };
-        values.par_chunks_mut(part_len).enumerate().try_for_each_init(Buffers::default, decode_part)
+                Ok(())
+            }
+            // Others have no parts.
+            _ => Ok(()),
+        }
     }
 
     /// Decodes rows of chunks in parallel.
@@ -169,6 +231,55 @@ impl Stored {
             .map_err(|error| error.got(format_args!("block {index} of {}", places.len())))?;
         meter.advance(u64::from(len))
     }
+}
+
+/// Values of arrays of the same length as tuples, each with one of every array.
+pub(super) fn join<T: Target>(planes: &[Stored], meter: &Meter) -> Result<Vec<T>> {
+    let n = planes.len();
+    let found: Vec<Decodable> = planes.iter().map(|plane| plane.find(meter)).collect::<Result<_>>()?;
+    let misfit = || Error::run("the components of an array have different lengths");
+    let counts = planes.iter().zip(&found).map(|(plane, found)| {
+        // Plain parts begin anywhere.
+        let is_plain = matches!(found, Decodable::Plain(_));
+        Ok(plane.parts(found)?.filter(|_| is_plain).map(|own| own.0))
+    });
+    let counts: Option<Vec<usize>> = counts.collect::<Result<_>>()?;
+    let Some(counts) = counts else {
+        let load = |(plane, found): (&Stored, Decodable)| plane.load_found(found, meter);
+        let columns: Vec<Vec<T>> = planes.iter().zip(found).map(load).collect::<Result<_>>()?;
+        let count = columns.first().map_or(0, Vec::len);
+        if columns.iter().any(|column| column.len() != count) {
+            return Err(misfit());
+        }
+        let mut joined = vec![T::default(); count * n];
+        joined.par_chunks_mut(PART * n).enumerate().for_each(|(part, to)| {
+            for (component, column) in columns.iter().enumerate() {
+                put(&column[part * PART..], to, component, n);
+            }
+        });
+        return Ok(joined);
+    };
+    let count = counts.first().copied().unwrap_or(0);
+    if counts.iter().any(|own| *own != count) {
+        return Err(misfit());
+    }
+    let mut joined = vec![T::default(); count * n];
+    let of_part = |(buffers, column): &mut (Buffers, Vec<T>), (part, to): (usize, &mut [T])| {
+        for (component, (plane, found)) in planes.iter().zip(&found).enumerate() {
+            column.resize(to.len() / n, T::default());
+            plane.decode_part(found, part * PART, column, buffers, meter)?;
+            put(column, to, component, n);
+        }
+        Ok::<(), Error>(())
+    };
+    let parts = joined.par_chunks_mut((PART * n).max(1)).enumerate();
+    parts.try_for_each_init(Default::default, of_part)?;
+    Ok(joined)
+}
+
+/// Puts numbers into one component of tuples of n.
+fn put<T: Copy>(from: &[T], tuples: &mut [T], component: usize, n: usize) {
+    tuples.iter_mut().skip(component).step_by(n).zip(from).for_each(|(to, &from)| *to = from);
 }
 
 /// Memory that a thread keeps from part to part.

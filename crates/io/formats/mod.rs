@@ -210,6 +210,7 @@ pub fn files_beside(path: &Path) -> Vec<PathBuf> {
         .chain(exodus::parts_beside(path))
         .chain(foam::files_named(path, None))
         .chain(mfem::files_named(path, &Request::default()))
+        .chain(abaqus::files_named(path))
         .chain(ensight::files_named(path, None))
         .collect()
 }
@@ -229,6 +230,7 @@ pub fn files_read_beside(path: &Path, request: &Request) -> Vec<PathBuf> {
         .chain(solution)
         .chain(exodus::parts_beside(path))
         .chain(mfem::files_named(path, request))
+        .chain(abaqus::files_named(path))
         .chain(of_case)
         .collect()
 }

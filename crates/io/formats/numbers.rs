@@ -86,8 +86,16 @@ pub(super) enum ByteOrder {
     Big,
 }
 
+impl ByteOrder {
+    /// That of this machine.
+    pub const NATIVE: ByteOrder =
+        if cfg!(target_endian = "little") { ByteOrder::Little } else { ByteOrder::Big };
+}
+
 /// A type that grids hold.
-pub(super) trait Target: Copy + Default + Send + Sync + 'static {
+pub(super) trait Target: bytemuck::Pod + Default + Send + Sync {
+    /// The type of numbers in files that it is.
+    const OWN: NumberType;
     /// Valid values of the type, for messages.
     const ACCEPTED: &'static str;
     /// The value, and whether it could be represented.
@@ -103,6 +111,7 @@ pub(super) trait Target: Copy + Default + Send + Sync + 'static {
 }
 
 impl Target for f64 {
+    const OWN: NumberType = NumberType::F64;
     const ACCEPTED: &'static str = "a number";
     #[inline]
     fn from_f64(value: f64) -> (Self, bool) {
@@ -122,8 +131,9 @@ impl Target for f64 {
 }
 
 macro_rules! integer_target {
-    ($type:ty, $accepted:literal) => {
+    ($type:ty, $own:ident, $accepted:literal) => {
         impl Target for $type {
+            const OWN: NumberType = NumberType::$own;
             const ACCEPTED: &'static str = $accepted;
             #[inline]
             fn from_f64(value: f64) -> (Self, bool) {
@@ -141,10 +151,10 @@ macro_rules! integer_target {
     };
 }
 
-integer_target!(u8, "a whole number from 0 to 255");
-integer_target!(u32, "a whole number from 0 to 4294967295");
-integer_target!(u64, "a whole number, not negative");
-integer_target!(i64, "a whole number");
+integer_target!(u8, U8, "a whole number from 0 to 255");
+integer_target!(u32, U32, "a whole number from 0 to 4294967295");
+integer_target!(u64, U64, "a whole number, not negative");
+integer_target!(i64, I64, "a whole number");
 
 /// Converts the first `to.len()` values of `bytes`. An error holds the index of the first value that the target
 /// cannot represent.
@@ -312,7 +322,7 @@ fn parse_any<T: Target>(number_type: NumberType, word: &[u8]) -> Result<T> {
 }
 
 /// A floating-point number, with the forms of NaN and infinity that C libraries print (`-nan(ind)`, `1.#INF`) and
-/// Fortran's exponent (`1.0D+00`).
+/// Fortran's exponents (`1.0D+00`, of three digits `1.0+100`).
 fn parse_float(text: &str) -> Option<f64> {
     if let Ok(value) = text.parse() {
         return Some(value);
@@ -326,7 +336,15 @@ fn parse_float(text: &str) -> Option<f64> {
         text if ["nan", "1.#ind", "1.#qnan", "1.#snan"].iter().any(|nan| text.starts_with(nan)) => f64::NAN,
         text if text.starts_with("1.#inf") => f64::INFINITY,
         text if text.contains('d') => text.replacen('d', "e", 1).parse().ok()?,
-        _ => return None,
+        text => {
+            let sign = text.rfind(['+', '-']).filter(|&sign| sign > 0 && text.len() == sign + 4)?;
+            let is_digit = |byte: &u8| byte.is_ascii_digit();
+            let is_number = text[..sign].ends_with(|end: char| end.is_ascii_digit() || end == '.');
+            if !(is_number && text.as_bytes()[sign + 1..].iter().all(is_digit)) {
+                return None;
+            }
+            format!("{}e{}", &text[..sign], &text[sign..]).parse().ok()?
+        }
     };
     Some(if negative { -value } else { value })
 }
@@ -423,6 +441,12 @@ mod tests {
         assert_eq!(parse::<u64>(NumberType::U64, b"18446744073709551615").ok(), Some(u64::MAX));
         assert_eq!(parse::<i64>(NumberType::I64, b"-9223372036854775808").ok(), Some(i64::MIN));
         assert_eq!(parse::<i64>(NumberType::I8, b"255").ok(), Some(-1));
+        for (word, value) in [("3.5+000", 3.5), ("-1.25-101", -1.25e-101), ("2.+003", 2e3)] {
+            assert_eq!(parse::<f64>(NumberType::F64, word.as_bytes()).ok(), Some(value), "{word}");
+        }
+        for word in ["3.5+00", "e+003", "3.5e+1+003", "3.5+0x3", "1+2+003"] {
+            assert!(parse::<f64>(NumberType::F64, word.as_bytes()).is_err(), "{word}");
+        }
         for word in ["4294967296", "-1", "", "-", "1.0", "1-2"] {
             assert!(parse::<u32>(NumberType::I64, word.as_bytes()).is_err(), "{word}");
         }

@@ -5,6 +5,7 @@ use super::numbers::{self, NumberType, Target};
 use super::source::Source;
 use rayon::prelude::*;
 use std::ops::Range;
+use std::path::Path;
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 
@@ -18,6 +19,9 @@ const AHEAD: u64 = 1 << 9;
 const LOOK_AHEAD: usize = 16;
 /// No word or line of a sound file is longer.
 const LONGEST: usize = 1 << 22;
+
+/// Bytes whose words are counted at once.
+pub(super) const BLOCK: usize = 254;
 
 /// White space of text.
 #[inline]
@@ -97,6 +101,11 @@ impl TextRange {
     /// Number of bytes.
     pub fn len(&self) -> u64 {
         self.end.saturating_sub(self.start)
+    }
+
+    /// Path of the file.
+    pub fn path(&self) -> &Path {
+        self.source.path()
     }
 
     /// The part before a place in the file.
@@ -296,6 +305,28 @@ impl TextRange {
             },
         )?;
         Ok(has_enough)
+    }
+
+    /// Number of words.
+    pub fn word_count(&self) -> Result<u64> {
+        let mut count = 0;
+        let of_piece = |piece: &TextPiece| {
+            let blocks = piece.bytes.chunks(BLOCK).scan(true, |may_begin, block| {
+                let starts = word_starts(block, *may_begin, is_space);
+                *may_begin = block.last().is_some_and(|&last| is_space(last));
+                Some(u64::from(starts))
+            });
+            Ok(blocks.sum::<u64>())
+        };
+        self.each_piece(
+            |rest| is_space(rest[0]),
+            of_piece,
+            |words| {
+                count += words;
+                Ok(true)
+            },
+        )?;
+        Ok(count)
     }
 
     /// True if a byte stands somewhere in the range.

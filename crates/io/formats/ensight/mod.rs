@@ -7,16 +7,17 @@ mod case;
 mod parts;
 
 use self::case::{CaseFile, StepFile};
-use self::parts::{GoldGeometry, GoldPart};
+use self::parts::{BlockForm, GoldBlock, GoldGeometry, GoldPart};
 use super::blocks::selected;
-use super::contents::{CellBlocks, Compute, Dataset, Encoding, Piece, PieceArray, Stored};
+use super::contents::{CellBlocks, Compute, Dataset, Encoding, Geometry, Piece, PieceArray, Stored};
 use super::lazy::geometry;
 use super::request::{Format, Request};
 use super::source::Source;
+use glam::{DMat3, DVec3};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use voltet_core::Result;
 use voltet_core::grid::Association;
+use voltet_core::{Error, Result, counted};
 
 /// The declaration.
 pub(super) const FORMAT: Format = Format {
@@ -60,9 +61,16 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     // Each file is looked through for the step once.
     let files = case.variables.iter().map(|variable| case.file(&variable.pattern, time).map(Arc::new));
     let files: Vec<Arc<StepFile>> = files.collect::<Result<_>>()?;
+    let len = |file: &StepFile| std::fs::metadata(&file.path).map_or(0, |metadata| metadata.len());
+    let all_bytes = files.iter().map(|file| len(file)).fold(dataset.file_bytes, u64::saturating_add);
     for (block, &place) in volumes.iter().enumerate().filter(|(block, _)| is_selected[*block]) {
         let part = &grid.parts[place];
-        let counts = [part.node_count, part.cell_count(), part.corner_count()];
+        // A block of boxes takes a few numbers whatever its size, which is believed where there may be values for its cells.
+        if part.node_count > all_bytes.saturating_mul(8) {
+            let error = Error::run("a block is larger than the files of the case can hold values for");
+            return Err(error.got(counted(part.node_count, "point")).at_item(&dataset.blocks[block]));
+        }
+        let counts = [part.node_count, part.cell_count()];
         let mut arrays = Vec::new();
         for (variable, file) in case.variables.iter().zip(&files) {
             let (association, n) = (variable.association, variable.component_count);
@@ -74,17 +82,41 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
             let component_names = names.iter().map(|name| (*name).to_owned()).collect();
             arrays.push(PieceArray { component_names, ..PieceArray::new(association, stored) });
         }
-        let of = grid.clone();
         dataset.pieces.push(Piece {
             point_count: counts[0],
             cell_count: counts[1],
             arrays,
-            geometry: geometry(counts, move |_| of.read(place)),
+            geometry: part_geometry(&grid, place, &source)?,
             blocks: CellBlocks::One(block),
             is_old_order: false,
         });
     }
     Ok(dataset)
+}
+
+/// Points and cells of a part.
+fn part_geometry(grid: &Arc<GoldGeometry>, place: usize, source: &Arc<Source>) -> Result<Geometry> {
+    let (part, of) = (&grid.parts[place], grid.clone());
+    match part.block {
+        Some(GoldBlock { dimensions, form: BlockForm::Uniform }) => {
+            let axes = grid.axes(place)?;
+            let [origin, spacing] = [0, 1].map(|k| DVec3::new(axes[0][k], axes[1][k], axes[2][k]));
+            let (first, direction) = (DVec3::ZERO, DMat3::IDENTITY);
+            Ok(Geometry::Uniform { dimensions, first, origin, spacing, direction })
+        }
+        Some(GoldBlock { dimensions, form: BlockForm::Rectilinear }) => {
+            let axis = |axis: usize| {
+                let of = grid.clone();
+                let compute: Compute = Arc::new(move |_| Ok(of.axes(place)?[axis].clone()));
+                Stored::of_f64(source, "coordinates", 1, dimensions[axis], Encoding::Computed(compute))
+            };
+            Ok(Geometry::Rectilinear { dimensions, axes: Box::new([axis(0), axis(1), axis(2)]) })
+        }
+        _ => {
+            let counts = [part.node_count, part.cell_count(), part.corner_count()];
+            Ok(geometry(counts, move |_| of.read(place)))
+        }
+    }
 }
 
 /// The files that a case names, of every step or of that asked for; none for other files.

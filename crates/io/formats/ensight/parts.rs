@@ -1,12 +1,12 @@
 //! Geometry and variables of EnSight Gold: parts with nodes and elements of several types, in text and in C binary of either order.
 
 use super::case::StepFile;
+use crate::formats::contents::structured_counts;
 use crate::formats::cursor::{Cursor, Place};
 use crate::formats::lazy::GatheredCells;
 use crate::formats::numbers::{ByteOrder, NumberType, Target};
 use crate::formats::source::Source;
 use glam::DVec3;
-use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
 use voltet_core::grid::{Association, Cells, code};
@@ -51,15 +51,35 @@ pub(super) struct GoldPart {
     pub node_count: u64,
     coordinates: Place,
     pub elements: Vec<GoldElements>,
-    /// Numbers of points along the axes of a structured part.
-    pub block: Option<[u64; 3]>,
+    /// Points of a structured part.
+    pub block: Option<GoldBlock>,
+}
+
+/// Points of a structured part: their numbers along the axes, and where they are.
+#[derive(Clone, Copy)]
+pub(super) struct GoldBlock {
+    pub dimensions: [u64; 3],
+    pub form: BlockForm,
+}
+
+/// Positions of the points of a structured part.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum BlockForm {
+    /// Those of each point.
+    Curvilinear,
+    /// Coordinates along each axis.
+    Rectilinear,
+    /// An origin, and distances along the axes.
+    Uniform,
 }
 
 impl GoldPart {
     /// Number of volume elements.
     pub fn cell_count(&self) -> u64 {
         match self.block {
-            Some(points) => points.iter().fold(1, |count: u64, n| count.saturating_mul(n.saturating_sub(1))),
+            Some(GoldBlock { dimensions, .. }) => {
+                dimensions.iter().fold(1, |count: u64, n| count.saturating_mul(n.saturating_sub(1)))
+            }
             None => self.volumes().map(|elements| elements.count).sum(),
         }
     }
@@ -289,11 +309,11 @@ impl GoldGeometry {
     fn read_part(&self, part: &GoldPart) -> Result<(Vec<DVec3>, Cells)> {
         let mut file = self.at(part.coordinates);
         let n = part.node_count;
-        let mut axis = || file.numbers::<f64>(NumberType::F32, n);
-        let (x, y, z) = (axis()?, axis()?, axis()?);
-        let points = x.par_iter().zip(&y).zip(&z).map(|((&x, &y), &z)| DVec3::new(x, y, z)).collect();
+        let coordinates = file.cursor.tuples(NumberType::F32, n, 3, "a coordinate")?;
+        let copied = |(_, numbers): (_, Vec<f64>)| bytemuck::cast_slice(&numbers).to_vec();
+        let points = bytemuck::try_cast_vec(coordinates).unwrap_or_else(copied);
         if let Some(block) = part.block {
-            return Ok((points, Cells::Structured(block.map(|n| n as usize))));
+            return Ok((points, Cells::Structured(block.dimensions.map(|n| n as usize))));
         }
         let mut cells = GatheredCells::default();
         for own in part.volumes() {
@@ -312,6 +332,25 @@ impl GoldGeometry {
             }
         }
         Ok((points, cells.into_cells()))
+    }
+
+    /// Coordinates along each axis of a rectilinear block; of a uniform one the first, and the distance to the next.
+    pub fn axes(&self, part: usize) -> Result<[Vec<f64>; 3]> {
+        let part = &self.parts[part];
+        let mut file = self.at(part.coordinates);
+        let mut numbers = |count| {
+            let numbers = file.numbers::<f64>(NumberType::F32, count);
+            numbers.map_err(|error| error.in_file(self.source.path()))
+        };
+        match part.block {
+            Some(GoldBlock { form: BlockForm::Rectilinear, dimensions: [x, y, z] }) => {
+                Ok([numbers(x)?, numbers(y)?, numbers(z)?])
+            }
+            _ => {
+                let pairs = numbers(6)?;
+                Ok([0, 1, 2].map(|axis| vec![pairs[axis], pairs[axis + 3]]))
+            }
+        }
     }
 
     /// Values of a variable at the points or volume elements of a part; not a number where it has none.
@@ -382,18 +421,26 @@ impl GoldGeometry {
                 file.skip(len.saturating_mul(n))?;
                 continue;
             }
-            let mut values: Vec<f64> = file.numbers(NumberType::F32, len.saturating_mul(n))?;
-            values.iter_mut().filter(|value| Some(**value) == undefined).for_each(|value| *value = f64::NAN);
+            let mut values = file.cursor.tuples(NumberType::F32, len, component_count, "a number")?;
+            if len > 0 {
+                file.end_line()?;
+            }
+            if undefined.is_some() {
+                values
+                    .iter_mut()
+                    .filter(|value| Some(**value) == undefined)
+                    .for_each(|value| *value = f64::NAN);
+            }
             found.insert(kind.to_owned(), values);
         }
         let mut all = Vec::new();
         let whole = ["coordinates", "block"].into_iter().find_map(|kind| found.remove(kind));
         match whole {
-            Some(values) => interleave(&values, component_count, &mut all),
+            Some(values) => all = values,
             None if association == Association::Cell => {
                 for elements in own.volumes() {
                     match found.get(&elements.name) {
-                        Some(values) => interleave(values, component_count, &mut all),
+                        Some(values) => all.extend_from_slice(values),
                         None => all.resize(all.len() + elements.count as usize * component_count, f64::NAN),
                     }
                 }
@@ -406,43 +453,45 @@ impl GoldGeometry {
     }
 }
 
-/// All values of the first component, then of the next, as tuples.
-fn interleave(values: &[f64], component_count: usize, all: &mut Vec<f64>) {
-    let count = values.len() / component_count;
-    all.extend(
-        (0..count).flat_map(|i| (0..component_count).map(move |component| values[component * count + i])),
-    );
-}
-
 /// Head of a part behind its name.
 fn part_head(file: &mut GoldFile, number: u64, name: String, has_ids: bool) -> Result<GoldPart> {
     let line = file.required("coordinates or block")?;
     let mut words = line.split_ascii_whitespace();
     let (kind, options): (_, Vec<&str>) = (words.next().unwrap_or_default(), words.collect());
-    let is_plain = options.iter().all(|option| *option == "curvilinear");
-    let (node_count, block) = match kind {
-        "coordinates" => {
+    let form = match options[..] {
+        [] | ["curvilinear"] => Some(BlockForm::Curvilinear),
+        ["rectilinear"] => Some(BlockForm::Rectilinear),
+        ["uniform"] => Some(BlockForm::Uniform),
+        _ => None,
+    };
+    let (node_count, number_count, block) = match (kind, form) {
+        ("coordinates", _) => {
             let count = file.count("the number of nodes")?;
             if has_ids {
                 file.skip(count)?;
             }
-            (count, None)
+            (count, count.saturating_mul(3), None)
         }
-        "block" if is_plain => {
+        ("block", Some(form)) => {
             let numbers: Vec<u64> = file.numbers(NumberType::I32, 3)?;
-            let block = [numbers[0], numbers[1], numbers[2]];
-            let count = block.iter().fold(1_u64, |count, &n| count.saturating_mul(n));
-            (count, Some(block))
+            let dimensions = [numbers[0], numbers[1], numbers[2]];
+            let count = structured_counts(dimensions)?.0;
+            let number_count = match form {
+                BlockForm::Curvilinear => count.saturating_mul(3),
+                BlockForm::Rectilinear => dimensions.iter().sum(),
+                BlockForm::Uniform => 6,
+            };
+            (count, number_count, Some(GoldBlock { dimensions, form }))
         }
         _ => {
             let error = file.cursor.error("this kind of part is not read").got(format_args!("'{line}'"));
             return Err(
-                error.expected("coordinates, or a curvilinear block without blanking, ghosts and ranges")
+                error.expected("coordinates, or a curvilinear, rectilinear or uniform block without blanking, ghosts and ranges")
             );
         }
     };
     let coordinates = file.cursor.place();
-    file.skip(node_count.saturating_mul(3))?;
+    file.skip(number_count)?;
     Ok(GoldPart { number, name, node_count, coordinates, elements: Vec::new(), block })
 }
 

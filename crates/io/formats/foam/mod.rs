@@ -214,32 +214,13 @@ pub(super) fn open(folder: &Path, request: &Request) -> Result<(Dataset, Arc<Sou
         Some((time, name)) => (Some(name.as_str()), *time),
     };
     let regions = regions(&parts[0].folder);
-    // A mesh without a name among others has a block, too.
-    dataset.has_blocks = regions.len() > 1 || regions.iter().any(|region| !region.is_empty());
-    let (mut meshes, mut cell_counts) = (Vec::new(), Vec::new());
-    for region in &regions {
-        let of_parts = parts.iter().map(|part| FolderMesh::open(part, region, time));
-        let of_region: Vec<FolderMesh> = of_parts.collect::<Result<_>>()?;
-        cell_counts.push(of_region.iter().map(|mesh| mesh.cell_count).fold(0, u64::saturating_add));
-        let first = dataset.blocks.len();
-        dataset.blocks.extend(block_names(&of_region, region, dataset.has_blocks));
-        let blocks = first..dataset.blocks.len();
-        let of_parts = parts.iter().zip(of_region);
-        meshes.extend(of_parts.map(|(part, mesh)| (part.folder.as_path(), region, mesh, blocks.clone())));
-    }
-    let mut is_selected = selected(&dataset.blocks, request)?;
-    if let Some(reason) =
-        request.blocks.is_empty().then(|| reason_of_split(&parts[0], &regions, &cell_counts)).flatten()
-    {
-        let own = meshes.first().map_or(0..0, |own| own.3.clone());
-        is_selected[own.clone()].fill(false);
-        let names = list(dataset.blocks[own].iter().map(String::as_str));
-        dataset.warnings.push(format!(
-            "The mesh in constant/polyMesh is left out as that of the case before it was split into regions: {reason}. \
-             The parameter blocks reads it by name: {names}."
-        ));
-    }
+    let CaseMeshes { meshes, blocks, is_selected, warning } =
+        CaseMeshes::open(&parts, &regions, time, request)?;
+    dataset.has_blocks = has_blocks(&regions);
+    dataset.blocks = blocks;
+    dataset.warnings.extend(warning);
     for (part, region, mesh, blocks) in meshes {
+        let (part, region) = (&parts[part].folder, &regions[region]);
         let place = |zone: &String| {
             let mut names = dataset.blocks[blocks.clone()].iter();
             names.position(|block| *block == in_region(region, zone)).map_or(0, |place| blocks.start + place)
@@ -271,6 +252,54 @@ pub(super) fn open(folder: &Path, request: &Request) -> Result<(Dataset, Arc<Sou
     Ok((dataset, head.source))
 }
 
+/// True if the cells of a case have blocks: a mesh without a name among others has one, too.
+fn has_blocks(regions: &[String]) -> bool {
+    regions.len() > 1 || regions.iter().any(|region| !region.is_empty())
+}
+
+/// Meshes of a case at a time, and the blocks that are read.
+struct CaseMeshes {
+    /// Numbers of part and region, the mesh, and its blocks.
+    meshes: Vec<(usize, usize, FolderMesh, Range<usize>)>,
+    blocks: Vec<String>,
+    is_selected: Vec<bool>,
+    warning: Option<String>,
+}
+
+impl CaseMeshes {
+    fn open(parts: &[CaseFolder], regions: &[String], time: f64, request: &Request) -> Result<CaseMeshes> {
+        let (mut meshes, mut blocks, mut cell_counts) = (Vec::new(), Vec::new(), Vec::new());
+        for (number, region) in regions.iter().enumerate() {
+            let of_parts = parts.iter().map(|part| FolderMesh::open(part, region, time));
+            let of_region: Vec<FolderMesh> = of_parts.collect::<Result<_>>()?;
+            cell_counts.push(of_region.iter().map(|mesh| mesh.cell_count).fold(0, u64::saturating_add));
+            let first = blocks.len();
+            blocks.extend(block_names(&of_region, region, has_blocks(regions)));
+            let of_parts = of_region.into_iter().enumerate();
+            meshes.extend(of_parts.map(|(part, mesh)| (part, number, mesh, first..blocks.len())));
+        }
+        let mut is_selected = selected(&blocks, request)?;
+        let reason =
+            request.blocks.is_empty().then(|| reason_of_split(&parts[0], regions, &cell_counts)).flatten();
+        let warning = reason.map(|reason| {
+            let own = meshes.first().map_or(0..0, |own| own.3.clone());
+            is_selected[own.clone()].fill(false);
+            let names = list(blocks[own].iter().map(String::as_str));
+            format!(
+                "The mesh in constant/polyMesh is left out as that of the case before it was split into regions: {reason}. \
+                 The parameter blocks reads it by name: {names}."
+            )
+        });
+        Ok(CaseMeshes { meshes, blocks, is_selected, warning })
+    }
+
+    /// True if a mesh of the region is read.
+    fn reads(&self, region: usize) -> bool {
+        let mut own = self.meshes.iter().filter(|mesh| mesh.1 == region);
+        own.any(|mesh| mesh.3.is_empty() || self.is_selected[mesh.3.clone()].contains(&true))
+    }
+}
+
 /// The reason why the mesh without a name beside those of regions is that of all of them, before the case was split; `None`: it is a
 /// mesh of its own. Splitting leaves it where it was, and no solver goes on with it.
 fn reason_of_split(part: &CaseFolder, regions: &[String], cell_counts: &[u64]) -> Option<String> {
@@ -278,7 +307,9 @@ fn reason_of_split(part: &CaseFolder, regions: &[String], cell_counts: &[u64]) -
     if !own.is_empty() || others.is_empty() {
         return None;
     }
-    let later = part.times.iter().skip(1).map(|step| part.folder.join(&step.1));
+    // The first time has the fields from before the split; where it is the only one, those that there are.
+    let has_later = part.times.len() > 1;
+    let later = part.times.iter().skip(usize::from(has_later)).map(|step| part.folder.join(&step.1));
     let later: Vec<PathBuf> = later.collect();
     let has_fields = |region: &String| {
         let mut folders = later.iter().rev().map(|folder| folder.join(region));
@@ -290,7 +321,8 @@ fn reason_of_split(part: &CaseFolder, regions: &[String], cell_counts: &[u64]) -
     match is_sum {
         _ if has_own => None,
         true => Some(format!("it has as many cells as they together, {count}")),
-        false => others.iter().any(has_fields).then(|| "no time but the first has fields of it".to_owned()),
+        false => (has_later && others.iter().any(has_fields))
+            .then(|| "no time but the first has fields of it".to_owned()),
     }
 }
 
@@ -424,7 +456,17 @@ pub(super) fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf
     let parts = parts(&folder).map_or(Vec::new(), |found| found.0);
     let mut files = Vec::new();
     let regions = parts.first().map_or(Vec::new(), |first| regions(&first.folder));
-    for (part, region) in parts.iter().flat_map(|part| regions.iter().map(move |region| (part, region))) {
+    let time_of = |request: &Request| {
+        let times: Vec<f64> = parts.first()?.times.iter().map(|step| step.0).collect();
+        if times.is_empty() { Some(f64::INFINITY) } else { Some(times[request.step_index(&times).ok()?]) }
+    };
+    // All of a case whose selection is an error are those of the reading that tells it.
+    let meshes = request
+        .filter(|_| regions.len() > 1)
+        .and_then(|request| CaseMeshes::open(&parts, &regions, time_of(request)?, request).ok());
+    let is_read = |number: &usize| meshes.as_ref().is_none_or(|meshes| meshes.reads(*number));
+    let read: Vec<&String> = (0..regions.len()).filter(is_read).map(|number| &regions[number]).collect();
+    for (part, region) in parts.iter().flat_map(|part| read.iter().map(move |region| (part, *region))) {
         let times: Vec<f64> = part.times.iter().map(|step| step.0).collect();
         let index = request.filter(|_| !times.is_empty()).and_then(|request| request.step_index(&times).ok());
         let time = index.map(|index| times[index]);

@@ -130,14 +130,16 @@ fn physical_names(cursor: &mut Cursor) -> Result<Vec<(i64, String)>> {
     cursor.line()?;
     for _ in 0..count {
         let line = cursor.text_line("a dimension, a number and a name")?;
-        let mut words = line.splitn(3, char::is_whitespace);
-        let group = words.next().zip(words.next().and_then(|word| word.parse().ok()));
-        let Some(((dimension, group), name)) = group.zip(words.next()) else {
-            let error = cursor.error("a physical name is damaged").got(format_args!("'{line}'"));
-            return Err(error.expected("a dimension, a number and a name"));
-        };
-        if dimension == "3" {
-            names.push((group, name.trim().trim_matches('"').to_owned()));
+        // Before version 2.1 no dimension stood before the number; groups of volumes may be among them.
+        let (numbers, name) = line.split_once('"').unwrap_or((&line, ""));
+        let numbers: Option<Vec<i64>> = numbers.split_whitespace().map(|word| word.parse().ok()).collect();
+        match numbers.as_deref() {
+            Some([group] | [3, group]) => names.push((*group, name.trim_end_matches('"').to_owned())),
+            Some([0..3, _]) => {}
+            _ => {
+                let error = cursor.error("a physical name is damaged").got(format_args!("'{line}'"));
+                return Err(error.expected("a dimension, a number and a name in quotes"));
+            }
         }
     }
     Ok(names)

@@ -4,7 +4,7 @@
 use super::elements::MfemElements;
 use super::numbering::MfemNodes;
 use super::shapes::SHAPES;
-use super::space::{GridFunction, refusal, skip_comments};
+use super::space::{GridFunction, skip_comments};
 use crate::formats::cursor::Cursor;
 use crate::formats::numbers::NumberType;
 use crate::formats::source::Source;
@@ -12,6 +12,7 @@ use crate::formats::text::{TextRange, is_space};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use voltet_core::grid::Association;
 use voltet_core::{Error, Result, counted};
 
 /// Name of the grid function of the nodes.
@@ -243,7 +244,13 @@ fn coordinates(cursor: &mut Cursor, vertex_count: u64, path: &Path) -> Result<Co
     if cursor.peek()? == Some(b'n') {
         keyword(cursor, "nodes")?;
         let nodes = GridFunction::open(cursor, NODES, path)?;
-        return nodes.map(Coordinates::OfNodes).map_err(|space| cursor.locate(refusal(NODES, &space)));
+        return match nodes {
+            Ok(nodes) if nodes.space.association() == Association::Point => Ok(Coordinates::OfNodes(nodes)),
+            Ok(GridFunction { collection: space, .. }) | Err(space) => {
+                let error = cursor.locate(Error::run("the finite element space of the nodes is not read"));
+                Err(error.got(space).expected("H1 (or the mesh as .vtu by MFEM's ParaViewDataCollection)"))
+            }
+        };
     }
     let component_count: u64 = cursor.number(NumberType::U64, "the dimension of the space, or nodes")?;
     if !(1..=3).contains(&component_count) {

@@ -53,8 +53,42 @@ fn matches(head: &[u8], path: &Path, _: &Request) -> bool {
 /// The mesh of a process and its fields.
 struct MfemPart {
     mesh: MfemMesh,
+    /// Nodes of an order, once they were numbered.
+    nodes: Option<(u32, MfemNodes)>,
     fields: Vec<GridFunction>,
     source: Arc<Source>,
+}
+
+impl MfemPart {
+    /// Names and spaces of the nodes and of the fields.
+    fn spaces(&self) -> Vec<(String, FieldSpace)> {
+        let nodes = match &self.mesh.coordinates {
+            Coordinates::OfNodes(nodes) => Some((nodes.name.clone(), nodes.space)),
+            Coordinates::OfVertices { .. } => None,
+        };
+        let fields = self.fields.iter().map(|field| (format!("'{}'", field.name), field.space));
+        nodes.into_iter().chain(fields).collect()
+    }
+
+    /// Leaves out fields with the values of another mesh; sentences about them.
+    fn leave_out_misfits(&mut self) -> Result<Vec<String>> {
+        let order = self.spaces().iter().map(|own| own.1.order()).max().unwrap_or(1);
+        let nodes = self.mesh.nodes(order)?;
+        let mut sentences = Vec::new();
+        let elements = &self.mesh.elements;
+        self.fields.retain(|field| {
+            let error = field.check_count(&nodes, elements).err();
+            sentences.extend(error.as_ref().map(left_out));
+            error.is_none()
+        });
+        self.nodes = Some((order, nodes));
+        Ok(sentences)
+    }
+}
+
+/// The sentence about a field beside a mesh that is not read.
+fn left_out(error: &Error) -> String {
+    format!("The file of the mesh's name that ends in .gf is left out: {error}")
 }
 
 fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
@@ -73,7 +107,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
             MfemMesh::open(&own)
         };
         let mesh = open_mesh().map_err(|error| error.in_file(path))?;
-        let mut part = MfemPart { mesh, fields: Vec::new(), source: own };
+        let mut part = MfemPart { mesh, nodes: None, fields: Vec::new(), source: own };
         for (name, paths) in &files.fields {
             let Some(path) = paths.get(process) else {
                 let error = Error::run("the processes have no files of a field each").got(paths.len());
@@ -84,7 +118,12 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
                 dataset.file_bytes += own.len();
                 GridFunction::open(&mut Cursor::new(&own), name, path)
             };
-            match open_field().map_err(|error| error.in_file(path)) {
+            let opened = open_field().map_err(|error| error.in_file(path));
+            let served = opened.map(|opened| match opened {
+                Ok(field) if !field.space.serves(&part.mesh.elements) => Err(field.collection),
+                opened => opened,
+            });
+            match served {
                 Ok(Ok(field)) => part.fields.push(field),
                 Ok(Err(space)) if files.reason == FieldReason::Requested => {
                     return Err(space::refusal(&format!("'{name}'"), &space).in_file(path));
@@ -92,28 +131,27 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
                 Ok(Err(space)) => dataset.warnings.push(format!(
                     "The field '{name}' is left out: it is of the space {space}, which is not read."
                 )),
-                Err(error) if files.reason == FieldReason::BesideMesh => dataset
-                    .warnings
-                    .push(format!("The file of the mesh's name that ends in .gf is left out: {error}")),
+                Err(error) if files.reason == FieldReason::BesideMesh => {
+                    dataset.warnings.push(left_out(&error));
+                }
                 Err(error) => return Err(error),
             }
         }
+        if files.reason == FieldReason::BesideMesh {
+            dataset.warnings.extend(part.leave_out_misfits()?);
+        }
         parts.push(part);
     }
-    let spaces = |part: &MfemPart| {
-        let nodes = match &part.mesh.coordinates {
-            Coordinates::OfNodes(nodes) => Some((nodes.name.clone(), nodes.space)),
-            Coordinates::OfVertices { .. } => None,
-        };
-        let fields = part.fields.iter().map(|field| (format!("'{}'", field.name), field.space));
-        nodes.into_iter().chain(fields).collect::<Vec<_>>()
-    };
-    let spaces: Vec<(String, FieldSpace)> = parts.iter().flat_map(spaces).collect();
+    let spaces: Vec<(String, FieldSpace)> = parts.iter().flat_map(MfemPart::spaces).collect();
     for (name, space) in &spaces {
-        if let FieldSpace::Continuous { order: order @ 3.. } = space {
-            dataset.warnings.push(format!(
+        match space {
+            FieldSpace::Continuous { order: order @ 3.. } => dataset.warnings.push(format!(
                 "The order of {name} is {order}, of which the values at the nodes of the second order are read."
-            ));
+            )),
+            FieldSpace::Discontinuous { order, .. } => dataset.warnings.push(format!(
+                "{name} is of the order {order} within each cell and jumps between them: the mean in each cell is read."
+            )),
+            _ => {}
         }
     }
     let order = spaces.iter().map(|own| own.1.order()).max().unwrap_or(1);
@@ -221,8 +259,11 @@ impl MfemCells {
 }
 
 fn piece(part: MfemPart, attributes: &[i32], is_selected: &[bool], order: u32) -> Result<Piece> {
-    let MfemPart { mesh, fields, source } = part;
-    let nodes = mesh.nodes(order)?;
+    let MfemPart { mesh, nodes, fields, source } = part;
+    let nodes = match nodes.filter(|own| own.0 == order) {
+        Some((_, nodes)) => nodes,
+        None => mesh.nodes(order)?,
+    };
     let block = |own: &i32| attributes.binary_search(own).unwrap_or(0) as u32;
     let blocks: Vec<u32> = mesh.elements.attributes.iter().map(block).collect();
     let is_chosen = |&cell: &u32| is_selected.get(blocks[cell as usize] as usize) != Some(&false);
@@ -235,16 +276,14 @@ fn piece(part: MfemPart, attributes: &[i32], is_selected: &[bool], order: u32) -
         .into_iter()
         .map(|field| {
             let (name, component_count) = (field.name.clone(), field.component_count);
-            let (association, tuple_count) = match field.space {
-                FieldSpace::Constant => (Association::Cell, cell_count),
-                FieldSpace::Continuous { .. } => (Association::Point, point_count),
-            };
+            let association = field.space.association();
+            let tuple_count = if association == Association::Cell { cell_count } else { point_count };
             let of = cells.clone();
             let load: Compute = Arc::new(move |_| {
                 let values = field.load(&of.nodes, &of.mesh.elements)?;
-                Ok(match field.space {
-                    FieldSpace::Constant => of.of_chosen(values, component_count),
-                    FieldSpace::Continuous { .. } => values,
+                Ok(match association {
+                    Association::Cell => of.of_chosen(values, component_count),
+                    Association::Point => values,
                 })
             });
             let encoding = Encoding::Computed(load);

@@ -121,23 +121,60 @@ impl<'a> ContinuousLayout<'a> {
     }
 }
 
-/// Weights in the middle of Lagrange's polynomials through the p + 1 points of Gauss and Lobatto: −1, 1, and where the derivative of
-/// Legendre's polynomial P of the order p is zero (M. Abramowitz, I. Stegun, "Handbook of Mathematical Functions", 25.4.32), by
-/// Newton's method.
-fn weights(p: usize) -> Vec<f64> {
+/// Legendre's polynomials of the orders p − 1 and p ≥ 1.
+fn legendre(p: usize, x: f64) -> [f64; 2] {
+    let (mut before, mut own) = (1.0, x);
+    for k in 2..=p {
+        (before, own) = (own, ((2 * k - 1) as f64 * x * own - (k - 1) as f64 * before) / k as f64);
+    }
+    [before, own]
+}
+
+/// Steps of Newton's method, from points that are near.
+const STEPS: usize = 50;
+
+/// The p + 1 points of Gauss and Lobatto: −1, 1, and where the derivative of Legendre's polynomial of the order p is zero (M. Abramowitz,
+/// I. Stegun, "Handbook of Mathematical Functions", 25.4.32).
+fn lobatto_points(p: usize) -> Vec<f64> {
     let order = p as f64;
     let point = |i: usize| {
         let mut x = -(std::f64::consts::PI * i as f64 / order).cos();
-        for _ in 0..50 {
-            let (mut before, mut own) = (1.0, x);
-            for k in 2..=p {
-                (before, own) = (own, ((2 * k - 1) as f64 * x * own - (k - 1) as f64 * before) / k as f64);
-            }
+        for _ in 0..STEPS {
+            let [before, own] = legendre(p, x);
             x -= (x * own - before) / ((order + 1.0) * own);
         }
         x
     };
-    let points: Vec<f64> = (0..=p).map(|i| if 2 * i == p { 0.0 } else { point(i) }).collect();
+    (0..=p).map(|i| if 2 * i == p { 0.0 } else { point(i) }).collect()
+}
+
+/// Weights of the p + 1 points of Gauss and Lobatto in the mean over a line (25.4.32).
+pub(super) fn lobatto_mean(p: usize) -> Vec<f64> {
+    let order = p as f64;
+    let weight = |x: f64| 1.0 / (order * (order + 1.0) * legendre(p, x)[1].powi(2));
+    lobatto_points(p).into_iter().map(weight).collect()
+}
+
+/// Weights of the n points of Gauss and Legendre in the mean over a line (25.4.29).
+pub(super) fn legendre_mean(n: usize) -> Vec<f64> {
+    let slope = |x: f64| {
+        let [before, own] = legendre(n, x);
+        (own, n as f64 * (x * own - before) / (x * x - 1.0))
+    };
+    let weight = |i: usize| {
+        let mut x = -(std::f64::consts::PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();
+        for _ in 0..STEPS {
+            let (own, slope) = slope(x);
+            x -= own / slope;
+        }
+        1.0 / ((1.0 - x * x) * slope(x).1.powi(2))
+    };
+    (0..n).map(weight).collect()
+}
+
+/// Weights in the middle of Lagrange's polynomials through the p + 1 points of Gauss and Lobatto.
+fn weights(p: usize) -> Vec<f64> {
+    let points = lobatto_points(p);
     let weight = |i: usize| {
         let others = points.iter().enumerate().filter(|other| other.0 != i);
         others.map(|(_, x)| -x / (points[i] - x)).product()
@@ -147,7 +184,24 @@ fn weights(p: usize) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::weights;
+    use super::{legendre_mean, lobatto_mean, weights};
+
+    #[test]
+    fn weights_of_the_mean_are_those_of_known_points() {
+        let same = |found: Vec<f64>, expected: &[f64]| {
+            assert_eq!(found.len(), expected.len());
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?}");
+        };
+        same(legendre_mean(1), &[1.0]);
+        same(legendre_mean(2), &[0.5, 0.5]);
+        same(legendre_mean(3), &[5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0]);
+        same(lobatto_mean(1), &[0.5, 0.5]);
+        same(lobatto_mean(2), &[1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0]);
+        for n in 2..=20 {
+            let sums = [legendre_mean(n), lobatto_mean(n)].map(|weights| weights.iter().sum::<f64>());
+            assert!(sums.iter().all(|sum| (sum - 1.0).abs() < 1e-12), "{n}: {sums:?}");
+        }
+    }
 
     #[test]
     fn weights_of_the_middle_are_those_of_known_points() {

@@ -21,7 +21,10 @@ pub(super) struct MfemShape {
     pub order: &'static [u8],
 }
 
-/// The number of pyramids among [`SHAPES`].
+/// Numbers of types among [`SHAPES`].
+pub(super) const TETRAHEDRON: usize = 4;
+pub(super) const CUBE: usize = 5;
+pub(super) const PRISM: usize = 6;
 pub(super) const PYRAMID: usize = 7;
 
 /// The types by their numbers. VTK's pyramid has no node in the middle of its base.

@@ -5,12 +5,16 @@
 
 use super::elements::MfemElements;
 use super::numbering::MfemNodes;
-use super::orders::{ContinuousLayout, MAX_ORDER};
+use super::orders::{ContinuousLayout, MAX_ORDER, legendre_mean, lobatto_mean};
+use super::shapes::{CUBE, PRISM, SHAPES, TETRAHEDRON};
 use crate::formats::cursor::Cursor;
 use crate::formats::numbers::NumberType;
 use crate::formats::text::{TextRange, is_space};
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use voltet_core::grid::Association;
 use voltet_core::{Error, Result};
 
 /// Spaces that are read.
@@ -20,12 +24,60 @@ pub(super) enum FieldSpace {
     Continuous { order: u32 },
     /// A value in each element.
     Constant,
+    /// A polynomial in each element, of which the mean over the reference element is read.
+    Discontinuous { order: u32, basis: Basis },
+}
+
+/// Functions whose coefficients the values of a discontinuous space are.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Basis {
+    /// Lagrange's polynomials through the points of Gauss and Legendre, or of Gauss and Lobatto.
+    Legendre,
+    Lobatto,
+    Bernstein,
+}
+
+/// Weights of an element's values in their mean; `None` where they are not known: in simplices of higher order, by values at points.
+fn mean_weights(number: usize, order: u32, basis: Basis) -> Option<Vec<f64>> {
+    let p = order as usize;
+    let even = |count: usize| vec![1.0 / count as f64; count];
+    let line = match basis {
+        Basis::Legendre => legendre_mean(p + 1),
+        Basis::Lobatto => lobatto_mean(p),
+        Basis::Bernstein => even(p + 1),
+    };
+    // Bernstein's polynomials of an order have one mean, and so have those of the first order by symmetry.
+    let simplex = |count: usize| (p == 1 || basis == Basis::Bernstein).then(|| even(count));
+    let product = |inner: &[f64], outer: &[f64]| -> Vec<f64> {
+        outer.iter().flat_map(|outer| inner.iter().map(move |inner| inner * outer)).collect()
+    };
+    match number {
+        TETRAHEDRON => simplex((p + 1) * (p + 2) * (p + 3) / 6),
+        CUBE => Some(product(&product(&line, &line), &line)),
+        PRISM => Some(product(&simplex((p + 1) * (p + 2) / 2)?, &line)),
+        _ => None,
+    }
 }
 
 impl FieldSpace {
     /// Order of the nodes at which values are.
     pub fn order(self) -> u32 {
         if let FieldSpace::Continuous { order } = self { order } else { 1 }
+    }
+
+    /// Place of the values that are read.
+    pub fn association(self) -> Association {
+        match self {
+            FieldSpace::Continuous { .. } => Association::Point,
+            FieldSpace::Constant | FieldSpace::Discontinuous { .. } => Association::Cell,
+        }
+    }
+
+    /// True if the values of all elements of a mesh can be read.
+    pub fn serves(self, elements: &MfemElements) -> bool {
+        let FieldSpace::Discontinuous { order, basis } = self else { return true };
+        let types: BTreeSet<u8> = elements.types.iter().copied().collect();
+        types.into_iter().all(|number| mean_weights(number.into(), order, basis).is_some())
     }
 
     /// The space of a name; `None` for others.
@@ -50,6 +102,15 @@ impl FieldSpace {
             ("H1@G", 1..) => continuous(order),
             (_, 1 | 2) if family.starts_with("H1@") => continuous(order),
             ("L2", 0) => Some(FieldSpace::Constant),
+            ("L2", _) => {
+                let basis = match name.split('_').nth(1)? {
+                    "T1" => Basis::Lobatto,
+                    "T2" => Basis::Bernstein,
+                    "T0" | "2D" | "3D" => Basis::Legendre,
+                    _ => return None,
+                };
+                Some(FieldSpace::Discontinuous { order, basis })
+            }
             _ => None,
         }
     }
@@ -60,6 +121,8 @@ pub(super) struct GridFunction {
     pub name: String,
     path: PathBuf,
     pub space: FieldSpace,
+    /// Name of the space.
+    pub collection: String,
     pub component_count: usize,
     /// True if the components of a node stand side by side.
     is_interleaved: bool,
@@ -129,10 +192,33 @@ impl GridFunction {
             name: name.to_owned(),
             path: path.to_owned(),
             space,
+            collection,
             component_count,
             is_interleaved,
             values,
         }))
+    }
+
+    /// Errors: the values are not as many as those of a mesh.
+    pub fn check_count(&self, nodes: &MfemNodes, elements: &MfemElements) -> Result<()> {
+        let count = self.values.word_count()? as usize;
+        let places = match self.space {
+            FieldSpace::Constant => vec![elements.types.len()],
+            FieldSpace::Discontinuous { order, basis } => {
+                vec![means(elements, order, basis).map(|(_, weights)| weights.len()).sum()]
+            }
+            FieldSpace::Continuous { order } => layouts(nodes, elements, order).map(|own| own.count).to_vec(),
+        };
+        match places.iter().any(|&places| places.checked_mul(self.component_count) == Some(count)) {
+            true => Ok(()),
+            false => Err(self.misfit(count, places[0]).in_file(&self.path)),
+        }
+    }
+
+    /// The error about values of another mesh.
+    fn misfit(&self, found: usize, places: usize) -> Error {
+        let error = Error::run(format!("the values of '{}' do not fit the mesh", self.name)).got(found);
+        self.values.locate_end(error.expected(places.saturating_mul(self.component_count)))
     }
 
     /// Tuples at the nodes of a mesh, or in its elements.
@@ -145,20 +231,29 @@ impl GridFunction {
         self.values.numbers(NumberType::F64, is_space, &mut values, |_| Ok(()))?;
         let n = self.component_count;
         let count = values.len() / n;
-        let misfit = |accepted: usize| {
-            let error =
-                Error::run(format!("the values of '{}' do not fit the mesh", self.name)).got(values.len());
-            self.values.locate_end(error.expected(accepted.saturating_mul(n)))
-        };
         let value = |place: usize, component: usize| match self.is_interleaved {
             true => values[place * n + component],
             false => values[component * count + place],
         };
         let is_in_order = n == 1 || self.is_interleaved;
+        if let FieldSpace::Discontinuous { order, basis } = self.space {
+            let own: Vec<(usize, Rc<Vec<f64>>)> = means(elements, order, basis).collect();
+            let end = own.last().map_or(0, |(first, weights)| first + weights.len());
+            if values.len() != n * end {
+                return Err(self.misfit(values.len(), end));
+            }
+            let mean = |first: usize, weights: &[f64], component: usize| -> f64 {
+                (first..).zip(weights).map(|(place, weight)| weight * value(place, component)).sum()
+            };
+            let tuple = |(first, weights): (usize, Rc<Vec<f64>>)| {
+                (0..n).map(|component| mean(first, &weights, component)).collect::<Vec<f64>>()
+            };
+            return Ok(own.into_iter().flat_map(tuple).collect());
+        }
         let FieldSpace::Continuous { order } = self.space else {
             let element_count = elements.types.len();
             if values.len() != n * element_count {
-                return Err(misfit(element_count));
+                return Err(self.misfit(values.len(), element_count));
             }
             let tuple = |cell: usize| (0..n).map(move |component| (cell, component));
             return Ok(match is_in_order {
@@ -166,9 +261,9 @@ impl GridFunction {
                 false => (0..count).flat_map(tuple).map(|(cell, component)| value(cell, component)).collect(),
             });
         };
-        let layouts = [false, true].map(|is_bergot| ContinuousLayout::new(nodes, elements, order, is_bergot));
+        let layouts = layouts(nodes, elements, order);
         let layout = layouts.iter().find(|layout| layout.count * n == values.len());
-        let layout = layout.ok_or_else(|| misfit(layouts[0].count))?;
+        let layout = layout.ok_or_else(|| self.misfit(values.len(), layouts[0].count))?;
         if is_in_order && layout.is_of_nodes() {
             return Ok(values);
         }
@@ -176,6 +271,24 @@ impl GridFunction {
         let at = |(node, component)| layout.at(node, |place| value(place, component));
         Ok((0..nodes.len()).into_par_iter().flat_map_iter(tuple).map(at).collect())
     }
+}
+
+/// For each element the first of its values, and their weights in the mean.
+fn means(elements: &MfemElements, order: u32, basis: Basis) -> impl Iterator<Item = (usize, Rc<Vec<f64>>)> {
+    let mut known: [Option<Rc<Vec<f64>>>; SHAPES.len()] = Default::default();
+    elements.types.iter().scan(0, move |end, &number| {
+        let number = usize::from(number);
+        let weights = known[number]
+            .get_or_insert_with(|| Rc::new(mean_weights(number, order, basis).unwrap_or_default()));
+        let first = *end;
+        *end += weights.len();
+        Some((first, weights.clone()))
+    })
+}
+
+/// Places of the values of an order, by either set of functions on pyramids.
+fn layouts<'a>(nodes: &'a MfemNodes, elements: &MfemElements, order: u32) -> [ContinuousLayout<'a>; 2] {
+    [false, true].map(|is_bergot| ContinuousLayout::new(nodes, elements, order, is_bergot))
 }
 
 /// Passes over empty lines and comments.
@@ -190,7 +303,7 @@ pub(super) fn skip_comments(cursor: &mut Cursor) -> Result<()> {
 pub(super) fn refusal(name: &str, space: &str) -> Error {
     let error = Error::run(format!("the finite element space of {name} is not read")).got(space);
     error.expected(
-        "H1, or L2 of the order 0 (by MFEM's ProjectGridFunction, or as .vtu by its ParaViewDataCollection)",
+        "H1, or L2, in tetrahedra and prisms of the order 0 or 1 (by MFEM's ProjectGridFunction, or as .vtu by its ParaViewDataCollection)",
     )
 }
 

@@ -68,7 +68,13 @@ fn kind(group: &Group) -> Result<String> {
     let missing = || {
         Error::run("the file does not say what it holds").expected("the attribute Type").at_item(group.path())
     };
-    group.text("Type")?.ok_or_else(missing)
+    // Early files of version 1.0, which has no other cells, lack the attribute.
+    let has_cells =
+        || group.required_array("Connectivity").and_then(|_| group.required_array("Types")).is_ok();
+    match group.text("Type")? {
+        None if has_cells() => Ok("UnstructuredGrid".to_owned()),
+        found => found.ok_or_else(missing),
+    }
 }
 
 /// Adds the pieces of a grid, which may be a block; false where that has no volume that is read.

@@ -182,6 +182,21 @@ fn patches_cover_each_place_once_and_are_blocks() {
     assert!(read(&path, &wrong, &NoProgress).unwrap_err().to_string().contains("no such block"));
 }
 
+#[test]
+fn finer_patches_cover_a_coarser_cell_together() {
+    let folder = tempfile::tempdir().unwrap();
+    let finer = vec![[[2, 2, 2], [5, 5, 6]], [[5, 2, 2], [6, 6, 6]], [[2, 5, 2], [5, 6, 6]]];
+    let levels = vec![vec![[[0, 0, 0], [4, 4, 4]]], finer.clone()];
+    let whole = read_grid(&patches(&folder, 2, &levels, linear), &of_cells("c"));
+    assert_eq!(cells_with_values(&whole, linear), 64 - 8 + 64);
+    assert!((volume(&whole) - 1.0).abs() < 1e-12);
+    // Without one of them a part of a cell is bare, whatever lies there twice.
+    let levels = vec![levels[0].clone(), vec![finer[0], finer[1], finer[0]]];
+    let path = patches(&folder, 2, &levels, linear);
+    let found = read(&path, &of_cells("c"), &NoProgress).unwrap_err().to_string();
+    assert!(found.contains("within a cell of a coarser one") && found.contains("together"), "{found}");
+}
+
 /// Points but those on the outer boundary, where means of cells lie on one side, and values there.
 fn inner(grid: &Grid) -> Vec<(DVec3, f64)> {
     let is_inner =

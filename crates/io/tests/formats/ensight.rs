@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use voltet_core::grid::{CellValues, Grid, Options};
 use voltet_core::progress::NoProgress;
 use voltet_io::formats::{Request, TimeStep, files_beside, files_read_beside, inspect, read};
+use voltet_testing::files::samples::file;
 
 fn sample(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/files/ensight").join(name)
@@ -167,6 +168,59 @@ fn geometry(big_endian: Option<bool>, x: f32) -> Gold {
         .floats(&[8.0, 9.0, 8.0, 9.0, 8.0, 9.0, 8.0, 9.0])
         .floats(&[0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 1.0])
         .floats(&[0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0])
+}
+
+#[test]
+fn blocks_of_every_form_have_the_same_points() {
+    for big_endian in [None, Some(false), Some(true)] {
+        let folder = tempfile::tempdir().unwrap();
+        let start = || {
+            let file =
+                if big_endian.is_some() { Gold::new(big_endian).line("C Binary") } else { Gold::new(None) };
+            let file = file.line("a box").line("in three forms").line("node id off").line("element id off");
+            file.line("part").ints(&[5]).line("box")
+        };
+        let (x, y, z) = ([1.0, 1.5, 2.0], [-1.0, 0.0], [4.0, 4.25]);
+        let mut points = Vec::new();
+        for &z in &z {
+            for &y in &y {
+                points.extend(x.iter().map(|&x| [x, y, z]));
+            }
+        }
+        let axis = |axis: usize| points.iter().map(|point| point[axis]).collect::<Vec<f32>>();
+        let forms = [
+            ("block curvilinear", [axis(0), axis(1), axis(2)].concat()),
+            ("block rectilinear", [&x[..], &y, &z].concat()),
+            ("block uniform", vec![1.0, -1.0, 4.0, 0.5, 1.0, 0.25]),
+        ];
+        let values: Vec<f32> = (0..12).map(|i| i as f32).collect();
+        let scalar =
+            Gold::new(big_endian).line("a scalar").line("part").ints(&[5]).line("block").floats(&values);
+        file(&folder, "a.f", &scalar.bytes);
+        let case = "FORMAT\ntype: ensight gold\nGEOMETRY\nmodel: a.geo\nVARIABLE\nscalar per node: f a.f\n";
+        let case = file(&folder, "a.case", case.as_bytes());
+        let read_form = |form: &str, numbers: &[f32]| {
+            file(&folder, "a.geo", &start().line(form).ints(&[3, 2, 2]).floats(numbers).bytes);
+            read(&case, &request("f"), &NoProgress)
+        };
+        let expected: Vec<DVec3> = points.iter().map(|p| DVec3::from_array(p.map(f64::from))).collect();
+        for (form, numbers) in &forms {
+            let own = read_form(form, numbers).unwrap_or_else(|error| panic!("{form}: {error}"));
+            assert_eq!(own.points.to_vec(), expected, "{form} {big_endian:?}");
+            assert_eq!(own.scalar.unwrap().to_vec(), (0..12).map(f64::from).collect::<Vec<_>>(), "{form}");
+        }
+        let found = read_form("block uniform iblanked", &forms[2].1).unwrap_err().to_string();
+        assert!(found.contains("'block uniform iblanked'") && found.contains("without blanking"), "{found}");
+        // A head of a few bytes promises many points.
+        for (n, words) in
+            [(1 << 30, "cannot be that large"), (1 << 10, "than the files of the case can hold")]
+        {
+            let large = start().line("block uniform").ints(&[n]).ints(&[n]).ints(&[n]).floats(&forms[2].1);
+            file(&folder, "a.geo", &large.bytes);
+            let found = read(&case, &request("f"), &NoProgress).unwrap_err().to_string();
+            assert!(found.contains(words), "{found}");
+        }
+    }
 }
 
 /// A vector by node, the number of the part in its first component and that of the node in the last.

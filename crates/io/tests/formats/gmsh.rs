@@ -182,6 +182,30 @@ const POINTS: [[f64; 3]; 5] =
     [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 1.0]];
 const TAGS: [u64; 5] = [90, 12, 2_000_000_000, 7, 13];
 
+#[test]
+fn names_of_groups_may_have_no_dimension_and_no_space() {
+    let folder = tempfile::tempdir().unwrap();
+    let names = |text: &str| {
+        let mesh = format!(
+            "$MeshFormat\n2.0 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n{text}\n$EndPhysicalNames\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n\
+             3 0 1 0\n4 0 0 1\n5 1 1 1\n$EndNodes\n$Elements\n2\n1 4 2 9 9 1 2 3 4\n2 4 2 7 7 2 3 4 5\n$EndElements\n"
+        );
+        let path = file(&folder, "a.msh", mesh.as_bytes());
+        inspect(&path, &Request::default(), &NoProgress)
+            .map(|own| own.blocks.into_iter().map(|block| block.name).collect::<Vec<_>>())
+    };
+    for text in [
+        "9\"the body\"\n 7 \"air\"",
+        "3 9\"the body\"\n3 7 \"air\"",
+        "2 9 \"no\"\n3 9 \"the body\"\n3 7 \"air\"",
+    ] {
+        let found = names(&text.replace("\n3 7", "\n3 7"));
+        assert_eq!(found.unwrap()[..1], ["the body"], "{text}");
+    }
+    let found = names("3 9 4 \"the body\"\n3 7 \"air\"").unwrap_err().to_string();
+    assert!(found.contains("physical name") && found.contains("a.msh:6"), "{found}");
+}
+
 /// Two tetrahedra in two partitions with a triangle between them, nodes with parameters, a view in two partitions.
 fn partitioned(version: f64, big_endian: Option<bool>) -> Vec<u8> {
     let mut w = Writer { bytes: Vec::new(), big_endian };

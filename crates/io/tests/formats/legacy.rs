@@ -90,6 +90,28 @@ fn a_summary_says_what_is_damaged_and_counts_flat_cells() {
 }
 
 #[test]
+fn points_of_cells_beyond_those_of_their_type_are_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 6 float\n0 0 0 1 0 0 0 1 0 0 0 1 1 1 1 2 2 2\n\
+        CELLS 2 CELLS_SIZE\nFIRST\n4 1 2 3 4\nCELL_TYPES 2\n10\n10\nPOINT_DATA 6\nSCALARS f float 1\nLOOKUP_TABLE default\n0 1 2 3 4 5\n";
+    let of = |size: &str, first: &str| {
+        let text = text.replace("CELLS_SIZE", size).replace("FIRST", first);
+        read(&file(&folder, "a.vtk", text.as_bytes()), &Request::default(), &NoProgress)
+    };
+    let plain = of("10", "4 0 1 2 3").unwrap();
+    let further = of("12", "6 0 1 2 3 4 4").unwrap();
+    assert_eq!((&further.tetrahedra, &further.points), (&plain.tetrahedra, &plain.points));
+    assert!(
+        further.origin.warnings.iter().any(|own| own.contains("1 cell beyond")),
+        "{:?}",
+        further.origin.warnings
+    );
+    assert!(plain.origin.warnings.is_empty());
+    let short = of("9", "3 0 1 2").unwrap_err().to_string();
+    assert!(short.contains("wrong number of points") && short.contains("found 3"), "{short}");
+}
+
+#[test]
 fn blanked_points_leave_out_their_cells() {
     let folder = tempfile::tempdir().unwrap();
     let text = String::from_utf8(structured("STRUCTURED_GRID", false)).unwrap();

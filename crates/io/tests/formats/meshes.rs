@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use voltet_core::grid::Grid;
 use voltet_core::progress::NoProgress;
-use voltet_io::formats::{Request, inspect, read};
+use voltet_io::formats::{Request, files_beside, files_read_beside, inspect, read};
 use voltet_testing::files::samples::file;
 
 fn sample(name: &str) -> PathBuf {
@@ -220,13 +220,15 @@ fn abaqus_has_parts_instances_and_sets() {
         read(&file(&folder, "b.inp", twice.as_bytes()), &mesh(), &NoProgress).unwrap_err().to_string();
     assert!(found.contains("holds a node twice") && found.contains("found node 5;"), "{found}");
     for (from, to, words) in [
-        ("*Node\n", "*Node, input=nodes.inp\n", ["not read", "*NODE, INPUT=nodes.inp", "a.inp:4"]),
-        ("type=C3D4", "type=C3D4, input=a.e", ["not read", "*ELEMENT, INPUT=a.e", "a.inp:10"]),
+        ("*Node\n", "*Node, input=nodes.inp\n", ["no such file", "a.inp' names", "nodes.inp"]),
+        ("type=C3D4", "type=C3D4, input=", ["which file it includes", "*ELEMENT", "a.inp:10"]),
         ("C3D4", "C3D15V", ["not read", "C3D15V", "a.inp:10"]),
         ("part=block", "part=blok", ["does not exist", "'blok'", "a.inp:24"]),
         (" 3, 4\n 2, 2, 3", " 3\n 2, 2, 3", ["too many nodes", "element 1", "a.inp:13"]),
         ("2, 3, 4, 5\n", "2, 3, 4\n", ["element 2 ends early", "found 3", "a.inp:13"]),
-        ("*Heading", "*Include, input=x", ["*INCLUDE", "is not read", "a.inp:1"]),
+        ("*Heading", "*Include", ["*INCLUDE", "which file it includes", "a.inp:1"]),
+        ("*Heading", "*Include, input=a.inp", ["too many others", "'a.inp'", "none within itself"]),
+        ("*Heading", "*Ngen", ["*NGEN", "is not read", "a.inp:1"]),
         (" 1, 0., 0.", " 1, O., 0.", ["damaged", "'O.'", "a.inp:5"]),
         ("1, 1, 1\n", "1, 1000000000000, 1\n", ["more elements than the file", "step", "a.inp:17"]),
     ] {
@@ -234,6 +236,39 @@ fn abaqus_has_parts_instances_and_sets() {
         let found = read(&path, &mesh(), &NoProgress).unwrap_err().to_string();
         assert!(words.iter().all(|word| found.contains(word)), "{found}");
     }
+}
+
+#[test]
+fn abaqus_includes_files_of_keywords_and_of_data() {
+    let folder = tempfile::tempdir().unwrap();
+    let (nodes, more) = ("1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n", "5,1,1,1\n");
+    let elements = "1,1,2,3,4\n2,2,3,4,5\n";
+    let keyword = "*ELEMENT, TYPE=C3D4, ELSET=steel\n";
+    let whole = format!("*NODE\n{nodes}{more}{keyword}{elements}*MATERIAL, NAME=steel\n");
+    let whole = grid(&file(&folder, "whole.inp", whole.as_bytes()), &mesh());
+    std::fs::create_dir(folder.path().join("parts")).unwrap();
+    let write = |name: &str, text: &str| file(&folder, name, text.as_bytes());
+    // Names are relative to the folder of the first file; a file of data goes on with the keyword before it.
+    write("parts/mesh.inp", &format!("** all\n*INCLUDE, INPUT=parts/nodes.inp\n{keyword}{elements}"));
+    write("parts/nodes.inp", &format!("*NODE\n{nodes}*INCLUDE, INPUT=parts/more.inp\n"));
+    write("parts/more.inp", more);
+    write("elements.txt", elements);
+    let first = write("a.inp", "*INCLUDE, INPUT=\"parts\\mesh.inp\"\n*MATERIAL, NAME=steel\n");
+    let second = format!(
+        "*NODE, INPUT=parts/more.inp\n*NODE\n{nodes}*ELEMENT, TYPE=C3D4, ELSET=steel, INPUT=elements.txt\n*STEP\n"
+    );
+    let second = write("b.inp", &second);
+    for (path, count) in [(&first, 3), (&second, 2)] {
+        let found = grid(path, &mesh());
+        assert_eq!((tetrahedra(&found), found.points.len()), (tetrahedra(&whole), 5), "{}", path.display());
+        assert_eq!([files_beside(path).len(), files_read_beside(path, &mesh()).len()], [count; 2]);
+    }
+    let message = |path: &Path| read(path, &mesh(), &NoProgress).unwrap_err().to_string();
+    write("parts/more.inp", "5,1,x,1\n");
+    assert!([&first, &second].iter().all(|path| message(path).contains("more.inp:1")), "{}", message(&first));
+    write("elements.txt", "1,1,2,3,4\n2,2,3,4\n");
+    write("parts/more.inp", more);
+    assert!(message(&second).contains("elements.txt:2"), "{}", message(&second));
 }
 
 /// Systems of every kind, defined by nodes and points of others.

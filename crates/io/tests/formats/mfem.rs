@@ -1,7 +1,7 @@
 //! Results of MFEM as it writes them (`tests/files/make_mfem.py`): fields are formulas, which come back at every point.
 
 use glam::DVec3;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use voltet_core::grid::{CellValues, Grid, Options, code};
 use voltet_core::progress::NoProgress;
@@ -378,7 +378,8 @@ fn mistakes_say_what_and_where() {
     for (from, to, words) in [
         ("H1_3D_P1", "RT_3D_P1", ["space of 'a'", "RT_3D_P1"]),
         ("H1_3D_P1", "H1Pos_3D_P2", ["H1Pos_3D_P2", "H1, or L2"]),
-        ("H1_3D_P1", "L2_3D_P1", ["L2_3D_P1", "order 0"]),
+        ("H1_3D_P1", "L2_3D_P2", ["L2_3D_P2", "order 0 or 1"]),
+        ("H1_3D_P1", "L2_3D_P1", ["do not fit", "found 5; expected 8"]),
         ("H1_3D_P1", "H1_3D_P2", ["a.gf", "expected 14"]),
         ("H1_3D_P1", "L2_3D_P0", ["do not fit", "found 5; expected 2"]),
         ("VDim: 1", "VDim: 5", ["not a scalar", "5 components"]),
@@ -509,7 +510,14 @@ fn a_file_of_the_name_of_the_mesh_that_nobody_named_is_no_error() {
     assert_eq!(files_beside(&path("mesh.000000")), [path("mesh.000001")]);
     let (mesh, other) = (path("beam.mesh"), path("beam.gf"));
     std::fs::write(&mesh, ONE).unwrap();
-    for text in ["a file of glyphs", "", "FiniteElementSpace\nx\n"] {
+    let misfit = field("H1_3D_P2", 1, "1 3 -2 5");
+    for text in [
+        "a file of glyphs",
+        "",
+        "FiniteElementSpace\nx\n",
+        &misfit,
+        &misfit.replace("P2", "P1").replace("5", "5 6"),
+    ] {
         std::fs::write(&other, text).unwrap();
         let summary = inspect(&mesh, &Request::default(), &NoProgress).unwrap();
         let is_named = |own: &String| own.contains("beam.gf") && own.contains("left out");
@@ -519,6 +527,54 @@ fn a_file_of_the_name_of_the_mesh_that_nobody_named_is_no_error() {
         // The file that was named is an error.
         let found = message(&mesh, &Request { solution: Some(other.clone()), ..request("beam") });
         assert!(found.contains("beam.gf"), "{found}");
+    }
+}
+
+/// A cube and a prism beside it, in which x runs from 0 to 2.
+const BOXES: &str = "MFEM mesh v1.0\n\ndimension\n3\n\nelements\n2\n1 5 0 1 2 3 4 5 6 7\n1 6 1 8 2 5 9 6\n\nboundary\n0\n\nvertices\n10\n3\n\
+    0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n2 0 0\n2 0 1\n";
+
+#[test]
+fn discontinuous_fields_are_means_in_cells() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mesh, solution) = (folder.path().join("a.mesh"), folder.path().join("a.gf"));
+    std::fs::write(&mesh, BOXES).unwrap();
+    let numbers = |values: Vec<f64>| values.iter().map(f64::to_string).collect::<Vec<_>>().join(" ");
+    // x² + y + 2z² in the cube at points of Gauss and Legendre, and at those of Gauss and Lobatto.
+    let legendre = [0.5 - 0.15_f64.sqrt(), 0.5, 0.5 + 0.15_f64.sqrt()];
+    let mut request = request("a");
+    request.options.cell_values = CellValues::Constant;
+    let formula = |x: f64, y: f64, z: f64| x * x + y + 2.0 * z * z;
+    let only_cube = BOXES.replacen("2\n1 5", "1\n1 5", 1).replacen("1 6 1 8 2 5 9 6\n", "", 1);
+    for (space, line) in [("L2_3D_P2", legendre), ("L2_T1_3D_P2", [0.0, 0.5, 1.0])] {
+        std::fs::write(&mesh, &only_cube).unwrap();
+        let mut values = Vec::new();
+        for &z in &line {
+            for &y in &line {
+                values.extend(line.iter().map(|&x| formula(x, y, z)));
+            }
+        }
+        std::fs::write(&solution, field(space, 1, &numbers(values))).unwrap();
+        let own = grid(&mesh, &request);
+        let expected = 1.0 / 3.0 + 0.5 + 2.0 / 3.0;
+        assert!(own.scalar.unwrap().iter().all(|value| (value - expected).abs() < 1e-14), "{space}");
+        assert!(own.origin.warnings.iter().any(|own| own.contains("'a'") && own.contains("the mean")));
+        // A prism's values of the second order have no weights here.
+        std::fs::write(&mesh, BOXES).unwrap();
+        let warnings = grid(&mesh, &Request::default()).origin.warnings.clone();
+        assert!(warnings.iter().any(|own| own.contains(space) && own.contains("left out")), "{warnings:?}");
+    }
+    // Components one after the other, 8 values in the cube and 6 in the prism.
+    let values = |from: f64| (0..14).map(|i| from + f64::from(i)).collect::<Vec<_>>();
+    std::fs::write(&solution, field("L2_T2_3D_P1", 2, &numbers([values(0.0), values(100.0)].concat())))
+        .unwrap();
+    for (component, add) in [("a:0", 0.0), ("a:1", 100.0)] {
+        request.scalar = Some(component.to_owned());
+        let own = grid(&mesh, &request);
+        let found: BTreeSet<i64> =
+            own.scalar.unwrap().iter().map(|value| (value * 10.0).round() as i64).collect();
+        let expected = [3.5, 10.5].map(|mean| ((mean + add) * 10.0) as i64);
+        assert_eq!(found.into_iter().collect::<Vec<_>>(), expected);
     }
 }
 

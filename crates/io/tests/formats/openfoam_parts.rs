@@ -122,6 +122,11 @@ fn a_mesh_beside_one_region_of_as_many_cells_is_its_own() {
     }
     let counts = |own: u64| vec![("region0".to_owned(), own), ("solid".to_owned(), 16)];
     assert_eq!(blocks_of(to, &[]), (counts(16), Vec::new()));
+    // So it is where the only time has fields of it.
+    std::fs::rename(to.join("2"), to.join("two")).unwrap();
+    assert_eq!(blocks_of(to, &[]), (counts(16), Vec::new()));
+    std::fs::rename(to.join("two"), to.join("2")).unwrap();
+    let files = files_read_beside(to, &Request::default());
     // No solver went on with it.
     for entry in std::fs::read_dir(to.join("10")).unwrap().map(|entry| entry.unwrap().path()) {
         if entry.is_file() {
@@ -131,6 +136,12 @@ fn a_mesh_beside_one_region_of_as_many_cells_is_its_own() {
     let (found, warnings) = blocks_of(to, &[]);
     assert_eq!(found, counts(0));
     assert!(warnings.iter().any(|own| own.contains("as many cells")), "{warnings:?}");
+    // Its files are not read.
+    let left = files_read_beside(to, &Request::default());
+    assert!(
+        left.len() < files.len() && left.iter().all(|file| file.to_string_lossy().contains("solid")),
+        "{left:?}"
+    );
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use super::packed::{field, follow, grid, grid_at, path, request, same_files};
 use voltet_core::progress::NoProgress;
 use voltet_io::formats::{Request, arrays, files_read_beside, inspect, read, steps};
+use voltet_testing::files::samples::file;
 
 #[test]
 fn every_cell_type_is_that_of_the_xml_file() {
@@ -18,6 +19,22 @@ fn every_cell_type_is_that_of_the_xml_file() {
         .map(|a| a.name)
         .collect();
     assert_eq!(names, ["s", "v", "c"], "text is no quantity");
+}
+
+#[test]
+fn a_file_without_a_type_holds_an_unstructured_grid() {
+    let folder = tempfile::tempdir().unwrap();
+    let bytes = std::fs::read(path("vtkhdf_cells.vtkhdf")).unwrap();
+    let place = bytes.windows(5).position(|own| own == b"Type\0").unwrap();
+    let nameless = [&bytes[..place], b"Kind\0", &bytes[place + 5..]].concat();
+    let found = read(&file(&folder, "a.vtkhdf", &nameless), &request("s"), &NoProgress).unwrap();
+    assert_eq!(found.tetrahedra, grid("vtkhdf_cells.vtkhdf", &request("s")).tetrahedra);
+    let image = std::fs::read(path("vtkhdf_image.vtkhdf")).unwrap();
+    let place = image.windows(5).position(|own| own == b"Type\0").unwrap();
+    let nameless = [&image[..place], b"Kind\0", &image[place + 5..]].concat();
+    let found =
+        read(&file(&folder, "a.vtkhdf", &nameless), &request("s"), &NoProgress).unwrap_err().to_string();
+    assert!(found.contains("does not say what it holds"), "{found}");
 }
 
 #[test]

@@ -35,7 +35,7 @@ fn try_file(path: &Path, scalar: &str, what: &str) {
     }
 }
 
-/// Number of damaged files of each kind of HDF5 file: `VOLTET_FUZZ`, or few.
+/// Number of damaged files of each kind: `VOLTET_FUZZ`, or few.
 fn case_count() -> usize {
     std::env::var("VOLTET_FUZZ").ok().and_then(|count| count.parse().ok()).unwrap_or(120)
 }
@@ -146,8 +146,8 @@ fn damaged_xml_files_are_errors_or_other_grids() {
             }
             let wide_headers = compressor == Compressor::Lz4;
             let encoding = Encoding { mode, compressor, big_endian: wide_headers, wide_headers, block: 256 };
-            corrupt("tetrahedra.vtu", "Float64", &unstructured(encoding, 3, false), 200);
-            corrupt("mixed.vtu", "Float64", &unstructured(encoding, 3, true), 100);
+            corrupt("tetrahedra.vtu", "Float64", &unstructured(encoding, 3, false), case_count().max(200));
+            corrupt("mixed.vtu", "Float64", &unstructured(encoding, 3, true), case_count().max(100));
         }
     }
     for kind in ["StructuredGrid", "RectilinearGrid", "ImageData"] {
@@ -158,7 +158,7 @@ fn damaged_xml_files_are_errors_or_other_grids() {
             wide_headers: false,
             block: 256,
         };
-        corrupt("structured", "s", &structured(kind, encoding), 150);
+        corrupt("structured", "s", &structured(kind, encoding), case_count().max(150));
     }
 }
 
@@ -166,12 +166,12 @@ fn damaged_xml_files_are_errors_or_other_grids() {
 fn damaged_legacy_files_are_errors_or_other_grids() {
     for version in ["4.2", "5.1"] {
         for binary in [false, true] {
-            corrupt("a.vtk", "double", &legacy::unstructured(version, binary), 300);
+            corrupt("a.vtk", "double", &legacy::unstructured(version, binary), case_count().max(300));
         }
     }
     for kind in ["STRUCTURED_GRID", "RECTILINEAR_GRID", "STRUCTURED_POINTS"] {
         for binary in [false, true] {
-            corrupt("a.vtk", "s", &legacy::structured(kind, binary), 100);
+            corrupt("a.vtk", "s", &legacy::structured(kind, binary), case_count().max(100));
         }
     }
 }
@@ -179,7 +179,7 @@ fn damaged_legacy_files_are_errors_or_other_grids() {
 #[test]
 fn damaged_plot3d_files_are_errors_or_other_grids() {
     for layout in plot3d::layouts().step_by(3) {
-        corrupt("a.xyz", "iblank", &plot3d::grid_file(layout), 40);
+        corrupt("a.xyz", "iblank", &plot3d::grid_file(layout), case_count() / 3);
     }
 }
 
@@ -302,12 +302,12 @@ fn damaged_trees_are_errors_or_other_grids() {
          <DataSet index=\"0\" name=\"b\" file=\"{leaf}\"/><Piece index=\"1\"><DataSet index=\"0\" file=\"{leaf}\"/></Piece></Block>\
          <DataSet index=\"1\" file=\"{leaf}\"/></vtkMultiBlockDataSet></VTKFile>"
     );
-    corrupt("tree.vtm", "Float64", tree.as_bytes(), 300);
+    corrupt("tree.vtm", "Float64", tree.as_bytes(), case_count().max(300));
     let series = format!(
         "<VTKFile type=\"Collection\"><Collection><DataSet timestep=\"0\" name=\"a\" part=\"0\" file=\"{leaf}\"/>\
          <DataSet timestep=\"0\" group=\"b\" part=\"1\" file=\"{leaf}\"/></Collection></VTKFile>"
     );
-    corrupt("series.pvd", "Float64", series.as_bytes(), 300);
+    corrupt("series.pvd", "Float64", series.as_bytes(), case_count().max(300));
 }
 
 #[test]
@@ -317,6 +317,11 @@ fn damaged_meshes_of_text_are_errors_or_other_grids() {
     corrupt("a.bdf", "block", include_bytes!("../files/mesh.bdf"), case_count().max(200));
     corrupt("b.bdf", "block", include_bytes!("../files/systems.bdf"), case_count().max(200));
     corrupt("a.inp", "block", include_bytes!("../files/mesh.inp"), case_count().max(200));
+    let folder = tempfile::tempdir().unwrap();
+    file(&folder, "b.inp", include_bytes!("../files/mesh.inp"));
+    let text = b"*INCLUDE, INPUT=b.inp\n*NODE, INPUT=c.txt\n*ELEMENT, TYPE=C3D4, ELSET=a\n90001, 90001, 90002, 90003, 90004\n";
+    file(&folder, "c.txt", b"90001, 0, 0, 9\n90002, 1, 0, 9\n90003, 0, 1, 9\n90004, 0, 0, 10\n");
+    corrupt_in(&folder, ["a.inp", "a.inp"], "block", text, case_count().max(200));
     corrupt("a.dat", "f", include_bytes!("../files/mesh.dat"), case_count().max(200));
     let faces = "VARIABLES = x y z f\nZONE NODES=4 FACES=4 ELEMENTS=1 ZONETYPE=FEPOLYHEDRON TOTALNUMFACENODES=12\n\
         0 1 0 0\n0 0 1 0\n0 0 0 1\n1 2 3 4\n# nodes\n3 3 3 3\n1 2 3 1 2 4 2 3 4 1 3 4\n1 1 1 1\n0 0 0 0\n";
@@ -339,6 +344,30 @@ fn damaged_cases_of_ensight_are_errors_or_other_grids() {
         ["parts.0.case", "parts.0.00000.geo", "parts.0.00000_n.f", "parts.0.00000_n.p", "parts.0.00000_c.g"];
     for scalar in ["f_n", "p_n:1", "g_c"] {
         corrupt_case("ensight", files[0], scalar, &files, case_count().max(200));
+    }
+}
+
+#[test]
+fn damaged_blocks_of_ensight_are_errors_or_other_grids() {
+    let line = |text: &str| format!("{text:\0<80}").into_bytes();
+    let case = "FORMAT\ntype: ensight gold\nGEOMETRY\nmodel: a.geo\nVARIABLE\nscalar per node: f a.f\n";
+    let floats = |values: &[f32]| values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>();
+    let part = [line("part"), 1_i32.to_le_bytes().to_vec()].concat();
+    let values =
+        [line("f"), part.clone(), line("block"), floats(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0])].concat();
+    for form in ["uniform", "rectilinear"] {
+        let folder = tempfile::tempdir().unwrap();
+        let head = ["C Binary", "a", "b", "node id off", "element id off"].map(line).concat();
+        let counts: Vec<u8> = [2_i32; 3].iter().flat_map(|n| n.to_le_bytes()).collect();
+        let numbers = floats(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+        let geometry =
+            [head, part.clone(), line("box"), line(&format!("block {form}")), counts, numbers].concat();
+        let files = [("a.case", case.as_bytes()), ("a.geo", &geometry), ("a.f", &values)];
+        files.iter().for_each(|(name, bytes)| drop(file(&folder, name, bytes)));
+        for (name, bytes) in &files {
+            corrupt_in(&folder, [name, "a.case"], "f", bytes, case_count().max(200));
+            file(&folder, name, bytes);
+        }
     }
 }
 
