@@ -160,7 +160,7 @@ impl Editor {
                 self.move_camera(|view| view.rolled((if left { -15f64 } else { 15.0 }).to_radians()));
             }
             Command::Theme => {
-                let dark = ctx.style().visuals.dark_mode;
+                let dark = ctx.global_style().visuals.dark_mode;
                 ctx.set_theme(if dark { ThemePreference::Light } else { ThemePreference::Dark });
             }
             Command::Costs => self.panels.costs = !self.panels.costs,
@@ -236,7 +236,7 @@ impl Editor {
 
     /// Takes what the clipboard gives, unless a text field does.
     pub(crate) fn paste(&mut self, ctx: &Context) {
-        if ctx.wants_keyboard_input() {
+        if ctx.egui_wants_keyboard_input() {
             return;
         }
         let pasted = ctx.input(|input| {

@@ -16,8 +16,8 @@ use crate::worker::{
     Estimate, NodeState, PixelProbe, RenderRequest, VolumeSource, Worker, WorkerOutput, size_of,
 };
 use eframe::egui::{
-    Align, Button, CentralPanel, Context, Frame, Key, Label, Layout, Rect, RichText, SidePanel,
-    TopBottomPanel, Ui, UiBuilder, ViewportCommand, vec2,
+    Align, Button, CentralPanel, Context, Frame, Key, Label, Layout, Panel, Rect, RichText, Ui, UiBuilder,
+    ViewportCommand, vec2,
 };
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -266,8 +266,9 @@ fn faults(document: &Document, registry: &Registry) -> Vec<Error> {
 const WIDTH: f32 = 340.0;
 
 impl Editor {
-    /// Shows everything once and carries out what was asked for.
-    pub fn frame(&mut self, ctx: &Context) {
+    /// Shows everything once, in the whole window, and carries out what was asked for.
+    pub fn frame(&mut self, ui: &mut Ui) {
+        let ctx = &ui.ctx().clone();
         self.look_at_disk();
         self.take_made(ctx);
         self.take_probed();
@@ -280,10 +281,11 @@ impl Editor {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
             self.command(ctx, Command::Quit);
         }
-        let dropped = ctx.input(|input| input.raw.dropped_files.iter().find_map(|file| file.path.clone()));
+        let dropped =
+            ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_path_buf()));
         dropped.into_iter().for_each(|path| self.actions.push(Action::Begin(path)));
         keys::read(ctx, self.panels.transfer.takes_keys(), &self.actions);
-        show(self, ctx);
+        show(self, ui);
         for action in self.actions.take() {
             self.apply(ctx, action);
         }
@@ -301,18 +303,19 @@ impl Editor {
     }
 }
 
-fn show(editor: &mut Editor, ctx: &Context) {
-    changed_on_disk(editor, ctx);
+fn show(editor: &mut Editor, ui: &mut Ui) {
+    let ctx = &ui.ctx().clone();
+    changed_on_disk(editor, ui);
     // The panels change; everything else is looked at.
     let mut panels = std::mem::take(&mut editor.panels);
     {
         let scene = editor.scene();
-        TopBottomPanel::top("menus").show(ctx, |ui| keys::bar(ui, &scene));
-        TopBottomPanel::bottom("status").show(ctx, |ui| status(ui, editor, &scene));
+        Panel::top("menus").show(ui, |ui| keys::bar(ui, &scene));
+        Panel::bottom("status").show(ui, |ui| status(ui, editor, &scene));
         if scene.is_empty() {
-            empty(editor, ctx, &mut panels.graph, &scene);
+            empty(editor, ui, &mut panels.graph, &scene);
         } else {
-            parts(ctx, &scene, &mut panels);
+            parts(ui, &scene, &mut panels);
         }
         show_costs(ctx, &mut panels.costs, &scene);
         panels.section.show(ctx, &scene);
@@ -327,9 +330,9 @@ fn show(editor: &mut Editor, ctx: &Context) {
     editor.offer_left_behind(ctx);
 }
 
-fn empty(editor: &Editor, ctx: &Context, graph: &mut GraphView, scene: &Scene) {
-    let ground = Frame::none().fill(theme::ground(ctx.style().visuals.dark_mode));
-    CentralPanel::default().frame(ground).show(ctx, |ui| {
+fn empty(editor: &Editor, ui: &mut Ui, graph: &mut GraphView, scene: &Scene) {
+    let ground = Frame::NONE.fill(theme::ground(ui.visuals().dark_mode));
+    CentralPanel::default().frame(ground).show(ui, |ui| {
         let place = ui.max_rect();
         graph.show(ui, scene, &|_| None);
         let recent: Vec<&Path> = editor.recent.paths().collect();
@@ -338,32 +341,31 @@ fn empty(editor: &Editor, ctx: &Context, graph: &mut GraphView, scene: &Scene) {
 }
 
 /// The graph and the parameters at the left, the picture and the transfer function at the right.
-fn parts(ctx: &Context, scene: &Scene, panels: &mut Panels) {
-    let width = ctx.screen_rect().width();
-    SidePanel::right("right")
-        .resizable(true)
-        .default_width(0.5 * width)
-        .width_range(280.0..=0.75 * width)
-        .show(ctx, |ui| {
+fn parts(ui: &mut Ui, scene: &Scene, panels: &mut Panels) {
+    let width = ui.available_width();
+    Panel::right("right").resizable(true).default_size(0.5 * width).size_range(280.0..=0.75 * width).show(
+        ui,
+        |ui| {
             if panels.transfer.is_wanted(scene) {
                 let height = ui.available_height();
-                TopBottomPanel::bottom("transfer")
+                Panel::bottom("transfer")
                     .resizable(true)
-                    .default_height(0.42 * height)
-                    .height_range(140.0..=0.75 * height)
-                    .frame(Frame::none())
-                    .show_inside(ui, |ui| panels.transfer.show(ui, scene));
+                    .default_size(0.42 * height)
+                    .size_range(140.0..=0.75 * height)
+                    .frame(Frame::NONE)
+                    .show(ui, |ui| panels.transfer.show(ui, scene));
             }
             panels.picture.show(ui, scene);
-        });
-    let height = ctx.available_rect().height();
-    TopBottomPanel::bottom("parameters")
+        },
+    );
+    let height = ui.available_height();
+    Panel::bottom("parameters")
         .resizable(true)
-        .default_height(0.42 * height)
-        .height_range(80.0..=0.75 * height)
-        .show(ctx, |ui| panels.parameters.show(ui, scene));
-    let ground = Frame::none().fill(theme::ground(ctx.style().visuals.dark_mode));
-    CentralPanel::default().frame(ground).show(ctx, |ui| {
+        .default_size(0.42 * height)
+        .size_range(80.0..=0.75 * height)
+        .show(ui, |ui| panels.parameters.show(ui, scene));
+    let ground = Frame::NONE.fill(theme::ground(ui.visuals().dark_mode));
+    CentralPanel::default().frame(ground).show(ui, |ui| {
         let place = ui.max_rect();
         panels.graph.show(ui, scene, &|node| panels.picture.texture_of(scene, node));
         if !scene.document.is_toml() {
@@ -395,12 +397,12 @@ fn status(ui: &mut Ui, editor: &Editor, scene: &Scene) {
     });
 }
 
-fn changed_on_disk(editor: &mut Editor, ctx: &Context) {
+fn changed_on_disk(editor: &mut Editor, ui: &mut Ui) {
     if !editor.disk.is_changed {
         return;
     }
     let mut answer = None;
-    TopBottomPanel::top("changed").show(ctx, |ui| {
+    Panel::top("changed").show(ui, |ui| {
         ui.horizontal(|ui| {
             ui.label("Another program changed the file.");
             for (text, help, takes_over) in [
@@ -442,8 +444,8 @@ fn broken(ui: &mut Ui, place: Rect, faults: &[Error]) {
     let dark = ui.visuals().dark_mode;
     // At the top, on a ground of its own: what can be read of the file is shown below.
     let rect = Rect::from_min_size(place.min + vec2(12.0, 8.0), vec2(place.width() - 24.0, 120.0));
-    ui.allocate_new_ui(UiBuilder::new().max_rect(rect), |ui| {
-        Frame::none().fill(ui.visuals().window_fill).inner_margin(8.0).rounding(4.0).show(ui, |ui| {
+    ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
+        Frame::NONE.fill(ui.visuals().window_fill).inner_margin(8.0).corner_radius(4).show(ui, |ui| {
             for fault in faults.iter().take(3) {
                 ui.label(RichText::new(fault.to_string()).color(theme::wrong(dark)));
             }
@@ -462,7 +464,7 @@ fn invite(ui: &mut Ui, scene: &Scene, place: Rect, recent: &[&Path], is_making: 
     let size = vec2(WIDTH.min(place.width() - 20.0), height.min(place.height() - 10.0));
     let rect = Rect::from_center_size(place.center(), size);
     let layout = Layout::top_down(Align::Center);
-    ui.allocate_new_ui(UiBuilder::new().max_rect(rect).layout(layout), |ui| {
+    ui.scope_builder(UiBuilder::new().max_rect(rect).layout(layout), |ui| {
         if is_making {
             ui.add_space(0.4 * rect.height());
             ui.label(RichText::new("Reading the data …").size(16.0));

@@ -4,8 +4,8 @@
 use crate::scene::{Actions, Command, Scene};
 use crate::theme;
 use eframe::egui::{
-    self, Button, Context, Event, Grid, Key, KeyboardShortcut, Label, Layout, Modifiers, RawInput, RichText,
-    ScrollArea, Ui, Vec2, Window, menu, vec2,
+    self, Button, Context, Event, Grid, Key, KeyboardShortcut, Label, Layout, MenuBar, Modifiers, RawInput,
+    RichText, ScrollArea, Ui, Vec2, Window, vec2,
 };
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -138,7 +138,7 @@ const MOUSE: &[(&str, &[(&str, &str)])] = &[
 
 /// Reads the keys that no text field wants. `over_widgets`: what is deleted and duplicated is a widget then, not a node.
 pub(crate) fn read(ctx: &Context, over_widgets: bool, actions: &Actions) {
-    let typing = ctx.wants_keyboard_input();
+    let typing = ctx.egui_wants_keyboard_input();
     ctx.input_mut(|input| {
         // Longer combinations first: a key with Shift is not the key alone.
         for (command, modifiers, key) in keys(true).chain(keys(false)) {
@@ -177,7 +177,7 @@ fn shortcut(ctx: &Context, keys: &[(Modifiers, Key)]) -> String {
 }
 
 pub(crate) fn bar(ui: &mut Ui, scene: &Scene) {
-    menu::bar(ui, |ui| {
+    MenuBar::new().ui(ui, |ui| {
         let history = scene.document.history();
         for title in ["File", "Edit", "Graph", "Align", "View"] {
             ui.menu_button(title, |ui| {
@@ -191,7 +191,7 @@ pub(crate) fn bar(ui: &mut Ui, scene: &Scene) {
                     let text = step.map_or(text.to_string(), |step| format!("{text}: {step}"));
                     if ui.add(Button::new(text).shortcut_text(shortcut(ui.ctx(), keys))).clicked() {
                         scene.actions.command(*command);
-                        ui.close_menu();
+                        ui.close();
                     }
                 }
             });
@@ -246,8 +246,8 @@ pub(crate) fn sheet(ctx: &Context, open: &mut bool) {
             },
         );
     };
-    let room = ctx.screen_rect().size() - vec2(60.0, 90.0);
-    Window::new("Keys and mouse").open(open).resizable(true).default_size([room.x.min(1090.0), room.y]).show(
+    let room = ctx.content_rect().size() - vec2(60.0, 90.0);
+    Window::new("Keys and mouse").open(open).resizable(true).default_size([room.x.min(1140.0), room.y]).show(
         ctx,
         |ui| {
             ScrollArea::both().max_height(room.y).max_width(room.x).show(ui, |ui| {

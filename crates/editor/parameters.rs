@@ -264,7 +264,7 @@ impl ParameterPanel {
                     if ui.button(kind.name).on_hover_text(kind.summary).clicked() {
                         let (list, entry) = (list.clone(), default_value(kind));
                         of.scene.actions.edit(Edit::Insert { node: node(), list, place: count, entry });
-                        ui.close_menu();
+                        ui.close();
                     }
                 }
             });

@@ -6,7 +6,7 @@ use crate::view::View;
 use crate::worker::Pixels;
 use eframe::egui::{
     Align2, Color32, ColorImage, ComboBox, FontId, PointerButton, Pos2, Rect, Response, RichText, Sense,
-    Stroke, TextureHandle, TextureOptions, Ui, pos2, vec2,
+    Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, pos2, vec2,
 };
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -180,7 +180,7 @@ impl PicturePanel {
             return false;
         };
         let chosen = Rect::from_two_pos(from, to).intersect(picture);
-        ui.painter().rect_stroke(chosen, 0.0, Stroke::new(1.5, theme::accent(true)));
+        ui.painter().rect_stroke(chosen, 0.0, Stroke::new(1.5, theme::accent(true)), StrokeKind::Inside);
         if response.drag_stopped() {
             self.boxed = None;
             if chosen.is_positive() {
@@ -293,5 +293,5 @@ pub(crate) fn set_texture(
 
 fn color_image(pixels: &Pixels) -> ColorImage {
     let of = |&[r, g, b, _]: &[u8; 4]| Color32::from_rgb(r, g, b);
-    ColorImage { size: pixels.size(), pixels: pixels.rgba.iter().map(of).collect() }
+    ColorImage::new(pixels.size(), pixels.rgba.iter().map(of).collect())
 }

@@ -6,8 +6,8 @@ use crate::theme;
 use crate::view::View;
 use crate::worker::{PixelProbe, Section, short, short_by};
 use eframe::egui::{
-    Color32, ColorImage, Context, Pos2, Rect, Rgba, RichText, Sense, Slider, Stroke, TextureHandle,
-    TextureOptions, Ui, Window, vec2,
+    Color32, ColorImage, Context, Pos2, Rect, Rgba, RichText, Sense, Slider, Stroke, StrokeKind,
+    TextureHandle, TextureOptions, Ui, Window, vec2,
 };
 use glam::DVec3;
 use std::sync::Arc;
@@ -107,7 +107,12 @@ impl SectionPanel {
         let at = response.interact_pointer_pos().or(response.hover_pos());
         if let (Some(from), Some(to)) = (self.begun, at) {
             let stroke = Stroke::new(1.5, theme::accent(true));
-            ui.painter().with_clip_rect(rect).rect_stroke(Rect::from_two_pos(from, to), 0.0, stroke);
+            ui.painter().with_clip_rect(rect).rect_stroke(
+                Rect::from_two_pos(from, to),
+                0.0,
+                stroke,
+                StrokeKind::Middle,
+            );
             if response.drag_stopped() {
                 self.begun = None;
                 let (from, to) = (pixel(from), pixel(to));
@@ -145,7 +150,7 @@ impl SectionPanel {
             Some([s, _]) => colored((s - low) / (high - low)),
             None => Color32::from_gray(24),
         };
-        let image = ColorImage { size: section.of.size, pixels: section.values.iter().map(color).collect() };
+        let image = ColorImage::new(section.of.size, section.values.iter().map(color).collect());
         set_texture(&mut self.texture, ui, "section", image, TextureOptions::NEAREST);
         self.shown = Some(section.clone());
     }

@@ -1,6 +1,9 @@
 //! Colours, light and dark, and the shapes of ports.
 
-use eframe::egui::{Color32, Context, Painter, Pos2, Rgba, Shape, Stroke, Theme, Visuals, vec2};
+use eframe::egui::{
+    Color32, Context, Painter, PopupAnchor, Pos2, Rgba, Shape, Stroke, Theme, Tooltip, Ui, Visuals,
+    WidgetText, vec2,
+};
 use voltet_graph::PortType;
 
 pub(crate) fn apply(ctx: &Context) {
@@ -63,6 +66,13 @@ pub(crate) fn weak(dark: bool) -> Color32 {
 
 pub(crate) fn ground(dark: bool) -> Color32 {
     if dark { Color32::from_gray(22) } else { Color32::from_gray(226) }
+}
+
+/// Shows words beside the pointer, a little away from it, so that they cover nothing that is pointed at.
+pub(crate) fn words_at_pointer(ui: &Ui, name: &str, words: impl Into<WidgetText>) {
+    let (ctx, id) = (ui.ctx().clone(), ui.id().with(name));
+    let tooltip = Tooltip::always_open(ctx, ui.layer_id(), id, PopupAnchor::Pointer).gap(16.0).width(320.0);
+    tooltip.show(|ui| ui.label(words));
 }
 
 /// The colour of a port type: hues apart also for most who see few of them, which the shapes serve besides.

@@ -5,7 +5,7 @@ use crate::files::{Recent, is_pipeline};
 use crate::keys::InputQueue;
 use crate::study::Study;
 use crate::theme;
-use eframe::egui::{Context, RawInput, ViewportBuilder, ViewportCommand};
+use eframe::egui::{Context, RawInput, Ui, ViewportBuilder, ViewportCommand};
 use eframe::{App, Frame, NativeOptions, Renderer};
 use std::path::Path;
 use std::sync::Arc;
@@ -45,7 +45,6 @@ pub fn run(file: Option<&Path>, registry: &Registry, start: Start, study: Study)
         renderer: Renderer::Glow,
         // Text and textures need no depth, and smooth edges come from feathering.
         multisampling: 0,
-        vsync: true,
         ..NativeOptions::default()
     };
     let failed = |error: &dyn std::fmt::Display| {
@@ -69,7 +68,7 @@ pub fn run(file: Option<&Path>, registry: &Registry, start: Start, study: Study)
         if let Some(data) = data {
             editor.open_any(&context.egui_ctx, &data);
         }
-        Ok(Box::new(Window { editor, title: String::new(), presses: InputQueue::default() }))
+        Ok(Box::new(Window::new(editor)))
     };
     eframe::run_native("voltet", options, Box::new(made)).map_err(|error| failed(&error))
 }
@@ -92,10 +91,17 @@ fn refuse_without_display(is_set: &dyn Fn(&str) -> bool) -> Result<()> {
     }
 }
 
-struct Window {
-    editor: Editor,
+/// The application: the editor, and what its window has of it.
+pub(crate) struct Window {
+    pub editor: Editor,
     title: String,
-    presses: InputQueue,
+    pub presses: InputQueue,
+}
+
+impl Window {
+    pub fn new(editor: Editor) -> Window {
+        Window { editor, title: String::new(), presses: InputQueue::default() }
+    }
 }
 
 impl App for Window {
@@ -112,8 +118,9 @@ impl App for Window {
         }
     }
 
-    fn update(&mut self, ctx: &Context, _frame: &mut Frame) {
-        self.editor.frame(ctx);
+    fn ui(&mut self, ui: &mut Ui, _frame: &mut Frame) {
+        self.editor.frame(ui);
+        let ctx = ui.ctx();
         let document = self.editor.document();
         let name =
             document.path().and_then(|path| path.file_name()).map(|name| name.to_string_lossy().into_owned());

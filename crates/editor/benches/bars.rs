@@ -57,7 +57,7 @@ fn interface() {
         let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, vec2(2560.0, 1440.0)));
         let begun = Instant::now();
         let output = ctx
-            .run(RawInput { screen_rect, time: Some(time), ..RawInput::default() }, |ctx| editor.frame(ctx));
+            .run_ui(RawInput { screen_rect, time: Some(time), ..RawInput::default() }, |ui| editor.frame(ui));
         let meshes = ctx.tessellate(output.shapes, output.pixels_per_point);
         assert!(!meshes.is_empty());
         begun.elapsed().as_secs_f64() * 1e3

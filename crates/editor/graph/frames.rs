@@ -6,7 +6,7 @@ use crate::scene::Scene;
 use crate::theme;
 use eframe::egui::text::{CCursor, CCursorRange};
 use eframe::egui::{
-    Align2, Area, Color32, CursorIcon, FontId, Galley, Key, Order, Rect, Response, Rounding, Sense, Stroke,
+    Align2, Area, Color32, CursorIcon, FontId, Galley, Key, Order, Rect, Response, Sense, Stroke, StrokeKind,
     TextEdit, Ui, Vec2, vec2,
 };
 use std::sync::Arc;
@@ -42,7 +42,7 @@ impl GraphView {
             let place = self.frame_place(frame);
             let color = frame.color.map_or(theme::weak(dark), of_channels);
             let (fill, stroke) = (color.gamma_multiply(0.12), Stroke::new(1.0, color));
-            ui.painter().rect(place, Rounding::same(6.0), fill, stroke);
+            ui.painter().rect(place, 6, fill, stroke, StrokeKind::Middle);
             let corner = place.min + vec2(8.0, 4.0) * self.view.zoom;
             let clipped = ui.painter().with_clip_rect(place.intersect(ui.clip_rect()));
             let font = FontId::proportional(self.letters());
@@ -156,7 +156,7 @@ impl GraphView {
         response.context_menu(|ui| {
             if ui.button(if thing.size.is_some() { "Rename" } else { "Write" }).clicked() {
                 self.write_on(id, &thing.text);
-                ui.close_menu();
+                ui.close();
             }
             if thing.size.is_some() {
                 let mut color = thing.color.unwrap_or([0.5; 3]).map(|x| x as f32);
@@ -168,7 +168,7 @@ impl GraphView {
             }
             if ui.button("Remove").clicked() {
                 scene.actions.edit(Edit::RemoveAnnotation(id));
-                ui.close_menu();
+                ui.close();
             }
         });
     }

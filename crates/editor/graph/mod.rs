@@ -15,9 +15,9 @@ mod wires;
 use crate::scene::{Action, Scene};
 use crate::theme;
 use eframe::egui::{
-    self, Color32, FontId, PointerButton, Pos2, Rect, Rounding, Stroke, TextStyle, Ui, Vec2, pos2, vec2,
+    self, Color32, FontId, PointerButton, Pos2, Rect, Stroke, StrokeKind, TextStyle, Ui, Vec2, pos2, vec2,
 };
-use egui_node_graph2::PanZoom;
+use egui_node_editor::PanZoom;
 use menu::Menu;
 use package::{Face, NodeGraph, Pictures, Port};
 use places::Places;
@@ -130,7 +130,7 @@ impl GraphView {
             }
             if scene.selection.contains(name) {
                 let stroke = Stroke::new(2.0, theme::accent(dark));
-                ui.painter().rect_stroke(frame.expand(2.0), Rounding::same(5.0 * self.view.zoom), stroke);
+                ui.painter().rect_stroke(frame.expand(2.0), 5.0 * self.view.zoom, stroke, StrokeKind::Middle);
             }
         }
         for (port, at) in &self.places.seen {
@@ -164,7 +164,6 @@ impl GraphView {
         } else if (double || secondary) && node.is_none() && !is_at_ground {
             self.opens_menu = true;
         }
-        let id = ui.id().with("words");
         let (rest, is_down) = ui.input(|input| {
             let pointer = &input.pointer;
             (pointer.time_since_last_movement().min(pointer.time_since_last_click()), pointer.any_down())
@@ -181,10 +180,7 @@ impl GraphView {
             ui.ctx().request_repaint_after(Duration::from_secs_f32(REST - rest));
         }
         if let Some(words) = words.filter(|_| still) {
-            egui::show_tooltip_at_pointer(ui.ctx(), ui.layer_id(), id, |ui| {
-                ui.set_max_width(320.0);
-                ui.label(words);
-            });
+            theme::words_at_pointer(ui, "words", words);
         }
     }
 

@@ -3,10 +3,10 @@
 use super::package::{self, Face, NodeGraph, Pictures, Response};
 use super::{Dragged, GraphView};
 use crate::scene::{Action, Scene};
-use eframe::egui::{Color32, PointerButton, Rect, Sense, Stroke, Ui, Vec2, pos2};
-use egui_node_graph2::{
-    ConnLocations, GraphNodeWidget, NodeId, NodeRects, NodeResponse, PortLocations, show_zoomed,
+use eframe::egui::{
+    Color32, Id, PointerButton, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, WidgetType, pos2,
 };
+use egui_node_editor::{GraphNodeWidget, NodeId, NodeRects, NodeResponse, PortLocations, show_zoomed};
 use std::collections::BTreeSet;
 
 impl GraphView {
@@ -36,14 +36,15 @@ impl GraphView {
             for id in &order {
                 let name = graph[*id].user_data.name.clone();
                 let at = scene.document.position(&name).map(|x| x as f32 * self.view.zoom);
+                // As if a wire were drawn from its own port: the package's ports then take no part, and this module's do.
+                let port = package::drawn_ports(&graph, *id).next().map(|(_, key)| key);
                 let widget = GraphNodeWidget {
                     position: &mut pos2(at[0], at[1]),
                     graph: &mut graph,
                     port_locations: &mut ports,
-                    conn_locations: &mut ConnLocations::new(),
                     node_rects: &mut frames,
                     node_id: *id,
-                    ongoing_drag: None,
+                    ongoing_drag: port.map(|key| (*id, key)),
                     selected: scene.selection.contains(&name),
                     pan: self.view.pan + self.view.clip_rect.min.to_vec2(),
                 };
@@ -51,6 +52,16 @@ impl GraphView {
             }
         });
         self.places.write_down(&graph, &order, &frames, &ports, self.view.zoom);
+        for id in &order {
+            // The package's key of what a pointer takes hold of a node by.
+            let response = ui.ctx().read_response(Id::new((*id, "window")));
+            let Some(response) = response else { continue };
+            let name = format!("node {}", graph[*id].user_data.name);
+            let is_selected = scene.selection.contains(&graph[*id].user_data.name);
+            response
+                .widget_info(|| WidgetInfo::selected(WidgetType::SelectableLabel, true, is_selected, &name));
+        }
+        self.hold_ports(ui, scene);
         let mut selected: Option<BTreeSet<String>> = ground.clicked().then(BTreeSet::new);
         for response in responses {
             self.respond(ui, scene, &graph, response, &mut selected);
@@ -62,7 +73,7 @@ impl GraphView {
         if let (Some(from), Some(to)) = (self.boxed, ui.input(|input| input.pointer.hover_pos())) {
             let chosen = Rect::from_two_pos(from, to);
             let gray = |alpha| Color32::from_rgba_unmultiplied(200, 200, 200, alpha);
-            ui.painter().rect(chosen, 2.0, gray(20), Stroke::new(3.0, gray(180)));
+            ui.painter().rect(chosen, 2.0, gray(20), Stroke::new(3.0, gray(180)), StrokeKind::Middle);
             let inside = self.places.drawn.iter().filter(|(_, frame)| chosen.intersects(*frame));
             selected = Some(inside.map(|(name, _)| name.clone()).collect());
         }
@@ -99,12 +110,7 @@ impl GraphView {
                 self.raised.retain(|known| *known != name);
                 self.raised.push(name);
             }
-            NodeResponse::ConnectEventStarted(_, end) => {
-                if let Ok(port) = graph.any_param_type(end) {
-                    self.begin_wire(scene, port);
-                }
-            }
-            // Wires end, and nodes are made and deleted, by this module's own hand.
+            // Wires are drawn, and nodes are made and deleted, by this module's own hand.
             _ => {}
         }
     }

@@ -1,4 +1,4 @@
-//! Adapter to `egui_node_graph2`: contents of a node and its ports as the package's types. The package draws each node and reports the
+//! Adapter to `egui_node_editor`: contents of a node and its ports as the package's types. The package draws each node and reports the
 //! pointer's actions on it. It is given no wires: it would look for both ends of those, drawn or not, and join by equal types only.
 
 use crate::picture::{WHOLE, milliseconds};
@@ -9,7 +9,7 @@ use eframe::egui::{
     Align, Align2, Color32, FontId, Label, Layout, Rect, RichText, TextStyle, TextureHandle, TextureId, Ui,
     vec2,
 };
-use egui_node_graph2::{
+use egui_node_editor::{
     AnyParameterId, DataTypeTrait, Graph, InputParamKind, NodeDataTrait, NodeId, NodeResponse,
     UserResponseTrait, WidgetValueTrait,
 };
@@ -183,6 +183,12 @@ impl Face {
 }
 
 impl Port {
+    /// The name by which a person or a program without a pointer finds it: "output gradient.volume".
+    pub fn full_name(&self) -> String {
+        let side = if self.is_input { "input" } else { "output" };
+        format!("{side} {}.{}", self.node, self.declared.name)
+    }
+
     pub fn description(&self, scene: &Scene) -> String {
         let entry = scene.entry(&self.node);
         let voltet_graph::Port { name, port_type, summary } = self.declared;
@@ -297,7 +303,7 @@ impl NodeDataTrait for Face {
             let rect = Rect::from_center_size(rect.center(), vec2(height * aspect, height));
             ui.painter().image(texture, rect, WHOLE, theme::tint(self.is_picture_earlier));
         }
-        let row = ui.fonts(|fonts| fonts.row_height(&FontId::proportional(SMALL * zoom)));
+        let row = ui.fonts_mut(|fonts| fonts.row_height(&FontId::proportional(SMALL * zoom)));
         let line = |ui: &mut Ui, text: RichText, color: Color32, is_one: bool| {
             let label = Label::new(text.size(SMALL * zoom).color(color));
             match (self.is_far, is_one) {

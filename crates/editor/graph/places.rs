@@ -3,7 +3,7 @@
 use super::package::{INNER, NodeGraph, Port, drawn_ports};
 use crate::scene::Scene;
 use eframe::egui::{Pos2, Rect, Vec2, pos2, vec2};
-use egui_node_graph2::{NodeId, NodeRects, PortLocations};
+use egui_node_editor::{NodeId, NodeRects, PortLocations};
 use std::collections::HashMap;
 use voltet_graph::{Node, NodeEntry, PortType};
 
@@ -56,7 +56,7 @@ impl Places {
         for id in order {
             let (frame, name) = (frames[id], &graph[*id].user_data.name);
             let ports: Vec<(Port, Pos2)> =
-                drawn_ports(graph, *id).map(|(port, key)| (port.clone(), locations[&key][0])).collect();
+                drawn_ports(graph, *id).map(|(port, key)| (port.clone(), locations[&key])).collect();
             let apart = |(port, at): &(Port, Pos2)| (port.clone(), (*at - frame.min) / zoom);
             let known = NodeGeometry { size: frame.size() / zoom, ports: ports.iter().map(apart).collect() };
             self.known.insert(name.clone(), known);

@@ -8,9 +8,15 @@ use crate::scene::Scene;
 use crate::theme;
 use eframe::egui::epaint::CubicBezierShape;
 use eframe::egui::layers::ShapeIdx;
-use eframe::egui::{self, Color32, Pos2, RichText, Shape, Stroke, Ui, vec2};
+use eframe::egui::{
+    Color32, PointerButton, Pos2, Rect, RichText, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo, WidgetType,
+    vec2,
+};
 use voltet_core::{Error, Result};
 use voltet_document::{Edit, links};
+
+/// Side of the square in which a pointer takes hold of a port, points at the usual scale.
+const PORT: f32 = 12.0;
 
 impl GraphView {
     /// Draws them where `at` was kept free, behind the nodes.
@@ -54,8 +60,24 @@ impl GraphView {
         }
     }
 
+    /// Takes hold of the ports: a drag begins a wire. Called after the nodes, on which they lie.
+    pub(super) fn hold_ports(&mut self, ui: &Ui, scene: &Scene) {
+        let size = Vec2::splat(PORT * self.view.zoom);
+        let seen = self.places.seen.iter();
+        let shown: Vec<(Port, Pos2)> =
+            seen.filter(|(port, at)| !self.places.is_under(&port.node, *at)).cloned().collect();
+        for (port, at) in shown {
+            let id = ui.id().with(("port", &port.node, port.declared.name, port.is_input));
+            let response = ui.interact(Rect::from_center_size(at, size), id, Sense::CLICK | Sense::DRAG);
+            response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, port.full_name()));
+            if response.drag_started_by(PointerButton::Primary) {
+                self.begin_wire(scene, &port);
+            }
+        }
+    }
+
     /// A wire begins. One that is drawn from a fed input is taken off from it.
-    pub(super) fn begin_wire(&mut self, scene: &Scene, port: &Port) {
+    fn begin_wire(&mut self, scene: &Scene, port: &Port) {
         let fed = || {
             let entry = scene.entry(&port.node).filter(|_| port.is_input)?;
             let name = port.declared.name;
@@ -88,9 +110,7 @@ impl GraphView {
                 }
                 _ => return,
             };
-            egui::show_tooltip_at_pointer(ui.ctx(), ui.layer_id(), ui.id().with("joining"), |ui| {
-                ui.label(words)
-            });
+            theme::words_at_pointer(ui, "joining", words);
             return;
         }
         let is_free = target.is_none();

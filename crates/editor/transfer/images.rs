@@ -82,7 +82,7 @@ fn read(ctx: &Context, path: &Path) -> Result<Arc<Image>, String> {
         let [r, g, b] = [r, g, b].map(|x| x.clamp(0.0, 1.0));
         Color32::from(Rgba::from_rgba_unmultiplied(r, g, b, a))
     };
-    let image = ColorImage { size: [*width, *height], pixels: all.iter().map(shown).collect() };
+    let image = ColorImage::new([*width, *height], all.iter().map(shown).collect());
     let texture = ctx.load_texture(path.display().to_string(), image, TextureOptions::LINEAR);
     Ok(Arc::new(Image { texels, texture }))
 }

@@ -9,7 +9,9 @@ use super::{TransferPanel, edit};
 use crate::parameters::{by_hand, drag, edited_color};
 use crate::theme;
 use crate::worker::{short, widget_count};
-use eframe::egui::{Button, Key, Modifiers, RichText, ScrollArea, Sense, Stroke, TextEdit, Ui, vec2};
+use eframe::egui::{
+    Button, Key, Modifiers, RichText, ScrollArea, Sense, Stroke, StrokeKind, TextEdit, Ui, vec2,
+};
 use std::collections::{BTreeMap, BTreeSet};
 use voltet_core::with_commas;
 use voltet_document::{Edit, Path, links};
@@ -136,7 +138,7 @@ impl TransferPanel {
 
     /// Handles keys while the pointer is over the panel.
     pub(super) fn keys(&mut self, ui: &Ui, look: &EditedFunction) {
-        if ui.ctx().wants_keyboard_input() || !self.takes_keys() {
+        if ui.ctx().egui_wants_keyboard_input() || !self.takes_keys() {
             return;
         }
         self.set_keys(ui, look);
@@ -352,7 +354,7 @@ impl TransferPanel {
         let color = if self.hidden.contains(&place) { color.gamma_multiply(0.3) } else { color };
         ui.painter().rect_filled(rect.shrink(2.0), 2.0, color);
         if place == self.chosen {
-            ui.painter().rect_stroke(rect, 3.0, Stroke::new(1.5, theme::accent(dark)));
+            ui.painter().rect_stroke(rect, 3.0, Stroke::new(1.5, theme::accent(dark)), StrokeKind::Middle);
         }
         if response.on_hover_text(format!("{} {}", place + 1, widget.kind)).clicked() {
             self.choose(place, look);
@@ -391,7 +393,7 @@ impl TransferPanel {
                     let text = format!("recall {digit}: {}", widget_count(list.len()));
                     if ui.add(Button::new(text).shortcut_text(digit.to_string())).clicked() {
                         self.recall(digit, look);
-                        ui.close_menu();
+                        ui.close();
                     }
                 }
             }
@@ -400,7 +402,7 @@ impl TransferPanel {
                 let store = Button::new(format!("store as {digit}")).shortcut_text(format!("Ctrl+{digit}"));
                 if ui.add(store).clicked() {
                     self.store(digit, look);
-                    ui.close_menu();
+                    ui.close();
                 }
             }
         })
@@ -413,7 +415,7 @@ impl TransferPanel {
         ui.menu_button(format!("axes {x}, {y}"), |ui| {
             if ui.button("s, g").on_hover_text("the scalar and its gradient magnitude").clicked() {
                 self.set_axes(S_AND_G);
-                ui.close_menu();
+                ui.close();
             }
             ui.separator();
             let choices = choices(ui, look);
@@ -449,7 +451,7 @@ impl TransferPanel {
         if let Some(axis) = taken {
             axes[k] = axis;
             self.set_axes(axes);
-            ui.close_menu();
+            ui.close();
         }
     }
 }

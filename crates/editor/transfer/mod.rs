@@ -17,7 +17,7 @@ use crate::theme;
 use crate::worker::{short, short_by};
 use edited_function::{EditedFunction, axis_name, axis_title};
 pub(crate) use edited_function::{data_scope, edited_node, fields_of, scales, volume_of};
-use eframe::egui::{self, Align2, FontId, Rect, Sense, Stroke, Ui, pos2, vec2};
+use eframe::egui::{self, Align2, FontId, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 use images::Images;
 use plane::{Change, Counts, Handle, Plane, S_AND_G};
 use relative::PlaneAxes;
@@ -135,7 +135,7 @@ impl TransferPanel {
             self.counts.draw(ui, plane, found);
         }
         if self.by_keyboard {
-            ui.painter().rect_stroke(rect, 0.0, Stroke::new(2.0, theme::accent(dark)));
+            ui.painter().rect_stroke(rect, 0.0, Stroke::new(2.0, theme::accent(dark)), StrokeKind::Inside);
         }
         let [x, y] = look.axes.each_ref().map(|axis| axis_title(look, axis));
         plane::axes(ui, plane, look.scales, [&x, &y]);

@@ -5,8 +5,8 @@ use crate::picture::{WHOLE, set_texture};
 use crate::theme;
 use crate::worker::{Distribution, PixelProbe, short, short_by};
 use eframe::egui::{
-    Align2, Color32, ColorImage, FontId, Galley, Painter, Pos2, Rect, Stroke, TextureHandle, TextureOptions,
-    Ui, Vec2, pos2, vec2,
+    Align2, Color32, ColorImage, FontId, Galley, Painter, Pos2, Rect, Stroke, StrokeKind, TextureHandle,
+    TextureOptions, Ui, Vec2, pos2, vec2,
 };
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -224,7 +224,7 @@ fn image(histogram: &Histogram, dark: bool) -> ColorImage {
     // Rows of a texture go down, g goes up.
     let pixels = (0..high).rev().flat_map(|j| (0..wide).map(move |i| (i, j)));
     let pixels = pixels.map(|(i, j)| color(histogram.volumes[j * wide + i])).collect();
-    ColorImage { size: [wide, high], pixels }
+    ColorImage::new([wide, high], pixels)
 }
 
 /// The share of the volume in the bin under a place; none beyond the axes.
@@ -257,7 +257,7 @@ impl WidgetPainter {
         };
         let ([s0, s1], [g0, g1]) = (within(0, s), within(1, g));
         let rect = Rect::from_two_pos(self.plane.to_window([s0, g0]), self.plane.to_window([s1, g1]));
-        self.painter.rect(rect, 0.0, fill, stroke);
+        self.painter.rect(rect, 0.0, fill, stroke, StrokeKind::Middle);
     }
 }
 

@@ -7,7 +7,7 @@ use super::plane::{
 };
 use super::relative;
 use crate::theme;
-use eframe::egui::{self, Color32, Painter, Pos2, Rect, Stroke, Ui, vec2};
+use eframe::egui::{self, Color32, Painter, Pos2, Rect, Stroke, StrokeKind, Ui, vec2};
 use std::sync::Arc;
 use voltet_core::parameters::Parameters;
 use voltet_core::probing::Histogram;
@@ -238,13 +238,13 @@ fn grip(painter: &Painter, at: Pos2, handle: Handle, is_held: bool, base: Color3
             painter.circle(at, 4.0, Color32::TRANSPARENT, edge);
         }
         Handle::Width(_) | Handle::Rim(_) | Handle::Corner(_) | Handle::Point(_) => {
-            painter.rect(square(8.0, 8.0), 1.0, base, edge);
+            painter.rect(square(8.0, 8.0), 1.0, base, edge, StrokeKind::Middle);
         }
         Handle::Edge(0, _) | Handle::Side(0, _) => {
-            painter.rect(square(5.0, 12.0), 1.0, base, edge);
+            painter.rect(square(5.0, 12.0), 1.0, base, edge, StrokeKind::Middle);
         }
         Handle::Edge(..) | Handle::Side(..) => {
-            painter.rect(square(12.0, 5.0), 1.0, base, edge);
+            painter.rect(square(12.0, 5.0), 1.0, base, edge, StrokeKind::Middle);
         }
     }
 }

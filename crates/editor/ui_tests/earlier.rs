@@ -22,12 +22,13 @@ fn full_window() -> Hand {
     let mut hand = Hand::new(&with_counts());
     with_distribution(&mut hand);
     until(&mut hand, "no small picture", |hand| hand.editor.scene().previews.contains_key("counts"));
-    hand.editor.command(&hand.ctx.clone(), Command::Section);
+    hand.command(Command::Section);
     until(&mut hand, "no section", |hand| matches!(hand.editor.scene().section, Some(Ok(_))));
     let at = hand.editor.panels.picture.rect.unwrap().center();
     hand.click(at);
     until(&mut hand, "no probed values", |hand| hand.editor.scene().probed.is_some());
-    hand.editor.apply(&hand.ctx.clone(), Action::Estimate);
+    let ctx = hand.ctx.clone();
+    hand.editor.apply(&ctx, Action::Estimate);
     until(&mut hand, "no estimate", |hand| hand.editor.scene().estimate.is_some());
     hand
 }
@@ -44,7 +45,7 @@ fn assert_empty(hand: &Hand) {
 fn a_new_document_shows_nothing_of_the_one_before() {
     let mut hand = full_window();
     assert!(hand.has_textures(5), "letters, two pictures, the distribution, the section");
-    hand.editor.command(&hand.ctx.clone(), Command::New);
+    hand.command(Command::New);
     assert_empty(&hand);
     hand.frames(3);
     assert_empty(&hand);
@@ -68,7 +69,8 @@ fn a_document_whose_data_are_missing_shows_why_and_nothing_of_the_one_before() {
     let mut hand = full_window();
     let other = hand.folder.path().join("other.toml");
     std::fs::write(&other, without_data(&with_counts())).unwrap();
-    hand.editor.open_any(&hand.ctx.clone(), &other);
+    let ctx = hand.ctx.clone();
+    hand.editor.open_any(&ctx, &other);
     for _ in 0..3 {
         assert_empty(&hand);
         hand.settle();
@@ -109,7 +111,8 @@ fn what_an_edit_left_behind_is_marked_until_it_is_of_what_is_shown_again() {
 #[test]
 fn a_picture_is_that_of_the_node_that_is_shown() {
     let mut hand = full_window();
-    hand.editor.apply(&hand.ctx.clone(), Action::Show("counts".into()));
+    let ctx = hand.ctx.clone();
+    hand.editor.apply(&ctx, Action::Show("counts".into()));
     let of = |hand: &Hand| hand.editor.scene().pixels.map(|pixels| pixels.node);
     assert_eq!(of(&hand), None);
     hand.settle();

@@ -17,7 +17,8 @@ fn saved_in_another_folder_the_file_means_the_same_data_and_says_so() {
     assert!(hand.said().contains("a path in it leads to the same file"), "{}", hand.said());
     assert!(hand.editor.document().is_saved());
     // Where the file cannot be written, nothing changes.
-    hand.editor.save_as(&hand.folder.path().join("none/scene.toml"));
+    let nowhere = hand.folder.path().join("none/scene.toml");
+    hand.editor.save_as(&nowhere);
     assert!(hand.editor.document().is_saved() && hand.text() == saved, "{}", hand.said());
     hand.key(Key::Z, Modifiers::COMMAND);
     assert_eq!(hand.text(), text, "it is a step that can be undone");
@@ -76,6 +77,19 @@ fn a_run_writes_what_a_run_of_the_file_would() {
     said(&mut hand, "the pipeline writes nothing");
 }
 
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl eframe::egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
 #[test]
 fn an_empty_window_offers_the_files_opened_last_and_takes_dropped_ones() {
     let mut hand = Hand::new("[pipeline]\nformat = 1\n");
@@ -100,11 +114,8 @@ fn an_empty_window_offers_the_files_opened_last_and_takes_dropped_ones() {
     assert!(hand.texts("Open data or a pipeline …").is_empty());
     // A dropped file is asked about where work is not saved.
     hand.key(Key::X, Modifiers::NONE);
-    let dropped = eframe::egui::DroppedFile { path: Some(hand.path()), ..Default::default() };
-    hand.time += 1.0 / 60.0;
-    let input = RawInput { dropped_files: vec![dropped], time: Some(hand.time), ..RawInput::default() };
-    let editor = &mut hand.editor;
-    let _ = hand.ctx.run(input, |ctx| editor.frame(ctx));
+    let dropped = Arc::new(Dropped(hand.path()));
+    hand.frame_with(RawInput { dropped_files: vec![dropped], ..RawInput::default() }, Modifiers::NONE);
     hand.frames(2);
     assert_ne!(hand.text(), "[pipeline]\nformat = 1\n");
     hand.click_on("Discard");

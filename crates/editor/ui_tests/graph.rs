@@ -90,7 +90,7 @@ fn nodes_are_added_selected_copied_and_deleted_by_keys() {
     hand.frames(2);
     assert!(node(&hand, "wavelet").is_some());
     assert_eq!(hand.editor.selection.iter().collect::<Vec<_>>(), ["wavelet"]);
-    hand.time += 2.0;
+    hand.pause = 2.0;
     hand.key(Key::D, Modifiers::COMMAND);
     assert!(node(&hand, "wavelet_2").is_some());
     hand.frames(2);

@@ -11,7 +11,7 @@ fn framed() -> Hand {
     hand.typed("What is seen");
     hand.key(Key::Enter, Modifiers::NONE);
     hand.frames(2);
-    hand.time += 2.0;
+    hand.pause = 2.0;
     hand
 }
 
@@ -77,7 +77,10 @@ fn far_away_nodes_show_their_names_alone_and_are_still_moved() {
     hand.move_to(ground, Modifiers::NONE);
     let delta = vec2(0.0, -12.0);
     let unit = eframe::egui::MouseWheelUnit::Line;
-    hand.frame(vec![Event::MouseWheel { unit, delta, modifiers: Modifiers::NONE }], Modifiers::NONE);
+    hand.frame(
+        vec![Event::MouseWheel { unit, delta, phase: TouchPhase::Move, modifiers: Modifiers::NONE }],
+        Modifiers::NONE,
+    );
     hand.frames(30);
     assert_eq!(hand.texts("transfer_function").len(), 0);
     let frame = hand.editor.panels.graph.frame_of("picture").unwrap();

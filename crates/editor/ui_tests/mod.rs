@@ -16,9 +16,14 @@ mod transfer_axes;
 mod transfer_more;
 
 use crate::editor::Editor;
-use crate::keys::InputQueue;
+use crate::scene::Command;
+use crate::window::Window;
 use eframe::egui::epaint::ClippedShape;
-use eframe::egui::{Context, Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, Shape, pos2, vec2};
+use eframe::egui::{
+    Context, Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, Shape, TouchPhase, pos2, vec2,
+};
+use egui_kittest::Harness;
+use std::ops::{Deref, DerefMut};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -40,18 +45,28 @@ fn until(hand: &mut Hand, what: &str, is_so: impl Fn(&Hand) -> bool) {
     panic!("{what}: {}", hand.said());
 }
 
-/// A person before a window that is not there.
+/// A person before a window that is not there; the window's own fields are reached through it.
 struct Hand {
+    harness: Harness<'static, Window>,
     ctx: Context,
-    editor: Editor,
     at: Pos2,
-    time: f64,
-    /// Width and height of the window in points, and the screen's pixels a point.
-    screen: ([f32; 2], f32),
-    presses: InputQueue,
-    /// Shapes of the last frame.
-    shapes: Vec<ClippedShape>,
+    /// Seconds until the next frame, beside the usual sixtieth.
+    pause: f64,
     folder: tempfile::TempDir,
+}
+
+impl Deref for Hand {
+    type Target = Window;
+
+    fn deref(&self) -> &Window {
+        self.harness.state()
+    }
+}
+
+impl DerefMut for Hand {
+    fn deref_mut(&mut self) -> &mut Window {
+        self.harness.state_mut()
+    }
 }
 
 impl Hand {
@@ -85,42 +100,56 @@ impl Hand {
         let mut registry = voltet_nodes::registry().unwrap();
         voltet_reference::register(&mut registry).unwrap();
         let editor = Editor::new(document, &registry, start, Arc::new(|| {})).unwrap();
-        let ctx = Context::default();
-        crate::theme::apply(&ctx);
-        let mut hand = Hand {
-            ctx,
-            editor,
-            at: pos2(5.0, 400.0),
-            time: 0.0,
-            screen: (size, 1.0),
-            presses: InputQueue::default(),
-            shapes: Vec::new(),
-            folder,
-        };
+        let harness = Harness::builder().with_size(size).build_eframe(|context| {
+            crate::theme::apply(&context.egui_ctx);
+            Window::new(editor)
+        });
+        let ctx = harness.ctx.clone();
+        let mut hand = Hand { harness, ctx, at: pos2(5.0, 400.0), pause: 0.0, folder };
         hand.settle();
         hand
     }
 
-    /// One frame with these events, or more where a button is followed by something.
-    fn frame(&mut self, events: Vec<Event>, modifiers: Modifiers) {
-        self.time += 1.0 / 60.0;
-        let ([width, height], pixels_per_point) = self.screen;
-        let mut input = RawInput {
-            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, vec2(width, height))),
-            time: Some(self.time),
-            events,
-            modifiers,
-            ..RawInput::default()
-        };
+    /// The window gets another size, points, and the screen another density, pixels a point.
+    fn resize(&mut self, size: [f32; 2], pixels_per_point: f32) {
+        self.harness.set_size(size.into());
+        let input = self.harness.input_mut();
         if let Some(viewport) = input.viewports.get_mut(&input.viewport_id) {
             viewport.native_pixels_per_point = Some(pixels_per_point);
         }
+    }
+
+    /// One frame with these events, or more where a button is followed by something.
+    fn frame(&mut self, events: Vec<Event>, modifiers: Modifiers) {
+        self.frame_with(RawInput { events, ..RawInput::default() }, modifiers);
+    }
+
+    /// One frame with the events and dropped files of an input.
+    fn frame_with(&mut self, more: RawInput, modifiers: Modifiers) {
+        let mut input = std::mem::take(self.harness.input_mut());
+        input.time = Some(self.ctx.time() + 1.0 / 60.0 + std::mem::take(&mut self.pause));
+        if self.ctx.input(|input| input.modifiers) != modifiers {
+            input.events.push(Event::ModifiersChanged(modifiers));
+        }
+        input.events.extend(more.events);
+        input.dropped_files.extend(more.dropped_files);
         let waits = self.presses.cut(&mut input);
-        let editor = &mut self.editor;
-        self.shapes = self.ctx.run(input, |ctx| editor.frame(ctx)).shapes;
+        *self.harness.input_mut() = input;
+        self.harness.step();
         if waits {
             self.frame(Vec::new(), modifiers);
         }
+    }
+
+    /// Gives a command, as a menu does.
+    fn command(&mut self, command: Command) {
+        let ctx = self.ctx.clone();
+        self.editor.command(&ctx, command);
+    }
+
+    /// Shapes of the last frame.
+    fn shapes(&self) -> &[ClippedShape] {
+        &self.harness.output().shapes
     }
 
     /// Positions of a text in the window: buttons, labels, titles.
@@ -144,18 +173,18 @@ impl Hand {
             }
         }
         let mut found = Vec::new();
-        self.shapes.iter().for_each(|clipped| of(&clipped.shape, is_it, &mut found));
+        self.shapes().iter().for_each(|clipped| of(&clipped.shape, is_it, &mut found));
         found
     }
 
     /// True if so many textures are drawn.
     fn has_textures(&self, count: usize) -> bool {
         let of = |clipped: &ClippedShape| match &clipped.shape {
-            Shape::Rect(shape) => Some(shape.fill_texture_id),
+            Shape::Rect(shape) => Some(shape.brush.as_ref()?.fill_texture_id),
             Shape::Mesh(mesh) => Some(mesh.texture_id),
             _ => None,
         };
-        let all: std::collections::HashSet<_> = self.shapes.iter().filter_map(of).collect();
+        let all: std::collections::HashSet<_> = self.shapes().iter().filter_map(of).collect();
         all.len() >= count
     }
 
@@ -198,7 +227,7 @@ impl Hand {
         self.button(false, PointerButton::Primary, Modifiers::NONE);
         self.frames(1);
         // The next one is no double click.
-        self.time += 1.0;
+        self.pause = 1.0;
     }
 
     /// In ten steps, as a hand does.
@@ -210,7 +239,7 @@ impl Hand {
         }
         self.button(false, button, modifiers);
         self.frames(2);
-        self.time += 1.0;
+        self.pause = 1.0;
     }
 
     fn drag(&mut self, from: Pos2, to: Pos2) {

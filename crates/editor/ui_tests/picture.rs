@@ -55,6 +55,7 @@ fn other_drags_and_the_wheel_do_what_the_sheet_says() {
     let wheel = Event::MouseWheel {
         unit: eframe::egui::MouseWheelUnit::Line,
         delta: vec2(0.0, 2.0),
+        phase: TouchPhase::Move,
         modifiers: Modifiers::NONE,
     };
     hand.frame(vec![wheel], Modifiers::NONE);

@@ -32,7 +32,7 @@ fn a_box_in_the_picture_finds_the_values_on_its_rays() {
 fn values_in_the_section_make_a_widget_of_their_mean_and_covariance() {
     let mut hand = Hand::new(TEXT);
     with_distribution(&mut hand);
-    hand.editor.command(&hand.ctx.clone(), Command::Section);
+    hand.command(Command::Section);
     until(&mut hand, "no section comes", |hand| matches!(hand.editor.scene().section, Some(Ok(_))));
     hand.frames(3);
     let Some(Ok(section)) = hand.editor.scene().section else { panic!("no section") };
@@ -93,7 +93,7 @@ fn a_probe_of_a_constant_field_makes_a_widget_that_draws() {
     with_distribution(&mut hand);
     hand.key(Key::H, Modifiers::NONE);
     hand.settle();
-    hand.editor.command(&hand.ctx.clone(), Command::Section);
+    hand.command(Command::Section);
     until(&mut hand, "no section comes", |hand| matches!(hand.editor.scene().section, Some(Ok(_))));
     hand.frames(3);
     let rect = hand.editor.panels.section.rect.unwrap();
@@ -135,14 +135,15 @@ fn a_study_runs_beside_the_window_and_can_be_stopped() {
         }
         Ok(Studied { rows: Vec::new(), notes: Vec::new(), folder: None })
     }));
-    hand.editor.command(&hand.ctx.clone(), Command::Study);
+    hand.command(Command::Study);
     hand.frames(2);
     let of = StudyRequest {
         text: hand.text(),
         path: hand.path(),
         node: hand.editor.scene().shown_node.map(str::to_string),
     };
-    hand.editor.panels.study.begin(of.clone(), &hand.ctx.clone());
+    let ctx = hand.ctx.clone();
+    hand.editor.panels.study.begin(of.clone(), &ctx);
     let begun = std::time::Instant::now();
     hand.frames(5);
     assert!(hand.editor.panels.study.found.as_ref().is_none());
@@ -151,7 +152,7 @@ fn a_study_runs_beside_the_window_and_can_be_stopped() {
     assert!(begun.elapsed() < Duration::from_secs(15));
     assert_eq!(hand.editor.panels.study.found.as_ref().unwrap().as_ref().unwrap_err(), "stopped");
     hand.editor.panels.study.make = Some(Arc::new(|_: &StudyRequest, _: &dyn Observer| panic!("a mistake")));
-    hand.editor.panels.study.begin(of, &hand.ctx.clone());
+    hand.editor.panels.study.begin(of, &ctx);
     until(&mut hand, "no end", |hand| hand.editor.panels.study.found.as_ref().is_some());
     assert!(
         hand.editor

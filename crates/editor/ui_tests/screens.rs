@@ -4,9 +4,8 @@ use crate::scene::Command;
 /// A window with room for so much.
 fn on(size: [f32; 2], pixels_per_point: f32, text: &str) -> Hand {
     let mut hand = Hand::new(text);
-    hand.screen = (size, pixels_per_point);
-    let ctx = hand.ctx.clone();
-    hand.editor.command(&ctx, Command::FitGraph);
+    hand.resize(size, pixels_per_point);
+    hand.command(Command::FitGraph);
     hand.frames(4);
     hand.settle();
     hand
@@ -28,10 +27,9 @@ fn cut(hand: &Hand) -> Vec<String> {
             _ => {}
         }
     }
-    let ([width, height], _) = hand.screen;
-    let screen = Rect::from_min_size(Pos2::ZERO, vec2(width, height));
+    let screen = hand.ctx.content_rect();
     let mut found = Vec::new();
-    for clipped in &hand.shapes {
+    for clipped in hand.shapes() {
         of(&clipped.shape, clipped.clip_rect.intersect(screen), &mut found);
     }
     found
@@ -50,11 +48,10 @@ fn no_text_is_cut_on_small_and_dense_screens() {
             assert_eq!(cut(&hand), [""; 0], "{size:?} {density} {node}");
         }
         for command in [Command::Help, Command::Costs] {
-            let ctx = hand.ctx.clone();
-            hand.editor.command(&ctx, command);
+            hand.command(command);
             hand.frames(4);
             assert_eq!(cut(&hand), [""; 0], "{size:?} {density} {command:?}");
-            hand.editor.command(&ctx, command);
+            hand.command(command);
         }
     }
 }

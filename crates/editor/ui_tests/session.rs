@@ -114,7 +114,8 @@ fn a_file_that_another_program_wrote_is_asked_about_and_never_written_over_unask
 #[test]
 fn how_wrong_the_picture_is_can_be_asked() {
     let mut hand = Hand::new(TEXT);
-    hand.editor.apply(&hand.ctx.clone(), crate::scene::Action::Estimate);
+    let ctx = hand.ctx.clone();
+    hand.editor.apply(&ctx, crate::scene::Action::Estimate);
     for _ in 0..4000 {
         hand.frames(1);
         if let Some(found) = hand.editor.scene().estimate {
@@ -133,7 +134,8 @@ fn data_are_opened_with_a_pipeline_made_for_them() {
     hand.editor.start = Arc::new(|_: &Path, _: &Path| Ok(TEXT.replace("The wavelet", "A data file")));
     let data = hand.folder.path().join("data.vtu");
     std::fs::write(&data, "").unwrap();
-    hand.editor.open_any(&hand.ctx.clone(), &data);
+    let ctx = hand.ctx.clone();
+    hand.editor.open_any(&ctx, &data);
     for _ in 0..4000 {
         hand.frames(1);
         if hand.text().contains("A data file") {
@@ -160,7 +162,8 @@ fn work_that_is_done_while_a_pipeline_is_made_is_asked_about() {
     let data = hand.folder.path().join("data.vtu");
     std::fs::write(&data, "").unwrap();
     for (answer, is_taken) in [("Cancel", false), ("Discard", true)] {
-        hand.editor.open_any(&hand.ctx.clone(), &data);
+        let ctx = hand.ctx.clone();
+        hand.editor.open_any(&ctx, &data);
         hand.key(Key::X, Modifiers::NONE);
         hand.key(Key::X, Modifiers::SHIFT);
         let text = hand.text();
@@ -184,7 +187,8 @@ fn faults_are_those_of_the_document_that_is_shown() {
     hand.frames(2);
     assert_eq!(hand.editor.scene().faults.len(), 1, "{}", hand.text());
     assert_eq!(hand.steps(), 0, "to show a wrong number changes nothing");
-    hand.editor.open_any(&ctx, &hand.path());
+    let own = hand.path();
+    hand.editor.open_any(&ctx, &own);
     hand.frames(2);
     assert!(hand.editor.scene().faults.is_empty(), "{:?}", hand.editor.scene().faults);
 }

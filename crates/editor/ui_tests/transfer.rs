@@ -66,6 +66,7 @@ fn the_wheel_zooms_one_axis_and_with_alt_the_other() {
     let wheel = |modifiers| Event::MouseWheel {
         unit: eframe::egui::MouseWheelUnit::Line,
         delta: vec2(0.0, 2.0),
+        phase: TouchPhase::Move,
         modifiers,
     };
     let lengths = |hand: &Hand| hand.editor.panels.transfer.shown_axes().map(|[low, high]| high - low);

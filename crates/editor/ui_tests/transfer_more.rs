@@ -29,7 +29,7 @@ fn double_click(hand: &mut Hand, at: Pos2) {
         hand.button(false, PointerButton::Primary, Modifiers::NONE);
     }
     hand.frames(2);
-    hand.time += 1.0;
+    hand.pause = 1.0;
 }
 
 fn right_click(hand: &mut Hand, at: Pos2) {
