@@ -75,7 +75,7 @@ impl Change {
         Change { node: node.into(), parameter: parameter.into(), value: None }
     }
 
-    fn apply(&self, pipeline: &mut Pipeline) -> Result<()> {
+    pub(crate) fn apply(&self, pipeline: &mut Pipeline) -> Result<()> {
         let names = || pipeline.nodes.iter().map(|entry| entry.name.as_str());
         let Some(place) = names().position(|name| name == self.node) else {
             return Err(unknown_node(&self.node, names()));

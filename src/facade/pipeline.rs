@@ -4,7 +4,7 @@ use super::camera::Camera;
 use super::grid::Grid;
 use super::renderer::Image;
 use crate::core::parameters::nearest_first;
-use crate::document::Document;
+use crate::document::{Change, Document};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -149,6 +149,16 @@ impl Pipeline {
         self.replace(PipelineText { is_changed: true, ..text })
     }
 
+    /// Changes parameters, or parts of them.
+    ///
+    /// # Errors
+    /// As of [`Pipeline::set`].
+    pub fn apply(&mut self, changes: &[Change]) -> Result<()> {
+        let mut text = self.source.clone();
+        changes.iter().try_for_each(|change| change.apply(&mut text.nodes))?;
+        self.replace(PipelineText { is_changed: true, ..text })
+    }
+
     /// Sets parameters of a node; `None` removes one.
     ///
     /// # Errors
@@ -240,7 +250,10 @@ impl Pipeline {
     /// - an output that is an input, or another output;
     /// - those of the nodes, and cancellation.
     pub fn run(&mut self, observer: &dyn Observer) -> Result<Vec<(String, Image)>> {
-        let graph = self.whole_graph()?;
+        let mut graph = self.whole_graph()?;
+        if let Ok(stated) = Nodes::stated(self.source.text(), &self.registry) {
+            graph.stated = stated;
+        }
         let PipelineText { path, text, nodes: pipeline, .. } = self.source.clone();
         let document = Document { path, text, pipeline, graph, carried: None };
         document.refuse_collisions()?;

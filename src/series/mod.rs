@@ -221,7 +221,7 @@ pub fn frames(document: &Document, selection: &FrameSelection, registry: &Regist
     for (number, frame) in frames.iter_mut().enumerate() {
         frame.marks.frame = number;
         frame.varying.clone_from(&varying);
-        name(graph, frame)?;
+        frame.changes.extend(file_names(graph, &frame.marks, &frame.varying)?);
     }
     if let Some(part) = selection.part {
         frames = frames.into_iter().skip(part.number - 1).step_by(part.count).collect();
@@ -453,17 +453,21 @@ fn varying(frames: &[Frame]) -> Vec<Varying> {
     Varying::ALL.into_iter().filter(differs).collect()
 }
 
-/// Names the files that a frame writes.
-fn name(graph: &Graph, frame: &mut Frame) -> Result<()> {
+/// Changes that name the files that a frame writes.
+///
+/// # Errors
+/// - those of [`names::path_of`], with the place of the path.
+pub fn file_names(graph: &Graph, marks: &MarkValues, varying: &[Varying]) -> Result<Vec<Change>> {
+    let mut changes = Vec::new();
     for (node, named) in written(graph) {
-        let path = names::path_of(&named.path, &frame.marks, &frame.varying)
+        let path = names::path_of(&named.path, marks, varying)
             .map_err(|error| node.parameters.locate(&named.parameter, error))
             .map_err(|error| node.locate(error))?;
         if path != named.path {
-            frame.changes.push(Change::set(&node.name, &named.parameter, ParameterValue::Text(path)));
+            changes.push(Change::set(&node.name, &named.parameter, ParameterValue::Text(path)));
         }
     }
-    Ok(())
+    Ok(changes)
 }
 
 /// The files that nodes write, each with its node.

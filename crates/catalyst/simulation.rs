@@ -1,0 +1,287 @@
+//! The pipelines of a simulation, and its steps: in each the meshes of the channels take the place of the files that the pipelines read.
+
+use crate::conduit::Node;
+use crate::mesh::{self, FieldSelection, Loan};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+use voltet::series::file_names;
+use voltet::series::names::{MarkValues, Varying};
+use voltet::{Pipeline, RunStatus, build_grid, run_in_background, unnamed_scalar};
+use voltet_core::grid::{CellValues, Grid, Options};
+use voltet_core::{Error, Result};
+use voltet_graph::{Demand, Graph, GraphNode, PortType};
+
+/// Pipelines that a simulation named, and what was seen of its steps.
+pub struct Simulation {
+    scripts: Vec<Script>,
+    /// Number of steps so far.
+    step_count: usize,
+    /// Warnings that were said.
+    warnings: BTreeSet<String>,
+}
+
+/// A pipeline.
+struct Script {
+    name: String,
+    /// As the file states it: names of output files have their marks.
+    graph: Graph,
+    pipeline: Pipeline,
+    sources: Vec<GridSource>,
+    /// Steps whose number is no multiple of it are left out.
+    interval: usize,
+    /// Channel of each source that has one, in the order of the sources; `None` before the first step.
+    channels: Option<Vec<Option<String>>>,
+}
+
+/// A node that reads or makes a grid.
+struct GridSource {
+    node: String,
+    selection: FieldSelection,
+    cell_values: CellValues,
+    /// True if it must find its scalar by itself.
+    has_unnamed_scalar: bool,
+}
+
+/// Step of the simulation.
+struct Step {
+    number: usize,
+    time: Option<f64>,
+}
+
+impl Simulation {
+    /// Loads the pipelines below `catalyst/scripts`.
+    ///
+    /// # Errors
+    /// - no pipeline, or one that is wrong.
+    pub fn initialize(parameters: &Node) -> Result<Simulation> {
+        let node = parameters.require("catalyst/scripts")?;
+        let scripts = node.children().iter().map(Script::load).collect::<Result<Vec<_>>>()?;
+        if scripts.is_empty() {
+            return Err(node.wrong("names no pipeline", "nothing", "catalyst/scripts/NAME = \"scene.toml\""));
+        }
+        Ok(Simulation { scripts, step_count: 0, warnings: BTreeSet::new() })
+    }
+
+    /// Draws the pictures of a step.
+    ///
+    /// # Errors
+    /// - a mesh or field that is wrong, with its channel and path;
+    /// - those of the pipelines. All are run; the first error is given, others are printed.
+    pub fn execute(&mut self, parameters: &Node) -> Result<()> {
+        let step = Step::read(parameters, self.step_count)?;
+        self.step_count += 1;
+        let channels = parameters.require("catalyst/channels")?.children();
+        let chosen = chosen_scripts(parameters)?;
+        let is_due = |script: &&mut Script| {
+            step.number.is_multiple_of(script.interval)
+                && chosen.as_ref().is_none_or(|names| names.contains(&script.name))
+        };
+        let mut due: Vec<&mut Script> = self.scripts.iter_mut().filter(is_due).collect();
+        for script in &mut due {
+            script.assign(&channels)?;
+        }
+        let loan: Loan = Arc::new(());
+        let mut grids = Grids::build(&due, &channels, &loan)?;
+        let mut failure = None;
+        for script in due {
+            let outcome = script.draw(&step, &grids);
+            for warning in script.pipeline.warnings().unwrap_or_default() {
+                if self.warnings.insert(format!("{}: {warning}", script.name)) {
+                    eprintln!("voltet: {}: {warning}", script.name);
+                }
+            }
+            match (outcome, &failure) {
+                (Ok(()), _) => {}
+                (Err(error), None) => failure = Some(error),
+                (Err(error), Some(_)) => eprintln!("voltet: {}: {error}", script.name),
+            }
+        }
+        grids.clear();
+        // The simulation changes its memory now.
+        if Arc::strong_count(&loan) > 1 {
+            return Err(Error::run("an array of the simulation is still in use after the step"));
+        }
+        failure.map_or(Ok(()), Err)
+    }
+}
+
+/// Names of the scripts that a step is for; `None`: all.
+fn chosen_scripts(parameters: &Node) -> Result<Option<Vec<String>>> {
+    let Some(node) = parameters.get("catalyst/state/pipelines") else { return Ok(None) };
+    node.children().iter().map(Node::text).collect::<Result<Vec<_>>>().map(Some)
+}
+
+impl Step {
+    /// Number and time of a step; its number is `count` where the simulation states none.
+    fn read(parameters: &Node, count: usize) -> Result<Step> {
+        let state = |name: &str| parameters.get(&format!("catalyst/state/{name}"));
+        let number = match state("timestep").or_else(|| state("cycle")) {
+            Some(node) => node.count()?,
+            None => count,
+        };
+        let time = state("time").map(|node| node.number()).transpose()?;
+        Ok(Step { number, time })
+    }
+}
+
+impl Script {
+    /// Loads a pipeline: a file's path, or `filename` with `args`.
+    fn load(node: &Node) -> Result<Script> {
+        let (path, arguments) = match node.get("filename") {
+            Some(path) => (path.text()?, node.get("args").map(|list| list.children()).unwrap_or_default()),
+            None => (node.text()?, Vec::new()),
+        };
+        let mut pipeline = Pipeline::open(&path)?;
+        let mut interval = 1;
+        for argument in arguments {
+            let text = argument.text()?;
+            match text.strip_prefix("every=").map(str::parse::<usize>) {
+                Some(Ok(number @ 1..)) => interval = number,
+                Some(_) => return Err(argument.wrong("is no interval", text, "every=N with N from 1")),
+                None => pipeline.set(&text).map_err(|error| error.at_item(argument.path()))?,
+            }
+        }
+        let graph = pipeline.whole_graph()?;
+        let demands = pipeline.with_graph(None, |graph, session| Ok(session.plan(graph)?.demands))?;
+        let mut sources = Vec::new();
+        for (node, demand) in graph.nodes.iter().zip(&demands) {
+            let gives_grid = matches!(node.node.outputs, [port] if port.port_type == PortType::Grid);
+            if gives_grid && node.inputs.is_empty() {
+                sources.push(GridSource::new(node, demand)?);
+            }
+        }
+        if sources.is_empty() {
+            let error = Error::usage("the pipeline reads no grid").in_file(&path);
+            return Err(error.expected("a node of type \"reader\", in whose place the mesh of a channel is"));
+        }
+        Ok(Script { name: node.name().into(), graph, pipeline, sources, interval, channels: None })
+    }
+
+    /// Finds the channel of each source: that of the same name, or of one source and one channel each the other's.
+    fn assign(&mut self, channels: &[Node]) -> Result<()> {
+        if self.channels.is_some() {
+            return Ok(());
+        }
+        let has = |name: &str| channels.iter().any(|channel| channel.name() == name);
+        let named = |source: &GridSource| Some(source.node.clone()).filter(|name| has(name));
+        let found: Vec<Option<String>> = match (&self.sources[..], channels) {
+            ([_], [only]) => vec![Some(only.name().into())],
+            (sources, _) => sources.iter().map(named).collect(),
+        };
+        if found.iter().all(Option::is_none) {
+            let list = |names: Vec<&str>| names.join(", ");
+            let nodes = list(self.sources.iter().map(|source| source.node.as_str()).collect());
+            let names = list(channels.iter().map(Node::name).collect());
+            let error =
+                Error::usage(format!("no channel has the name of a node of the pipeline '{}'", self.name));
+            return Err(error.got(format!("channels {names}; nodes {nodes}")).expected("equal names"));
+        }
+        self.channels = Some(found);
+        Ok(())
+    }
+
+    /// The sources that have a channel, each with its name.
+    fn fed(&self) -> impl Iterator<Item = (&GridSource, &str)> {
+        let channels = self.channels.iter().flatten();
+        let both = self.sources.iter().zip(channels);
+        both.filter_map(|(source, channel)| Some((source, channel.as_deref()?)))
+    }
+
+    /// Draws the pictures of a step, and lets go of the grids.
+    fn draw(&mut self, step: &Step, grids: &Grids) -> Result<()> {
+        let marks =
+            MarkValues { frame: step.number, step: step.number, time: step.time, ..MarkValues::default() };
+        let given: Vec<(String, Arc<Grid>)> = self
+            .fed()
+            .map(|(source, channel)| Ok((source.node.clone(), grids.get(source, channel)?.clone())))
+            .collect::<Result<_>>()?;
+        let changes = file_names(&self.graph, &marks, &[Varying::Step])?;
+        self.pipeline.apply(&changes)?;
+        let pipeline = &mut self.pipeline;
+        let outcome =
+            given.iter().try_for_each(|(node, grid)| pipeline.set_grid(Some(node), Some(grid)).map(drop));
+        let outcome = outcome.and_then(|()| {
+            let stops: Option<fn(&RunStatus) -> bool> = None;
+            run_in_background(|observer| pipeline.run(observer).map(drop), stops, &mut std::iter::empty())
+        });
+        for (node, _) in &given {
+            pipeline.set_grid(Some(node), None)?;
+        }
+        outcome
+    }
+}
+
+impl GridSource {
+    fn new(node: &GraphNode, demand: &Demand) -> Result<GridSource> {
+        let p = &node.parameters;
+        for name in ["blocks", "displacement", "between_steps"] {
+            if node.node.parameter(name).is_some() && p.is_set(name) {
+                let error = p.error(name, "the parameter is for files, not for the mesh of a simulation");
+                return Err(node.locate(error.expected("none")));
+            }
+        }
+        let cell_values = match p.optional("cell_values").and_then(|value| value.text()) {
+            Some("constant") => CellValues::Constant,
+            _ => CellValues::Average,
+        };
+        let scalar = p.optional("scalar").and_then(|name| name.text()).map(str::to_string);
+        let has_unnamed_scalar = scalar.is_none() && !demand.without_scalar;
+        let scalar = scalar.filter(|_| !demand.without_scalar);
+        let selection = FieldSelection {
+            named: demand.arrays.named.iter().cloned().chain(scalar).collect(),
+            optional: demand.arrays.optional.clone(),
+            cells: demand.cell_arrays.named.clone(),
+            is_all: demand.arrays.and_all_others || has_unnamed_scalar,
+        };
+        Ok(GridSource { node: node.name.clone(), selection, cell_values, has_unnamed_scalar })
+    }
+}
+
+/// Grids of a step, by their channels; those with values constant in cells by themselves.
+struct Grids(BTreeMap<(String, bool), Arc<Grid>>);
+
+impl Grids {
+    /// Builds each grid once, with the fields that all pipelines use.
+    fn build(scripts: &[&mut Script], channels: &[Node], loan: &Loan) -> Result<Grids> {
+        let mut selections: BTreeMap<(String, bool), FieldSelection> = BTreeMap::new();
+        for (source, channel) in scripts.iter().flat_map(|script| script.fed()) {
+            selections.entry(key(source, channel)).or_default().join(&source.selection);
+        }
+        let mut grids = Grids(BTreeMap::new());
+        for ((name, is_constant), selection) in selections {
+            let Some(channel) = channels.iter().find(|channel| channel.name() == name) else {
+                let names: Vec<&str> = channels.iter().map(Node::name).collect();
+                let error = Error::usage(format!("catalyst/channels/{name} is missing in this step"));
+                return Err(error.got(names.join(", ")).expected("the channels of the steps before"));
+            };
+            let cell_values = if is_constant { CellValues::Constant } else { CellValues::Average };
+            let options = Options { cell_values, ..Options::default() };
+            let pieces = mesh::pieces(channel, &selection, loan)?;
+            if pieces.is_empty() {
+                return Err(channel.require("data")?.wrong("holds no domain", "nothing", "a mesh"));
+            }
+            let located = |error: Error| error.at_item(channel.path());
+            let grid = build_grid(pieces, None, &options).map_err(located)?;
+            grids.0.insert((name, is_constant), Arc::new(grid));
+        }
+        Ok(grids)
+    }
+
+    fn get(&self, source: &GridSource, channel: &str) -> Result<&Arc<Grid>> {
+        let found = self.0.get(&key(source, channel));
+        let grid = found.ok_or_else(|| Error::run(format!("the channel '{channel}' has no grid")))?;
+        match source.has_unnamed_scalar && grid.scalar.is_none() {
+            true => Err(unnamed_scalar(grid).at_node(&source.node)),
+            false => Ok(grid),
+        }
+    }
+
+    /// Lets go of the grids.
+    fn clear(&mut self) {
+        self.0.clear();
+    }
+}
+
+fn key(source: &GridSource, channel: &str) -> (String, bool) {
+    (channel.into(), source.cell_values == CellValues::Constant)
+}

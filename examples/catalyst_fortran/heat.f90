@@ -1,0 +1,183 @@
+! Heat conduction in a box, solved step by step, and drawn while it runs: by Catalyst, with voltet as its implementation.
+!
+!     gfortran -O2 heat.f90 -L$CATALYST/lib -lcatalyst -o heat
+!     ./heat FOLDER scene.toml          FOLDER holds libcatalyst-voltet.so
+!
+! Under MPI a program states its communicator, which in Fortran is the number that Catalyst takes:
+!     call set_integer(start, "catalyst/mpi_comm"//nul, int(MPI_COMM_WORLD, int64))
+module catalyst_functions
+  use, intrinsic :: iso_c_binding
+  implicit none
+
+  ! Of libcatalyst, whose Conduit has names of its own. Texts end with c_null_char.
+  interface
+    function create() bind(c, name="catalyst_conduit_node_create")
+      import c_ptr
+      type(c_ptr) :: create
+    end function
+    subroutine destroy(node) bind(c, name="catalyst_conduit_node_destroy")
+      import c_ptr
+      type(c_ptr), value :: node
+    end subroutine
+    function fetch(node, path) bind(c, name="catalyst_conduit_node_fetch")
+      import c_ptr, c_char
+      type(c_ptr), value :: node
+      character(kind=c_char), intent(in) :: path(*)
+      type(c_ptr) :: fetch
+    end function
+    subroutine set_text(node, path, text) bind(c, name="catalyst_conduit_node_set_path_char8_str")
+      import c_ptr, c_char
+      type(c_ptr), value :: node
+      character(kind=c_char), intent(in) :: path(*), text(*)
+    end subroutine
+    subroutine set_integer(node, path, number) bind(c, name="catalyst_conduit_node_set_path_int64")
+      import c_ptr, c_char, c_int64_t
+      type(c_ptr), value :: node
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int64_t), value :: number
+    end subroutine
+    subroutine set_number(node, path, number) bind(c, name="catalyst_conduit_node_set_path_float64")
+      import c_ptr, c_char, c_double
+      type(c_ptr), value :: node
+      character(kind=c_char), intent(in) :: path(*)
+      real(c_double), value :: number
+    end subroutine
+    subroutine lend_numbers(node, path, values, count) bind(c, name="catalyst_conduit_node_set_path_external_float64_ptr")
+      import c_ptr, c_char, c_int64_t
+      type(c_ptr), value :: node
+      character(kind=c_char), intent(in) :: path(*)
+      type(c_ptr), value :: values
+      integer(c_int64_t), value :: count
+    end subroutine
+    subroutine lend_integers(node, path, values, count) bind(c, name="catalyst_conduit_node_set_path_external_int32_ptr")
+      import c_ptr, c_char, c_int64_t
+      type(c_ptr), value :: node
+      character(kind=c_char), intent(in) :: path(*)
+      type(c_ptr), value :: values
+      integer(c_int64_t), value :: count
+    end subroutine
+    function initialize(node) bind(c, name="catalyst_initialize")
+      import c_ptr, c_int
+      type(c_ptr), value :: node
+      integer(c_int) :: initialize
+    end function
+    function execute(node) bind(c, name="catalyst_execute")
+      import c_ptr, c_int
+      type(c_ptr), value :: node
+      integer(c_int) :: execute
+    end function
+    function finalize(node) bind(c, name="catalyst_finalize")
+      import c_ptr, c_int
+      type(c_ptr), value :: node
+      integer(c_int) :: finalize
+    end function
+  end interface
+end module
+
+program heat
+  use, intrinsic :: iso_c_binding
+  use catalyst_functions
+  implicit none
+
+  integer, parameter :: side = 12, n = side + 1, steps = 20
+  real(c_double), parameter :: width = 1.0d0/side
+  character(kind=c_char), parameter :: nul = c_null_char
+  ! Points along the axes, one array each, and temperatures: the order in which Fortran holds them is that of VTK.
+  real(c_double), target :: x(n, n, n), y(n, n, n), z(n, n, n), temperature(n, n, n)
+  real(c_double) :: before(n, n, n)
+  ! Numbers of points begin at 0.
+  integer(c_int32_t), target :: cells(8, side, side, side)
+  type(c_ptr) :: node
+  character(len=4096) :: folder, scene
+  integer :: i, j, k, step
+
+  if (command_argument_count() < 2) error stop "usage: heat FOLDER scene.toml"
+  call get_command_argument(1, folder)
+  call get_command_argument(2, scene)
+
+  do k = 1, n
+    do j = 1, n
+      do i = 1, n
+        x(i, j, k) = (i - 1)*width
+        y(i, j, k) = (j - 1)*width
+        z(i, j, k) = (k - 1)*width
+      end do
+    end do
+  end do
+  temperature = exp(-20.0d0*((x - 0.3d0)**2 + (y - 0.4d0)**2 + (z - 0.5d0)**2))
+  do k = 1, side
+    do j = 1, side
+      do i = 1, side
+        cells(:, i, j, k) = int([point(i, j, k), point(i + 1, j, k), point(i + 1, j + 1, k), point(i, j + 1, k), &
+          point(i, j, k + 1), point(i + 1, j, k + 1), point(i + 1, j + 1, k + 1), point(i, j + 1, k + 1)], c_int32_t)
+      end do
+    end do
+  end do
+
+  node = create()
+  call set_text(node, "catalyst_load/implementation"//nul, "voltet"//nul)
+  call set_text(node, "catalyst_load/search_paths/voltet"//nul, trim(folder)//nul)
+  call set_text(node, "catalyst/scripts/picture"//nul, trim(scene)//nul)
+  call need(initialize(node), "catalyst_initialize")
+  call destroy(node)
+
+  do step = 0, steps, 10
+    call draw(step)
+    do i = 1, 10
+      call advance()
+    end do
+  end do
+
+  node = create()
+  call need(finalize(node), "catalyst_finalize")
+  call destroy(node)
+
+contains
+
+  pure integer function point(i, j, k)
+    integer, intent(in) :: i, j, k
+    point = (i - 1) + n*((j - 1) + n*(k - 1))
+  end function
+
+  ! One explicit step; the faces of the box keep their temperature.
+  subroutine advance()
+    before = temperature
+    temperature(2:side, 2:side, 2:side) = before(2:side, 2:side, 2:side) + 0.1d0*( &
+      before(3:n, 2:side, 2:side) + before(1:side - 1, 2:side, 2:side) + before(2:side, 3:n, 2:side) + &
+      before(2:side, 1:side - 1, 2:side) + before(2:side, 2:side, 3:n) + before(2:side, 2:side, 1:side - 1) - &
+      6.0d0*before(2:side, 2:side, 2:side))
+  end subroutine
+
+  ! Hands the mesh to Catalyst as Conduit's Mesh Blueprint describes it; arrays stay where they are.
+  subroutine draw(step)
+    integer, intent(in) :: step
+    type(c_ptr) :: now, mesh
+    integer(c_int64_t) :: count
+    count = size(x, kind=c_int64_t)
+    now = create()
+    call set_integer(now, "catalyst/state/timestep"//nul, int(step, c_int64_t))
+    call set_number(now, "catalyst/state/time"//nul, 0.1d0*step*width**2)
+    call set_text(now, "catalyst/channels/grid/type"//nul, "mesh"//nul)
+    mesh = fetch(now, "catalyst/channels/grid/data"//nul)
+    call set_text(mesh, "coordsets/coords/type"//nul, "explicit"//nul)
+    call lend_numbers(mesh, "coordsets/coords/values/x"//nul, c_loc(x), count)
+    call lend_numbers(mesh, "coordsets/coords/values/y"//nul, c_loc(y), count)
+    call lend_numbers(mesh, "coordsets/coords/values/z"//nul, c_loc(z), count)
+    call set_text(mesh, "topologies/mesh/type"//nul, "unstructured"//nul)
+    call set_text(mesh, "topologies/mesh/coordset"//nul, "coords"//nul)
+    call set_text(mesh, "topologies/mesh/elements/shape"//nul, "hex"//nul)
+    call lend_integers(mesh, "topologies/mesh/elements/connectivity"//nul, c_loc(cells), size(cells, kind=c_int64_t))
+    call set_text(mesh, "fields/T/association"//nul, "vertex"//nul)
+    call set_text(mesh, "fields/T/topology"//nul, "mesh"//nul)
+    call lend_numbers(mesh, "fields/T/values"//nul, c_loc(temperature), count)
+    call need(execute(now), "catalyst_execute")
+    call destroy(now)
+  end subroutine
+
+  ! Ends the program where a call of Catalyst failed; the implementation has said why.
+  subroutine need(status, what)
+    integer(c_int), intent(in) :: status
+    character(len=*), intent(in) :: what
+    if (status /= 0) error stop what//" failed"
+  end subroutine
+end program
