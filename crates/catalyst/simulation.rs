@@ -114,7 +114,7 @@ impl Simulation {
 
     /// Reads a step, its channels, and finds the pipelines that are due, with their channels. `count`: number of steps before.
     fn begin<'n>(&mut self, parameters: &Node<'n>, count: usize) -> Result<BegunStep<'_, 'n>> {
-        let step = Step::read(parameters, count)?;
+        let (step, ranks) = (Step::read(parameters, count)?, self.ranks.clone());
         let channels = parameters.require("catalyst/channels")?.children();
         let chosen = chosen_scripts(parameters)?;
         let is_due = |script: &&mut Script| {
@@ -123,7 +123,7 @@ impl Simulation {
         };
         let mut due: Vec<&mut Script> = self.scripts.iter_mut().filter(is_due).collect();
         for script in &mut due {
-            script.assign(&channels)?;
+            script.assign(&channels, &ranks)?;
         }
         Ok((step, channels, due))
     }
@@ -188,7 +188,7 @@ impl Script {
     }
 
     /// Finds the channel of each source: that of the same name, or of one source and one channel each the other's.
-    fn assign(&mut self, channels: &[Node]) -> Result<()> {
+    fn assign(&mut self, channels: &[Node], ranks: &Lockstep) -> Result<()> {
         if self.channels.is_some() {
             return Ok(());
         }
@@ -205,6 +205,11 @@ impl Script {
             let error =
                 Error::usage(format!("no channel has the name of a node of the pipeline '{}'", self.name));
             return Err(error.got(format!("channels {names}; nodes {nodes}")).expected("equal names"));
+        }
+        let fed: Vec<&str> = found.iter().flatten().map(String::as_str).collect();
+        if ranks.count() > 1 && fed.len() > 1 {
+            let what = format!("the pipeline '{}' takes several channels of several processes", self.name);
+            return Err(Error::usage(what).got(fed.join(", ")).expected("a pipeline for each channel"));
         }
         self.channels = Some(found);
         Ok(())

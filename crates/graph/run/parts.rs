@@ -41,7 +41,8 @@ impl Division {
             let node = &graph.nodes[place];
             let preparation = Preparation { parameters: &node.parameters, folder: &graph.folder };
             let sizes = match &node.given {
-                Some(given) if given.is_piece => vec![1; ranks.count()],
+                // Larger than any file, which each process reads whole beside it.
+                Some(given) if given.is_piece => vec![u64::MAX / ranks.count() as u64; ranks.count()],
                 _ => (node.node.piece_bytes)(&preparation).map_err(|error| node.locate(error))?,
             };
             if sizes.len() < 2 || (sizes.iter().sum::<u64>() <= memory && ranks.count() == 1) {

@@ -2,6 +2,7 @@
 
 use crate::drawn::temperature;
 use crate::library::{PIPELINE, assert_same, folder, picture, start, step};
+use crate::steps::two_grids;
 use crate::tree::Tree;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
@@ -57,13 +58,10 @@ fn on_ranks<T: Send>(count: usize, work: impl Fn(Arc<dyn Ranks>) -> T + Sync) ->
 /// Cells along the longest side of the box of the tests.
 const SIDE: usize = 8;
 
-/// The part of a box of cubes between two layers along x, as a domain of its own; nothing where they are one.
+/// The part of a box of cubes between two layers along x, as a domain of its own.
 fn slab(tree: Tree, [from, to]: [usize; 2]) -> Tree {
     let at = |i: usize| i as f64 / 4.0;
     let layers: Vec<f64> = (from..=to).map(at).collect();
-    if from == to {
-        return tree;
-    }
     let side: Vec<f64> = (0..=SIDE / 2).map(at).collect();
     let rows = side.iter().flat_map(|z| side.iter().map(move |y| [*y, *z]));
     let values: Vec<f64> = rows
@@ -89,10 +87,9 @@ fn domains(rank: usize, count: usize) -> Vec<[usize; 2]> {
 
 fn describe(tree: Tree, domains: &[[usize; 2]]) -> Tree {
     let data = "catalyst/channels/grid/data";
-    domains
-        .iter()
-        .filter(|own| own[0] < own[1])
-        .fold(tree, |tree, own| slab(tree.within(&format!("{data}/domain_{}", own[0])), *own))
+    domains.iter().filter(|own| own[0] < own[1]).fold(tree.within("").fetch(data), |tree, own| {
+        slab(tree.within(&format!("{data}/domain_{}", own[0])), *own)
+    })
 }
 
 #[test]
@@ -171,4 +168,16 @@ fn a_mesh_without_cells_on_any_process_is_refused() {
         nothing.execute(&mut simulation).unwrap_err().to_string()
     });
     assert!(errors.iter().all(|error| error.contains("no process has a domain of the mesh")), "{errors:?}");
+}
+
+#[test]
+fn a_pipeline_of_several_processes_takes_one_channel() {
+    let folder = folder(&two_grids());
+    let errors = on_ranks(2, |ranks| {
+        let own = domains(ranks.rank(), 2);
+        let mut simulation = start(folder.path()).simulation(ranks).unwrap();
+        let both = step(0, |tree| describe(tree, &own)).text("catalyst/channels/rest/type", "mesh");
+        both.execute(&mut simulation).unwrap_err().to_string()
+    });
+    assert!(errors.iter().all(|error| error.contains("several channels of several processes")), "{errors:?}");
 }

@@ -36,15 +36,19 @@ fn pictures_are_named_by_step_and_time() {
     assert_eq!(picture(&folder.path().join("plain_0004.exr")).width, 8);
 }
 
-#[test]
-fn channels_feed_the_nodes_of_their_names() {
+/// A pipeline that draws two grids, those of the nodes `grid` and `rest`.
+pub fn two_grids() -> String {
     let further = PIPELINE.split_once("[nodes.look]").unwrap().0.split_once("[nodes.grid]").unwrap().1;
     let further = further.replace("[nodes.gradient]", "[nodes.slope]").replace("\"grid\"", "\"rest\"");
     let other = "[nodes.other]\ntype = \"renderer\"\nengine = \"cpu\"\n\
                  inputs = { volume = \"slope\", transfer_function = \"look\", camera = \"view\" }\n\n\
                  [nodes.other_file]\ntype = \"image-writer\"\npath = \"other_{step}.exr\"\ninputs = { image = \"other\" }\n";
-    let two = format!("{PIPELINE}\n[nodes.rest]{further}{other}");
-    let folder = folder(&two);
+    format!("{PIPELINE}\n[nodes.rest]{further}{other}")
+}
+
+#[test]
+fn channels_feed_the_nodes_of_their_names() {
+    let folder = folder(&two_grids());
     let mut simulation = start(folder.path()).simulation(Arc::new(OneRank)).unwrap();
     let unnamed = Tree::new().text("catalyst/channels/mesh/type", "mesh");
     let error = unnamed.execute(&mut simulation).unwrap_err().to_string();
@@ -62,7 +66,7 @@ fn resident() -> usize {
 
 #[test]
 fn memory_stays_level_over_steps() {
-    // A picture that is not written costs the steps alone.
+    // A small picture, so that the steps cost little.
     let folder = folder(&PIPELINE.replace("size = [48, 40]", "size = [4, 4]"));
     let mut simulation = start(folder.path()).simulation(Arc::new(OneRank)).unwrap();
     // 40,000 points, so that a grid that is kept would take a megabyte a step.
