@@ -31,7 +31,12 @@ fn load() -> Option<PathBuf> {
             let folder = tempfile::tempdir().unwrap().keep();
             let source = compilers::source("crates/catalyst/tests/c/stand_in.c");
             let header = source.parent().unwrap().to_str().unwrap();
-            compilers::library(&folder, "libcatalyst.so", &[source.clone()], &["-I", header, "-ldl"])?
+            compilers::library(
+                &folder,
+                "libcatalyst.so",
+                std::slice::from_ref(&source),
+                &["-I", header, "-ldl"],
+            )?
         }
     };
     // SAFETY: a library of C whose loading does nothing.
