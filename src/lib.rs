@@ -53,6 +53,8 @@
 mod cli;
 mod document;
 mod facade;
+#[cfg(feature = "mpi")]
+pub mod mpi_ranks;
 pub mod series;
 
 #[cfg(feature = "cli")]

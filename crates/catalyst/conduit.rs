@@ -5,8 +5,11 @@ use libloading::os::unix::{Library, RTLD_LAZY};
 use rayon::prelude::*;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::marker::PhantomData;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 use voltet_core::{Error, Result, counted};
+
+/// Proof that the simulation's memory is borrowed, which the borrowed arrays hold.
+pub type Loan = Arc<dyn Send + Sync>;
 
 /// `conduit_node` and `conduit_datatype`, of which only addresses are known here.
 type Opaque = c_void;
@@ -512,5 +515,17 @@ impl Numbers<'_> {
             tuple.iter_mut().zip(components).for_each(|(value, own)| *value = own.number(place));
         });
         tuples
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_process_without_conduit_is_told_so() {
+        // SAFETY: a null pointer.
+        let error = unsafe { Node::root(std::ptr::null()) }.unwrap_err().to_string();
+        assert!(error.contains("no functions of Conduit") && error.contains("libcatalyst"), "{error}");
     }
 }

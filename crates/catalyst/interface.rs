@@ -5,13 +5,15 @@
 #![allow(clippy::missing_safety_doc)]
 
 use crate::conduit::Node;
+use crate::lockstep;
 use crate::simulation::Simulation;
 use std::any::Any;
 use std::ffi::{c_int, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::error::ErrorKind;
 use voltet_core::{Error, Result};
+use voltet_graph::ranks::{OneRank, Ranks};
 
 /// `catalyst_status_ok`.
 pub const DONE: c_int = 0;
@@ -55,13 +57,17 @@ fn guarded(name: &str, work: impl FnOnce(&mut Option<Simulation>) -> Result<()>)
     let outcome = catch_unwind(AssertUnwindSafe(|| work(&mut simulation)));
     let (status, text) = match outcome {
         Ok(Ok(())) => return DONE,
+        // Its own process shows it.
+        Ok(Err(error)) if lockstep::is_of_other(&error) => return FAILED,
         Ok(Err(error)) => (if error.kind == ErrorKind::Usage { WRONG } else { FAILED }, error.to_string()),
         Err(panic) => {
             drop_after_panic(&mut simulation);
             (PANIC, voltet::panic_message(&*panic as &(dyn Any + Send)))
         }
     };
-    eprintln!("voltet: {name}: {text}");
+    let ranks = simulation.as_ref().map(Simulation::ranks).filter(|ranks| ranks.count() > 1);
+    let place = ranks.map(|ranks| format!("rank {} of {}: ", ranks.rank(), ranks.count()));
+    eprintln!("voltet: {}{name}: {text}", place.unwrap_or_default());
     status
 }
 
@@ -81,9 +87,36 @@ pub unsafe extern "C" fn catalyst_initialize_voltet(parameters: *const c_void) -
         }
         // SAFETY: Catalyst's promise.
         let parameters = unsafe { Node::root(parameters) }?;
-        *simulation = Some(Simulation::initialize(&parameters)?);
+        *simulation = Some(Simulation::initialize(&parameters, processes(&parameters)?)?);
         Ok(())
     })
+}
+
+/// The processes of the communicator `catalyst/mpi_comm`, by its number in Fortran; without one those of MPI's world.
+#[cfg(feature = "mpi")]
+fn processes(parameters: &Node) -> Result<Arc<dyn Ranks>> {
+    let number = parameters.get("catalyst/mpi_comm").map(|node| node.number()).transpose()?;
+    let ranks = voltet::mpi_ranks::MpiRanks::of_program(number.map(|number| number as i32))?;
+    Ok(ranks.map_or(Arc::new(OneRank) as Arc<dyn Ranks>, |ranks| Arc::new(ranks)))
+}
+
+/// Variables by which launchers of MPI tell a process how many there are.
+#[cfg(not(feature = "mpi"))]
+const COUNTS: [&str; 2] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE"];
+
+/// The only process: each of several would write the same files.
+#[cfg(not(feature = "mpi"))]
+fn processes(_parameters: &Node) -> Result<Arc<dyn Ranks>> {
+    let count = COUNTS.iter().find_map(|name| std::env::var(name).ok()?.parse::<usize>().ok());
+    match count {
+        Some(count @ 2..) => {
+            let error =
+                Error::usage("the library was built without MPI, and the simulation has several processes");
+            let accepted = "one built by: scripts/install-catalyst.sh FOLDER --features mpi";
+            Err(error.got(count).expected(accepted))
+        }
+        _ => Ok(Arc::new(OneRank)),
+    }
 }
 
 /// `catalyst_execute`.

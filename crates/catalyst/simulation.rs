@@ -1,23 +1,27 @@
 //! The pipelines of a simulation, and its steps: in each the meshes of the channels take the place of the files that the pipelines read.
 
-use crate::conduit::Node;
-use crate::mesh::{self, FieldSelection, Loan};
+use crate::conduit::{Loan, Node};
+use crate::lockstep::Lockstep;
+use crate::mesh::{self, FieldSelection};
+use crate::piece;
 use std::collections::{BTreeMap, BTreeSet};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use voltet::series::file_names;
 use voltet::series::names::{MarkValues, Varying};
 use voltet::{Pipeline, RunStatus, build_grid, run_in_background, unnamed_scalar};
 use voltet_core::grid::{CellValues, Grid, Options};
 use voltet_core::{Error, Result};
-use voltet_graph::{Demand, Graph, GraphNode, PortType};
+use voltet_graph::ranks::Ranks;
+use voltet_graph::{Demand, GRADIENT_LAYERS, Graph, GraphNode, MEAN_LAYERS, PortType};
 
 /// Pipelines that a simulation named, and what was seen of its steps.
 pub struct Simulation {
     scripts: Vec<Script>,
     /// Number of steps so far.
     step_count: usize,
-    /// Warnings that were said.
-    warnings: BTreeSet<String>,
+    /// The processes of the simulation.
+    ranks: Arc<Lockstep>,
 }
 
 /// A pipeline.
@@ -29,6 +33,10 @@ struct Script {
     sources: Vec<GridSource>,
     /// Steps whose number is no multiple of it are left out.
     interval: usize,
+    /// Rings of cells around a piece of a grid that nodes may look at.
+    layers: usize,
+    /// Warnings that were printed.
+    warnings: BTreeSet<String>,
     /// Channel of each source that has one, in the order of the sources; `None` before the first step.
     channels: Option<Vec<Option<String>>>,
 }
@@ -49,17 +57,29 @@ struct Step {
 }
 
 impl Simulation {
-    /// Loads the pipelines below `catalyst/scripts`.
+    /// Loads the pipelines below `catalyst/scripts`. `ranks`: the processes of the simulation, all of which call it together.
     ///
     /// # Errors
     /// - no pipeline, or one that is wrong.
-    pub fn initialize(parameters: &Node) -> Result<Simulation> {
-        let node = parameters.require("catalyst/scripts")?;
-        let scripts = node.children().iter().map(Script::load).collect::<Result<Vec<_>>>()?;
-        if scripts.is_empty() {
-            return Err(node.wrong("names no pipeline", "nothing", "catalyst/scripts/NAME = \"scene.toml\""));
-        }
-        Ok(Simulation { scripts, step_count: 0, warnings: BTreeSet::new() })
+    pub fn initialize(parameters: &Node, ranks: Arc<dyn Ranks>) -> Result<Simulation> {
+        let ranks = Arc::new(Lockstep::new(ranks));
+        let load = || {
+            let node = parameters.require("catalyst/scripts")?;
+            let scripts = node.children().into_iter().map(|script| Script::load(&script, &ranks));
+            let scripts = scripts.collect::<Result<Vec<_>>>()?;
+            if scripts.is_empty() {
+                let accepted = "catalyst/scripts/NAME = \"scene.toml\"";
+                return Err(node.wrong("names no pipeline", "nothing", accepted));
+            }
+            Ok(scripts)
+        };
+        let scripts = ranks.agree(load())?;
+        Ok(Simulation { scripts, step_count: 0, ranks })
+    }
+
+    /// The processes of the simulation.
+    pub fn ranks(&self) -> &Lockstep {
+        &self.ranks
     }
 
     /// Draws the pictures of a step.
@@ -68,28 +88,16 @@ impl Simulation {
     /// - a mesh or field that is wrong, with its channel and path;
     /// - those of the pipelines. All are run; the first error is given, others are printed.
     pub fn execute(&mut self, parameters: &Node) -> Result<()> {
-        let step = Step::read(parameters, self.step_count)?;
+        let count = self.step_count;
         self.step_count += 1;
-        let channels = parameters.require("catalyst/channels")?.children();
-        let chosen = chosen_scripts(parameters)?;
-        let is_due = |script: &&mut Script| {
-            step.number.is_multiple_of(script.interval)
-                && chosen.as_ref().is_none_or(|names| names.contains(&script.name))
-        };
-        let mut due: Vec<&mut Script> = self.scripts.iter_mut().filter(is_due).collect();
-        for script in &mut due {
-            script.assign(&channels)?;
-        }
+        let ranks = self.ranks.clone();
+        let (step, channels, due) = ranks.agree(self.begin(parameters, count))?;
         let loan: Loan = Arc::new(());
-        let mut grids = Grids::build(&due, &channels, &loan)?;
+        let mut grids = Grids::build(&due, &channels, &loan, &ranks)?;
         let mut failure = None;
         for script in due {
-            let outcome = script.draw(&step, &grids);
-            for warning in script.pipeline.warnings().unwrap_or_default() {
-                if self.warnings.insert(format!("{}: {warning}", script.name)) {
-                    eprintln!("voltet: {}: {warning}", script.name);
-                }
-            }
+            let outcome = ranks.agree(script.draw(&step, &grids));
+            script.warn(ranks.rank() == 0);
             match (outcome, &failure) {
                 (Ok(()), _) => {}
                 (Err(error), None) => failure = Some(error),
@@ -103,7 +111,26 @@ impl Simulation {
         }
         failure.map_or(Ok(()), Err)
     }
+
+    /// Reads a step, its channels, and finds the pipelines that are due, with their channels. `count`: number of steps before.
+    fn begin<'n>(&mut self, parameters: &Node<'n>, count: usize) -> Result<BegunStep<'_, 'n>> {
+        let (step, ranks) = (Step::read(parameters, count)?, self.ranks.clone());
+        let channels = parameters.require("catalyst/channels")?.children();
+        let chosen = chosen_scripts(parameters)?;
+        let is_due = |script: &&mut Script| {
+            step.number.is_multiple_of(script.interval)
+                && chosen.as_ref().is_none_or(|names| names.contains(&script.name))
+        };
+        let mut due: Vec<&mut Script> = self.scripts.iter_mut().filter(is_due).collect();
+        for script in &mut due {
+            script.assign(&channels, &ranks)?;
+        }
+        Ok((step, channels, due))
+    }
 }
+
+/// A step, its channels, and the pipelines that are due.
+type BegunStep<'s, 'n> = (Step, Vec<Node<'n>>, Vec<&'s mut Script>);
 
 /// Names of the scripts that a step is for; `None`: all.
 fn chosen_scripts(parameters: &Node) -> Result<Option<Vec<String>>> {
@@ -126,12 +153,12 @@ impl Step {
 
 impl Script {
     /// Loads a pipeline: a file's path, or `filename` with `args`.
-    fn load(node: &Node) -> Result<Script> {
+    fn load(node: &Node, ranks: &Arc<Lockstep>) -> Result<Script> {
         let (path, arguments) = match node.get("filename") {
             Some(path) => (path.text()?, node.get("args").map(|list| list.children()).unwrap_or_default()),
             None => (node.text()?, Vec::new()),
         };
-        let mut pipeline = Pipeline::open(&path)?;
+        let mut pipeline = Pipeline::open(&path)?.with_ranks(ranks.clone());
         let mut interval = 1;
         for argument in arguments {
             let text = argument.text()?;
@@ -154,11 +181,14 @@ impl Script {
             let error = Error::usage("the pipeline reads no grid").in_file(&path);
             return Err(error.expected("a node of type \"reader\", in whose place the mesh of a channel is"));
         }
-        Ok(Script { name: node.name().into(), graph, pipeline, sources, interval, channels: None })
+        let filters = graph.nodes.iter().filter(|node| node.method.is_some()).count();
+        let layers = MEAN_LAYERS + filters * GRADIENT_LAYERS;
+        let (name, warnings, channels) = (node.name().into(), BTreeSet::new(), None);
+        Ok(Script { name, graph, pipeline, sources, interval, layers, warnings, channels })
     }
 
     /// Finds the channel of each source: that of the same name, or of one source and one channel each the other's.
-    fn assign(&mut self, channels: &[Node]) -> Result<()> {
+    fn assign(&mut self, channels: &[Node], ranks: &Lockstep) -> Result<()> {
         if self.channels.is_some() {
             return Ok(());
         }
@@ -176,6 +206,11 @@ impl Script {
                 Error::usage(format!("no channel has the name of a node of the pipeline '{}'", self.name));
             return Err(error.got(format!("channels {names}; nodes {nodes}")).expected("equal names"));
         }
+        let fed: Vec<&str> = found.iter().flatten().map(String::as_str).collect();
+        if ranks.count() > 1 && fed.len() > 1 {
+            let what = format!("the pipeline '{}' takes several channels of several processes", self.name);
+            return Err(Error::usage(what).got(fed.join(", ")).expected("a pipeline for each channel"));
+        }
         self.channels = Some(found);
         Ok(())
     }
@@ -187,20 +222,33 @@ impl Script {
         both.filter_map(|(source, channel)| Some((source, channel.as_deref()?)))
     }
 
+    /// Prints warnings of the last step that are new.
+    fn warn(&mut self, is_shown: bool) {
+        for warning in self.pipeline.warnings().unwrap_or_default() {
+            if is_shown && self.warnings.insert(warning.clone()) {
+                eprintln!("voltet: {}: {warning}", self.name);
+            }
+        }
+    }
+
     /// Draws the pictures of a step, and lets go of the grids.
     fn draw(&mut self, step: &Step, grids: &Grids) -> Result<()> {
         let marks =
             MarkValues { frame: step.number, step: step.number, time: step.time, ..MarkValues::default() };
-        let given: Vec<(String, Arc<Grid>)> = self
+        let given: Vec<(String, GivenGrid)> = self
             .fed()
             .map(|(source, channel)| Ok((source.node.clone(), grids.get(source, channel)?.clone())))
             .collect::<Result<_>>()?;
         let changes = file_names(&self.graph, &marks, &[Varying::Step])?;
         self.pipeline.apply(&changes)?;
         let pipeline = &mut self.pipeline;
-        let outcome =
-            given.iter().try_for_each(|(node, grid)| pipeline.set_grid(Some(node), Some(grid)).map(drop));
-        let outcome = outcome.and_then(|()| {
+        let outcome = caught(|| {
+            for (node, grid) in &given {
+                match grid {
+                    GivenGrid::Whole(grid) => pipeline.set_grid(Some(node), Some(grid)).map(drop)?,
+                    GivenGrid::Piece(piece) => pipeline.set_piece(node, piece.clone())?,
+                }
+            }
             let stops: Option<fn(&RunStatus) -> bool> = None;
             run_in_background(|observer| pipeline.run(observer).map(drop), stops, &mut std::iter::empty())
         });
@@ -237,42 +285,61 @@ impl GridSource {
     }
 }
 
+/// Grid of a channel on this process.
+#[derive(Clone)]
+enum GivenGrid {
+    Whole(Arc<Grid>),
+    /// A piece of one that several processes hold; `None`: this one holds nothing of it.
+    Piece(Option<Arc<Grid>>),
+}
+
 /// Grids of a step, by their channels; those with values constant in cells by themselves.
-struct Grids(BTreeMap<(String, bool), Arc<Grid>>);
+struct Grids(BTreeMap<(String, bool), GivenGrid>);
 
 impl Grids {
-    /// Builds each grid once, with the fields that all pipelines use.
-    fn build(scripts: &[&mut Script], channels: &[Node], loan: &Loan) -> Result<Grids> {
+    /// Builds each grid once, with the fields that all pipelines use. All processes call it together.
+    fn build(scripts: &[&mut Script], channels: &[Node], loan: &Loan, ranks: &Lockstep) -> Result<Grids> {
         let mut selections: BTreeMap<(String, bool), FieldSelection> = BTreeMap::new();
         for (source, channel) in scripts.iter().flat_map(|script| script.fed()) {
             selections.entry(key(source, channel)).or_default().join(&source.selection);
         }
+        let layers = scripts.iter().map(|script| script.layers).max().unwrap_or(0);
         let mut grids = Grids(BTreeMap::new());
         for ((name, is_constant), selection) in selections {
-            let Some(channel) = channels.iter().find(|channel| channel.name() == name) else {
-                let names: Vec<&str> = channels.iter().map(Node::name).collect();
-                let error = Error::usage(format!("catalyst/channels/{name} is missing in this step"));
-                return Err(error.got(names.join(", ")).expected("the channels of the steps before"));
-            };
             let cell_values = if is_constant { CellValues::Constant } else { CellValues::Average };
             let options = Options { cell_values, ..Options::default() };
-            let pieces = mesh::pieces(channel, &selection, loan)?;
-            if pieces.is_empty() {
-                return Err(channel.require("data")?.wrong("holds no domain", "nothing", "a mesh"));
-            }
-            let located = |error: Error| error.at_item(channel.path());
-            let grid = build_grid(pieces, None, &options).map_err(located)?;
-            grids.0.insert((name, is_constant), Arc::new(grid));
+            let find = || {
+                let channel = channels.iter().find(|channel| channel.name() == name).ok_or_else(|| {
+                    let names: Vec<&str> = channels.iter().map(Node::name).collect();
+                    let error = Error::usage(format!("catalyst/channels/{name} is missing in this step"));
+                    error.got(names.join(", ")).expected("the channels of the steps before")
+                })?;
+                Ok((channel, mesh::pieces(channel, &selection, loan)?))
+            };
+            let (channel, pieces) = ranks.agree(caught(find))?;
+            let build = || match ranks.count() {
+                1 if pieces.is_empty() => {
+                    Err(channel.require("data")?.wrong("holds no domain", "nothing", "a mesh"))
+                }
+                1 => Ok(GivenGrid::Whole(Arc::new(build_grid(pieces, None, &options)?))),
+                _ => Ok(GivenGrid::Piece(piece::build(pieces, layers, &options, ranks)?.map(Arc::new))),
+            };
+            let grid = ranks.agree(caught(build)).map_err(|error| error.at_item(channel.path()))?;
+            grids.0.insert((name, is_constant), grid);
         }
         Ok(grids)
     }
 
-    fn get(&self, source: &GridSource, channel: &str) -> Result<&Arc<Grid>> {
+    fn get(&self, source: &GridSource, channel: &str) -> Result<&GivenGrid> {
         let found = self.0.get(&key(source, channel));
-        let grid = found.ok_or_else(|| Error::run(format!("the channel '{channel}' has no grid")))?;
-        match source.has_unnamed_scalar && grid.scalar.is_none() {
-            true => Err(unnamed_scalar(grid).at_node(&source.node)),
-            false => Ok(grid),
+        let given = found.ok_or_else(|| Error::run(format!("the channel '{channel}' has no grid")))?;
+        match given {
+            GivenGrid::Whole(grid) | GivenGrid::Piece(Some(grid))
+                if source.has_unnamed_scalar && grid.scalar.is_none() =>
+            {
+                Err(unnamed_scalar(grid).at_node(&source.node))
+            }
+            _ => Ok(given),
         }
     }
 
@@ -280,6 +347,12 @@ impl Grids {
     fn clear(&mut self) {
         self.0.clear();
     }
+}
+
+/// Outcome of work, of which a panic is an error: other processes wait for it.
+fn caught<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
+    let outcome = catch_unwind(AssertUnwindSafe(work));
+    outcome.unwrap_or_else(|panic| Err(Error::run(voltet::panic_message(panic.as_ref()))))
 }
 
 fn key(source: &GridSource, channel: &str) -> (String, bool) {

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use voltet_core::grid::{Array, Grid};
 use voltet_core::{Error, Result, counted};
 use voltet_graph::{
-    Node, NodeEntry, NodeOverride, Outputs, ParameterValue, Port, PortType, Registry, RunContext, Value,
-    suggest,
+    Node, NodeEntry, NodeOverride, Outputs, ParameterValue, PartWork, Port, PortType, Registry, RunContext,
+    Value, suggest,
 };
 use voltet_io::formats::{Component, length};
 
@@ -20,6 +20,7 @@ pub static NODE: Node = Node {
     parameters: &[SCALAR],
     // A source has no inputs to ask.
     demand: &|_| Ok(()),
+    part_work: PartWork::Each,
     run: &|_| Err(Error::usage("the program has given no grid to this node").expected("a grid to draw")),
     ..Node::BLANK
 };
@@ -28,6 +29,12 @@ pub static NODE: Node = Node {
 /// array of that name.
 pub fn grid(grid: Arc<Grid>) -> NodeOverride {
     NodeOverride::new(move |call| run(call, &grid))
+}
+
+/// The piece of one process of a grid that several hold together; `None`: it holds nothing of it.
+pub fn piece(grid: Option<Arc<Grid>>) -> NodeOverride {
+    let work = move |call: &mut RunContext| grid.as_ref().map_or(Ok(Vec::new()), |grid| run(call, grid));
+    NodeOverride::new(work).in_pieces()
 }
 
 /// Makes of an entry that reads or makes a grid one that is given it; what it says of the scalar stays.

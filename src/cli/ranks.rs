@@ -4,6 +4,8 @@
 use crate::cli::present::{hold_back, say};
 use crate::core::{Error, Result};
 use crate::graph::ranks::{OneRank, Ranks};
+#[cfg(feature = "mpi")]
+use crate::mpi_ranks::{self, MpiRanks};
 use std::cell::Cell;
 use std::sync::Arc;
 
@@ -56,7 +58,7 @@ impl Launch {
     fn of_several(count: usize) -> Result<Launch> {
         let (universe, _) = mpi::initialize_with_threading(mpi::Threading::Funneled)
             .ok_or_else(|| Error::run("MPI does not start: it was started before"))?;
-        let ranks = by_mpi::MpiRanks::new();
+        let ranks = MpiRanks::world();
         if ranks.count() != count {
             let error =
                 Error::run("the launcher is of another MPI than the one that the program was built with");
@@ -82,7 +84,7 @@ impl Launch {
     pub fn end_all(&self, _exit_code: u8) {
         #[cfg(feature = "mpi")]
         if self.ranks.count() > 1 {
-            by_mpi::abort(_exit_code);
+            mpi_ranks::abort(_exit_code);
         }
     }
 }
@@ -94,82 +96,4 @@ fn host() -> String {
         return format!(", on {name},");
     }
     String::new()
-}
-
-#[cfg(feature = "mpi")]
-mod by_mpi {
-    use super::{Ranks, Result};
-    use mpi::collective::SystemOperation;
-    use mpi::datatype::{Partition, PartitionMut};
-    use mpi::topology::SimpleCommunicator;
-    use mpi::traits::*;
-
-    /// The processes of MPI's world. Functions are called on the thread that started MPI.
-    #[derive(Debug)]
-    pub struct MpiRanks {
-        rank: usize,
-        count: usize,
-    }
-
-    impl MpiRanks {
-        pub fn new() -> MpiRanks {
-            let world = SimpleCommunicator::world();
-            MpiRanks { rank: world.rank() as usize, count: world.size() as usize }
-        }
-    }
-
-    /// Ends all processes.
-    pub fn abort(exit_code: u8) -> ! {
-        SimpleCommunicator::world().abort(exit_code.into())
-    }
-
-    impl Ranks for MpiRanks {
-        fn rank(&self) -> usize {
-            self.rank
-        }
-
-        fn count(&self) -> usize {
-            self.count
-        }
-
-        fn exchange(&self, to_each: Vec<Vec<u8>>) -> Result<Vec<Vec<u8>>> {
-            let world = SimpleCommunicator::world();
-            let lengths: Vec<u64> = to_each.iter().map(|bytes| bytes.len() as u64).collect();
-            let mut incoming = vec![0_u64; self.count];
-            world.all_to_all_into(&lengths[..], &mut incoming[..]);
-            let longest = lengths.iter().chain(&incoming).copied().max().unwrap_or(0);
-            let mut longest_of_all = 0_u64;
-            world.all_reduce_into(&longest, &mut longest_of_all, SystemOperation::max());
-            let mut received: Vec<Vec<u8>> =
-                incoming.iter().map(|&length| Vec::with_capacity(length as usize)).collect();
-            // MPI counts by 31 bits.
-            let most = (i32::MAX as usize / self.count).max(1);
-            let mut from = 0;
-            while (from as u64) < longest_of_all {
-                let share = |length: usize| length.saturating_sub(from).min(most);
-                let parts = to_each.iter().map(|bytes| &bytes[from.min(bytes.len())..][..share(bytes.len())]);
-                // The address of no bytes is 1 in Rust, and in MPI the sign of a transfer in place.
-                let mut out: Vec<u8> = parts.flatten().copied().collect();
-                out.push(0);
-                let counts: Vec<i32> = to_each.iter().map(|bytes| share(bytes.len()) as i32).collect();
-                let own: Vec<i32> = incoming.iter().map(|&length| share(length as usize) as i32).collect();
-                let mut buffer = vec![0_u8; own.iter().map(|&count| count as usize).sum::<usize>() + 1];
-                let (sent, taken) = (starts(&counts), starts(&own));
-                world.all_to_all_varcount_into(
-                    &Partition::new(&out[..], &counts[..], &sent[..]),
-                    &mut PartitionMut::new(&mut buffer[..], &own[..], &taken[..]),
-                );
-                for ((bytes, &start), &count) in received.iter_mut().zip(&taken).zip(&own) {
-                    bytes.extend_from_slice(&buffer[start as usize..][..count as usize]);
-                }
-                from += most;
-            }
-            Ok(received)
-        }
-    }
-
-    /// The sum of the counts before each.
-    fn starts(counts: &[i32]) -> Vec<i32> {
-        counts.iter().scan(0, |sum, count| Some(std::mem::replace(sum, *sum + count))).collect()
-    }
 }

@@ -15,6 +15,7 @@ use voltet_core::progress::NoProgress;
 use voltet_core::{Error, Result};
 use voltet_document::links;
 use voltet_graph::pipeline::{Pipeline as Nodes, locate, parameters};
+use voltet_graph::ranks::{OneRank, Ranks};
 use voltet_graph::{
     Demand, Graph, LocatedValue, NoObserver, Node, NodeEntry, NodeOverride, Observer, ParameterValue, Port,
     PortType, Registry, ResolvedPipeline, RunReport, Session, SourceSpan, Value, unknown_node,
@@ -29,6 +30,7 @@ pub struct Pipeline {
     pub source: PipelineText,
     registry: Registry,
     session: Session,
+    ranks: Arc<dyn Ranks>,
     /// In-memory grids by the name of the node that they replace.
     grids: BTreeMap<String, NodeOverride>,
     last: Option<RunReport>,
@@ -91,10 +93,16 @@ impl Pipeline {
     /// - a registry that has nodes of the facade's own.
     pub fn new(registry: Registry) -> Result<Pipeline> {
         let (source, session) = (PipelineText::default(), voltet_nodes::session());
-        let (none, grids) = (Registry::new(), BTreeMap::new());
-        let mut pipeline = Pipeline { source, registry: none, session, grids, last: None };
+        let (none, grids, ranks) = (Registry::new(), BTreeMap::new(), Arc::new(OneRank));
+        let mut pipeline = Pipeline { source, registry: none, session, ranks, grids, last: None };
         pipeline.set_registry(registry)?;
         Ok(pipeline)
+    }
+
+    /// Makes it the pipeline of one of several processes that run it together: all of them call the same functions in the same order,
+    /// and the first one alone writes files.
+    pub fn with_ranks(self, ranks: Arc<dyn Ranks>) -> Pipeline {
+        Pipeline { session: voltet_nodes::session().with_ranks(ranks.clone()), ranks, ..self }
     }
 
     /// Opens a pipeline file, or a picture that carries its pipeline.
@@ -289,7 +297,7 @@ impl Pipeline {
 
     /// Drops kept values and open devices, as after a panic.
     pub fn reset(&mut self) {
-        (self.session, self.last) = (voltet_nodes::session(), None);
+        (self.session, self.last) = (voltet_nodes::session().with_ranks(self.ranks.clone()), None);
     }
 
     /// Replaces the output of a node by a grid that is built, or ends that. `node` is `None`: the only one with a grid. Returns the
@@ -298,12 +306,25 @@ impl Pipeline {
     /// # Errors
     /// - no such node.
     pub fn set_grid(&mut self, node: Option<&str>, grid: Option<&Arc<BuiltGrid>>) -> Result<String> {
+        self.override_grid(node, grid.map(|grid| in_memory_grid::grid(grid.clone())))
+    }
+
+    /// Like [`Pipeline::set_grid`], by this process's piece of a grid that all processes hold together; `None`: it holds nothing of it.
+    /// Around its cells it has ghosts, such of other pieces.
+    ///
+    /// # Errors
+    /// - no such node.
+    pub fn set_piece(&mut self, node: &str, piece: Option<Arc<BuiltGrid>>) -> Result<()> {
+        self.override_grid(Some(node), Some(in_memory_grid::piece(piece))).map(drop)
+    }
+
+    fn override_grid(&mut self, node: Option<&str>, work: Option<NodeOverride>) -> Result<String> {
         let name = self.only(node, PortType::Grid, "grid")?;
         for entry in self.source.nodes.nodes.iter().filter(|entry| entry.name == name) {
             in_memory_grid::stand_in(&mut entry.clone(), &self.registry)?;
         }
-        match grid {
-            Some(grid) => self.grids.insert(name.clone(), in_memory_grid::grid(grid.clone())),
+        match work {
+            Some(work) => self.grids.insert(name.clone(), work),
             None => self.grids.remove(&name),
         };
         // The owner of the former one's arrays gets them back.

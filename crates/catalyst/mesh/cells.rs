@@ -1,8 +1,7 @@
 //! Topologies to cells. Tetrahedra in whole numbers of 32 bits are borrowed; others are copied, and so are implicit ones made.
 
-use super::Loan;
 use super::coordinates::Coordinates;
-use crate::conduit::{Node, NumberKind, Numbers};
+use crate::conduit::{Loan, Node, NumberKind, Numbers};
 use glam::DVec3;
 use voltet_core::grid::{CellSet, Cells, Polyhedron, code};
 use voltet_core::{Error, Result, SharedSlice, counted};

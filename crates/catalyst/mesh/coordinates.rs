@@ -1,7 +1,6 @@
 //! Coordinate sets to points. Coordinates that lie x, y, z, x, y, z, … in 64 bits are borrowed; others are copied.
 
-use super::Loan;
-use crate::conduit::{Node, Numbers};
+use crate::conduit::{Loan, Node, Numbers};
 use glam::DVec3;
 use voltet_core::{Result, SharedSlice};
 

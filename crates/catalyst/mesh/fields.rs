@@ -1,8 +1,7 @@
 //! Fields to arrays of points and cells. Values of 64 bits side by side are borrowed, scalars and interleaved vectors alike; others are
 //! copied.
 
-use super::Loan;
-use crate::conduit::{Node, Numbers};
+use crate::conduit::{Loan, Node, Numbers};
 use std::collections::BTreeSet;
 use voltet_core::grid::{Array, RawGrid};
 use voltet_core::{Error, Result, SharedSlice, counted};
@@ -136,7 +135,7 @@ fn attribute(domain: &Node, field: &str) -> Result<Option<String>> {
     metadata(domain, field, "attribute_type").map(|node| node.text()).transpose()
 }
 
-/// What the domain states of a field for VTK, at the place of ParaView 5.13 or at that before.
+/// Note of the domain on a field for VTK, at the place of ParaView 5.13 or at that before.
 fn metadata<'a>(domain: &Node<'a>, field: &str, key: &str) -> Option<Node<'a>> {
     ["metadata", "state/metadata"]
         .into_iter()

@@ -7,14 +7,10 @@ mod fields;
 
 pub use fields::FieldSelection;
 
-use crate::conduit::Node;
+use crate::conduit::{Loan, Node};
 use cells::{Topology, topology};
-use std::sync::Arc;
 use voltet_core::grid::RawGrid;
 use voltet_core::{Error, Result};
-
-/// Proof that the simulation's memory is borrowed, which the borrowed arrays hold.
-pub type Loan = Arc<dyn Send + Sync>;
 
 /// Pieces of the mesh of a channel, with the selected fields: none where the channel holds no domain. The parts of a `multimesh` become
 /// blocks, of which those without the fields are left out.
@@ -54,7 +50,7 @@ pub fn pieces(channel: &Node, selection: &FieldSelection, loan: &Loan) -> Result
 
 /// The domains of a mesh: itself, or its children.
 fn domains<'a>(mesh: &Node<'a>) -> Result<Vec<Node<'a>>> {
-    if mesh.get("coordsets").is_some() {
+    if ["coordsets", "topologies", "fields"].into_iter().any(|name| mesh.get(name).is_some()) {
         return Ok(vec![mesh.clone()]);
     }
     let children = mesh.children();
@@ -75,6 +71,7 @@ fn lacks(domain: &Node, selection: &FieldSelection) -> Result<bool> {
 }
 
 fn pieces_of_domain(domain: &Node, selection: &FieldSelection, loan: &Loan) -> Result<Vec<RawGrid>> {
+    domain.require("coordsets")?;
     let topologies = domain.require("topologies")?;
     let mut pieces = Vec::new();
     let mut missing = None;

@@ -8,3 +8,9 @@ pub struct GridPart {
     /// Rings of cells of other pieces around them that nodes may look at.
     pub layers: usize,
 }
+
+/// Rings of cells around a part that means of cell values look at.
+pub const MEAN_LAYERS: usize = 1;
+
+/// Further rings that the filter of each node with gradients may look at: those of the neighbours of neighbours.
+pub const GRADIENT_LAYERS: usize = 2;

@@ -312,25 +312,34 @@ fn depth_first(
 
 /// Work that a program does in place of a node's own. Clones are the same work: a session uses its former outputs again.
 #[derive(Clone)]
-pub struct NodeOverride(Arc<OverrideFn>);
+pub struct NodeOverride {
+    work: Arc<OverrideFn>,
+    /// True if each process gives a piece of its own of one grid.
+    pub(crate) is_piece: bool,
+}
 
 type OverrideFn = dyn Fn(&mut RunContext) -> Result<Outputs> + Send + Sync;
 
 impl NodeOverride {
     /// One value for each output that the node declares, for what is asked of it ([`RunContext::demand`]).
     pub fn new(work: impl Fn(&mut RunContext) -> Result<Outputs> + Send + Sync + 'static) -> NodeOverride {
-        NodeOverride(Arc::new(work))
+        NodeOverride { work: Arc::new(work), is_piece: false }
+    }
+
+    /// Lets each of several processes give a piece of its own of one grid: the work is that for a part.
+    pub fn in_pieces(self) -> NodeOverride {
+        NodeOverride { is_piece: true, ..self }
     }
 
     /// Does the work.
     pub(crate) fn run(&self, call: &mut RunContext) -> Result<Outputs> {
-        (self.0)(call)
+        (self.work)(call)
     }
 }
 
 impl PartialEq for NodeOverride {
     fn eq(&self, other: &NodeOverride) -> bool {
-        Arc::ptr_eq(&self.0, &other.0)
+        Arc::ptr_eq(&self.work, &other.work)
     }
 }
 

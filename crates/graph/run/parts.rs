@@ -5,7 +5,7 @@ use super::plan::Done;
 use crate::api::context::{Make, Preparation, RetainedValue};
 use crate::api::demand::Demand;
 use crate::api::node::PartWork;
-use crate::api::parts::GridPart;
+use crate::api::parts::{GRADIENT_LAYERS, GridPart, MEAN_LAYERS};
 use crate::api::ranks::Ranks;
 use crate::api::value::{Edge, PortType, Revision, Value};
 use crate::build::graph::Graph;
@@ -15,12 +15,6 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::diagnostics::Diagnostics;
 use voltet_core::{Error, Result};
-
-/// Rings of cells around a part that means of cell values look at.
-const MEAN_LAYERS: usize = 1;
-
-/// Further rings that the filter of each node with gradients may look at: those of the neighbours of neighbours.
-const GRADIENT_LAYERS: usize = 2;
 
 /// Division of a grid into parts.
 #[derive(Debug)]
@@ -46,7 +40,11 @@ impl Division {
         for &place in &graph.order {
             let node = &graph.nodes[place];
             let preparation = Preparation { parameters: &node.parameters, folder: &graph.folder };
-            let sizes = (node.node.piece_bytes)(&preparation).map_err(|error| node.locate(error))?;
+            let sizes = match &node.given {
+                // Larger than any file, which each process reads whole beside it.
+                Some(given) if given.is_piece => vec![u64::MAX / ranks.count() as u64; ranks.count()],
+                _ => (node.node.piece_bytes)(&preparation).map_err(|error| node.locate(error))?,
+            };
             if sizes.len() < 2 || (sizes.iter().sum::<u64>() <= memory && ranks.count() == 1) {
                 continue;
             }

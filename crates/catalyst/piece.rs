@@ -1,0 +1,79 @@
+//! The piece of one process of a grid that several hold together, with cells of the others around it.
+//!
+//! Of every process all others get the keys of its points in the boxes of others (24 bytes a point, 8 with global ids), then the cells
+//! near the points that it shares.
+
+use glam::DVec3;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use voltet_core::grid::{
+    Grid, Halo, Options, PointKeys, RawGrid, SharedPoints, boxes_of_others, build_part, extent, join_part,
+};
+use voltet_core::progress::NoProgress;
+use voltet_core::{Error, Result};
+use voltet_graph::ranks::Ranks;
+
+/// Note on a domain that all processes get: its block, its box, its number of cells, and whether it has ghosts and global ids.
+type Outline = (usize, Option<[DVec3; 2]>, u64, bool, bool);
+
+/// Builds the piece of this process: `None` where its domains have no cells. `layers`: rings of cells of others that nodes may look at. All
+/// processes call it together.
+///
+/// # Errors
+/// - no process has a domain;
+/// - domains that contradict each other.
+pub fn build(own: Vec<RawGrid>, layers: usize, options: &Options, ranks: &dyn Ranks) -> Result<Option<Grid>> {
+    let own: Vec<RawGrid> = own.into_iter().filter(|piece| piece.cells.count() > 0).collect();
+    let outline = |piece: &RawGrid| -> Outline {
+        let bounds = extent::bounds(&piece.points);
+        let count = piece.cells.count() as u64;
+        (piece.block, bounds, count, piece.ghost.is_some(), piece.global_ids.is_some())
+    };
+    let of_ranks = gather(&own.iter().map(outline).collect(), ranks)?;
+    let first: usize = of_ranks[..ranks.rank()].iter().map(Vec::len).sum();
+    let outlines: Vec<Outline> = of_ranks.concat();
+    if outlines.is_empty() {
+        return Err(Error::usage("no process has a domain of the mesh").expected("cells on one of them"));
+    }
+    let has_ghosts = outlines.iter().any(|own| own.3);
+    let boxes: Vec<_> = outlines.iter().map(|own| (own.0, own.1)).collect();
+    let keys: Vec<PointKeys> = match outlines.iter().all(|own| own.4) {
+        true => own.iter().map(|piece| PointKeys::of_ids(piece, has_ghosts)).collect(),
+        false => {
+            let others = boxes_of_others(&boxes);
+            let keyed = own.iter().zip(&others[first..]);
+            keyed.map(|(piece, others)| PointKeys::of_places(piece, others)).collect()
+        }
+    };
+    let shared = SharedPoints::find(&gather(&keys, ranks)?.concat());
+    let layers = layers.max(usize::from(has_ghosts));
+    let halos = own.iter().enumerate();
+    let halos = halos.map(|(place, piece)| Halo::from_piece(piece.clone(), &shared, first + place, layers));
+    let halos = gather(&halos.collect::<Result<Vec<Option<Halo>>>>()?, ranks)?.concat();
+    if own.is_empty() {
+        return Ok(None);
+    }
+    let starts = outlines.iter().scan(0, |sum, own| Some(std::mem::replace(sum, *sum + own.2)));
+    let numbered = own.into_iter().enumerate().map(|(place, piece)| (first + place, piece)).collect();
+    let joined = join_part(numbered, &halos, &shared, &starts.collect::<Vec<u64>>())?;
+    let Some(mut grid) = build_part(joined, options, &NoProgress)? else { return Ok(None) };
+    let scalars: Vec<&String> =
+        grid.point_arrays.iter().filter(|(_, array)| array.component_count == 1).map(|own| own.0).collect();
+    if let [only] = scalars[..] {
+        let name = only.clone();
+        voltet::nodes::in_memory_grid::set_scalar(&mut grid, &name)?;
+    }
+    Ok(Some(grid))
+}
+
+/// The values of all processes, in order of their numbers.
+fn gather<T: Serialize + DeserializeOwned>(own: &Vec<T>, ranks: &dyn Ranks) -> Result<Vec<Vec<T>>> {
+    let bytes = postcard::to_allocvec(own)
+        .map_err(|error| Error::run("a piece of the mesh cannot be sent to another process").got(error))?;
+    let broken = |error| {
+        let error = Error::run("another process sent a broken piece of the mesh").got(error);
+        error.expected("the library in one version on all processes")
+    };
+    let received = ranks.exchange(vec![bytes; ranks.count()])?;
+    received.iter().map(|bytes| postcard::from_bytes(bytes).map_err(broken)).collect()
+}

@@ -1,0 +1,117 @@
+//! The examples, compiled and run: each draws what `voltet` draws of its mesh.
+
+use crate::library::{PIPELINE, folder, library, picture, real};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use voltet_testing::compilers;
+
+/// A folder in which Catalyst finds the implementation.
+fn installed(folder: &Path) -> PathBuf {
+    // Tests stand beside the libraries that were built for them.
+    let built = std::env::current_exe().unwrap().parent().unwrap().join("libcatalyst_voltet.so");
+    std::os::unix::fs::symlink(built, folder.join("libcatalyst-voltet.so")).unwrap();
+    folder.into()
+}
+
+/// A program that is linked with libcatalyst; `None` without a compiler.
+#[track_caller]
+fn program(folder: &Path, source: &str) -> Option<PathBuf> {
+    let library = library()?;
+    let headers = match real() {
+        Some(path) => path.parent().unwrap().join("../include/catalyst-2.0"),
+        None => compilers::source("crates/catalyst/tests/c"),
+    };
+    let [headers, library, beside] =
+        [headers.as_path(), library, library.parent().unwrap()].map(|path| path.to_str().unwrap());
+    let options = ["-O2", "-I", headers, library, &format!("-Wl,-rpath,{beside}")];
+    compilers::program(folder, "heat", &[compilers::source(source)], &options)
+}
+
+fn run(program: &Path, words: &[&str]) -> Output {
+    Command::new(program).args(words).output().unwrap()
+}
+
+#[test]
+fn the_solvers_are_drawn_while_they_run() {
+    let mut pictures = Vec::new();
+    for source in ["examples/catalyst_cpp/heat.cpp", "examples/catalyst_fortran/heat.f90"] {
+        let folder = folder(PIPELINE);
+        let own = folder.path();
+        let Some(program) = program(own, source) else { return };
+        let scene = own.join("scene.toml");
+        let words = [installed(own).to_str().unwrap().to_string(), scene.to_str().unwrap().to_string()];
+        let output = run(&program, &words.each_ref().map(String::as_str));
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success() && said.is_empty(), "{source}: {said}");
+        for name in ["000.exr", "010.exr", "020.exr"] {
+            pictures.push(picture(&own.join(name)));
+        }
+    }
+    assert!(pictures.iter().all(|picture| picture.rgba.iter().any(|pixel| pixel[3] > 0.05)));
+    // The heat spreads: each step has another picture.
+    for steps in pictures.chunks(3) {
+        assert!(steps[0].rgba != steps[1].rgba && steps[1].rgba != steps[2].rgba);
+    }
+}
+
+#[test]
+fn a_mistake_ends_the_example_with_one_message() {
+    let folder = folder(PIPELINE);
+    let own = folder.path();
+    let Some(program) = program(own, "examples/catalyst_cpp/heat.cpp") else { return };
+    let scene = own.join("scene.toml");
+    let words = [installed(own).to_str().unwrap().to_string(), scene.to_str().unwrap().to_string()];
+    let output = run(&program, &[&words[0], &words[1], "1", "picture.engin=cpu"]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.starts_with("voltet: catalyst_initialize: unknown parameter 'engin'"), "{said}");
+    assert!(said.ends_with("catalyst_initialize: status 100\n") && said.lines().count() == 2, "{said}");
+}
+
+/// The example under `mpirun`: the picture of several processes is that of one.
+#[cfg(feature = "mpi")]
+#[test]
+fn several_processes_of_mpi_draw_the_picture_of_one() {
+    // Numbers of the whole mesh.
+    let pipeline =
+        PIPELINE.replace("[0.5, 1.0]", "[\"60%\", \"30%\"]").replace("[0.3, 1.5]", "[\"15%\", \"40%\"]");
+    let mut pictures = Vec::new();
+    for count in [1, 2, 3] {
+        let folder = folder(&pipeline);
+        let own = folder.path();
+        let library = library().expect("a compiler");
+        let headers = match real() {
+            Some(path) => path.parent().unwrap().join("../include/catalyst-2.0"),
+            None => compilers::source("crates/catalyst/tests/c"),
+        };
+        let heat = own.join("heat");
+        let compiled = Command::new("mpicxx")
+            .args(["-O2", "-DHEAT_MPI", "-I"])
+            .arg(headers)
+            .arg(compilers::source("examples/catalyst_cpp/heat.cpp"))
+            .arg(library)
+            .arg(format!("-Wl,-rpath,{}", library.parent().unwrap().display()))
+            .arg("-o")
+            .arg(&heat)
+            .output()
+            .unwrap();
+        assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
+        let output = Command::new("mpirun")
+            .args(["--oversubscribe", "-n", &count.to_string()])
+            .arg(&heat)
+            .args([installed(own), own.join("scene.toml")])
+            .arg("10")
+            .env("OMPI_ALLOW_RUN_AS_ROOT", "1")
+            .env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
+            .output()
+            .unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        pictures.push(picture(&own.join("010.exr")));
+    }
+    for (count, found) in pictures.iter().enumerate() {
+        let both = found.rgba.iter().flatten().zip(pictures[0].rgba.iter().flatten());
+        let largest = both.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        println!("{} processes: largest difference {largest:e}", count + 1);
+        assert!(largest <= crate::ranks::GRAZING, "{} processes: {largest}", count + 1);
+    }
+}

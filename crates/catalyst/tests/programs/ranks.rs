@@ -1,0 +1,183 @@
+//! A simulation of several processes, which are threads here: one picture, and failures that all of them see.
+
+use crate::drawn::temperature;
+use crate::library::{PIPELINE, assert_same, folder, picture, start, step};
+use crate::steps::two_grids;
+use crate::tree::Tree;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex};
+use voltet_core::{Error, Result};
+use voltet_graph::ranks::{OneRank, Ranks};
+
+/// Largest difference of a channel: rays that graze cells of a part see another rounding of the points.
+pub const GRAZING: f32 = 1e-5;
+
+/// A process as a thread.
+#[derive(Debug)]
+struct ThreadRank {
+    rank: usize,
+    to: Vec<Sender<Vec<u8>>>,
+    from: Mutex<Vec<Receiver<Vec<u8>>>>,
+}
+
+impl Ranks for ThreadRank {
+    fn rank(&self) -> usize {
+        self.rank
+    }
+
+    fn count(&self) -> usize {
+        self.to.len()
+    }
+
+    fn exchange(&self, to_each: Vec<Vec<u8>>) -> Result<Vec<Vec<u8>>> {
+        let gone = || Error::run("another process ended");
+        for (to, bytes) in self.to.iter().zip(to_each) {
+            to.send(bytes).map_err(|_| gone())?;
+        }
+        self.from.lock().unwrap().iter().map(|from| from.recv().map_err(|_| gone())).collect()
+    }
+}
+
+/// Runs work on so many threads; gives what each gave, in order.
+fn on_ranks<T: Send>(count: usize, work: impl Fn(Arc<dyn Ranks>) -> T + Sync) -> Vec<T> {
+    let mut ranks: Vec<ThreadRank> =
+        (0..count).map(|rank| ThreadRank { rank, to: Vec::new(), from: Mutex::default() }).collect();
+    for from in 0..count {
+        for to in 0..count {
+            let (sender, receiver) = channel();
+            ranks[from].to.push(sender);
+            ranks[to].from.get_mut().unwrap().push(receiver);
+        }
+    }
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = ranks.into_iter().map(|rank| scope.spawn(|| work(Arc::new(rank)))).collect();
+        threads.into_iter().map(|thread| thread.join().unwrap()).collect()
+    })
+}
+
+/// Cells along the longest side of the box of the tests.
+const SIDE: usize = 8;
+
+/// The part of a box of cubes between two layers along x, as a domain of its own.
+fn slab(tree: Tree, [from, to]: [usize; 2]) -> Tree {
+    let at = |i: usize| i as f64 / 4.0;
+    let layers: Vec<f64> = (from..=to).map(at).collect();
+    let side: Vec<f64> = (0..=SIDE / 2).map(at).collect();
+    let rows = side.iter().flat_map(|z| side.iter().map(move |y| [*y, *z]));
+    let values: Vec<f64> = rows
+        .flat_map(|[y, z]| layers.iter().map(move |x| temperature([*x, y, z]) + 0.1 * (3.0 * x * y).sin()))
+        .collect();
+    let tree = tree.text("coordsets/coords/type", "rectilinear").array("coordsets/coords/values/x", layers);
+    let tree = tree.array("coordsets/coords/values/y", side.clone()).array("coordsets/coords/values/z", side);
+    let tree = tree.text("topologies/mesh/type", "rectilinear").text("topologies/mesh/coordset", "coords");
+    let tree = tree.text("fields/T/association", "vertex").text("fields/T/topology", "mesh");
+    tree.array("fields/T/values", values)
+}
+
+/// Layers of a rank's domains: two of each, and nothing on a rank after the first three.
+fn domains(rank: usize, count: usize) -> Vec<[usize; 2]> {
+    let busy = count.min(3);
+    if rank >= busy {
+        return vec![[0, 0]];
+    }
+    let (from, to) = (SIDE * rank / busy, SIDE * (rank + 1) / busy);
+    let middle = (from + to) / 2;
+    vec![[from, middle], [middle, to]]
+}
+
+fn describe(tree: Tree, domains: &[[usize; 2]]) -> Tree {
+    let data = "catalyst/channels/grid/data";
+    domains.iter().filter(|own| own[0] < own[1]).fold(tree.within("").fetch(data), |tree, own| {
+        slab(tree.within(&format!("{data}/domain_{}", own[0])), *own)
+    })
+}
+
+#[test]
+fn several_processes_draw_the_picture_of_one() {
+    // The picture's numbers are those of the whole mesh.
+    let pipeline =
+        PIPELINE.replace("[0.5, 1.0]", "[\"60%\", \"30%\"]").replace("[0.3, 1.5]", "[\"15%\", \"40%\"]");
+    for count in [1, 2, 3, 5] {
+        let alone = folder(&pipeline);
+        let mut simulation = start(alone.path()).simulation(Arc::new(OneRank)).unwrap();
+        let all: Vec<[usize; 2]> = (0..count).flat_map(|rank| domains(rank, count)).collect();
+        step(0, |tree| describe(tree, &all)).execute(&mut simulation).unwrap();
+        let expected = picture(&alone.path().join("000.exr"));
+        assert!(expected.rgba.iter().any(|pixel| pixel[3] > 0.1), "something is seen");
+        let folder = folder(&pipeline);
+        let outcomes = on_ranks(count, |ranks| {
+            let rank = ranks.rank();
+            let mut simulation = start(folder.path()).simulation(ranks)?;
+            (0..2).try_for_each(|number| {
+                step(number, |tree| describe(tree, &domains(rank, count))).execute(&mut simulation)
+            })
+        });
+        let failures: Vec<String> =
+            outcomes.into_iter().filter_map(|outcome| Some(outcome.err()?.to_string())).collect();
+        assert!(failures.is_empty(), "{failures:#?}");
+        let found = picture(&folder.path().join("000.exr"));
+        if count == 1 {
+            assert_same(&found, &expected);
+        }
+        let difference =
+            |(a, b): (&[f32; 4], &[f32; 4])| (0..4).map(|k| (a[k] - b[k]).abs()).fold(0.0, f32::max);
+        let largest = found.rgba.iter().zip(&expected.rgba).map(difference).fold(0.0, f32::max);
+        println!("{count} processes: largest difference {largest:e}");
+        assert!(largest <= GRAZING, "{count} processes: {largest}");
+        assert_same(&picture(&folder.path().join("001.exr")), &found);
+    }
+}
+
+#[test]
+fn a_failure_of_one_process_ends_the_step_of_all() {
+    let folder = folder(PIPELINE);
+    let errors = on_ranks(3, |ranks| {
+        let rank = ranks.rank();
+        let mut simulation = start(folder.path()).simulation(ranks.clone()).unwrap();
+        let own = domains(rank, 3);
+        // A mesh that is wrong on one process.
+        let wrong = step(0, |tree| {
+            let tree = describe(tree, &own);
+            let path = format!("catalyst/channels/grid/data/domain_{}/fields/T/values", own[0][0]);
+            if rank == 1 { tree.within("").array(&path, vec![0.0_f64]) } else { tree }
+        });
+        let first = wrong.execute(&mut simulation).unwrap_err().to_string();
+        // A file that the first process alone cannot write, when the others draw already.
+        let tree = Tree::new()
+            .text("catalyst/scripts/a/filename", folder.path().join("scene.toml").to_str().unwrap());
+        let nowhere = if rank == 0 { "file.path=no/folder/a.exr" } else { "file.path=a.exr" };
+        let mut failing = tree.append("catalyst/scripts/a/args", nowhere).simulation(ranks.clone()).unwrap();
+        let second = step(1, |tree| describe(tree, &own)).execute(&mut failing).unwrap_err().to_string();
+        step(2, |tree| describe(tree, &own)).execute(&mut simulation).unwrap();
+        [first, second]
+    });
+    for (rank, [first, second]) in errors.iter().enumerate() {
+        let [other, missing] = ["another process failed: found rank", "fields/T/values has the wrong number"];
+        assert!(first.contains(if rank == 1 { missing } else { other }), "{rank}: {first}");
+        assert!(second.contains("another process failed: found rank 0") == (rank > 0), "{rank}: {second}");
+    }
+    assert!(folder.path().join("002.exr").is_file());
+}
+
+#[test]
+fn a_mesh_without_cells_on_any_process_is_refused() {
+    let folder = folder(PIPELINE);
+    let errors = on_ranks(2, |ranks| {
+        let mut simulation = start(folder.path()).simulation(ranks).unwrap();
+        let nothing = step(0, |tree| tree).within("").fetch("catalyst/channels/grid/data");
+        nothing.execute(&mut simulation).unwrap_err().to_string()
+    });
+    assert!(errors.iter().all(|error| error.contains("no process has a domain of the mesh")), "{errors:?}");
+}
+
+#[test]
+fn a_pipeline_of_several_processes_takes_one_channel() {
+    let folder = folder(&two_grids());
+    let errors = on_ranks(2, |ranks| {
+        let own = domains(ranks.rank(), 2);
+        let mut simulation = start(folder.path()).simulation(ranks).unwrap();
+        let both = step(0, |tree| describe(tree, &own)).text("catalyst/channels/rest/type", "mesh");
+        both.execute(&mut simulation).unwrap_err().to_string()
+    });
+    assert!(errors.iter().all(|error| error.contains("several channels of several processes")), "{errors:?}");
+}
