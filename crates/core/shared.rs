@@ -1,5 +1,6 @@
 //! The large arrays of grids and volumes: shared, never changed, owned or lent.
 
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
 use std::ops::Deref;
 use std::sync::Arc;
@@ -86,6 +87,18 @@ impl<T: PartialEq> PartialEq for SharedSlice<T> {
 impl<T: PartialEq> PartialEq<Vec<T>> for SharedSlice<T> {
     fn eq(&self, other: &Vec<T>) -> bool {
         self.as_slice() == other.as_slice()
+    }
+}
+
+impl<T: Serialize> Serialize for SharedSlice<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.as_slice().serialize(serializer)
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for SharedSlice<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Vec::deserialize(deserializer).map(SharedSlice::from)
     }
 }
 

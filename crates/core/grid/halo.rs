@@ -14,6 +14,7 @@ use super::pieces::{JoinedPiece, join_pieces, prepare};
 use super::shared_points::{PointHolder, SharedPoint, SharedPoints};
 use crate::{Result, SharedSlice};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
 
 /// Cells that one task looks at.
@@ -21,7 +22,7 @@ const CHUNK: usize = 1 << 13;
 
 /// Cells of a piece within some layers of its shared points, with their points and values, and further points whose values count for
 /// other pieces.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Halo {
     grid: RawGrid,
     /// Numbers of the points in the piece, ascending.

@@ -2,10 +2,11 @@
 
 use crate::{Error, Result, SharedSlice};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Location of an array's values: points or cells.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Association {
     /// One tuple a point.
     Point,
@@ -24,7 +25,7 @@ pub enum CellValues {
 }
 
 /// The cells of a file.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Cells {
     /// Linear tetrahedra only, four point numbers each.
     Tetrahedra(SharedSlice<[u32; 4]>),
@@ -70,7 +71,7 @@ pub(super) fn corners(cells: &Cells, number: usize) -> &[u32] {
 }
 
 /// The scalar that is to be drawn.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Scalar {
     /// Its name as the user wrote it.
     pub name: String,
@@ -81,7 +82,7 @@ pub struct Scalar {
 }
 
 /// Counts of a grid's import, for `info` and the report.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct ImportStats {
     /// Cells of the file by VTK type code.
     pub cells_by_type: BTreeMap<u8, u64>,
@@ -127,7 +128,7 @@ impl ImportStats {
 
 /// Values of an array of cells on faces at the boundary, where a file states them: points of these faces have the means of the faces'
 /// values in the place of those of the cells'.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct BoundaryValues {
     /// Points of all faces.
     pub points: Vec<u32>,
@@ -210,7 +211,7 @@ impl BoundaryValues {
 }
 
 /// Result of a reader, in the file's own numbering.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct RawGrid {
     /// Positions, world units. May hold points that no cell uses.
     pub points: SharedSlice<DVec3>,
@@ -405,7 +406,7 @@ impl Default for Options {
 }
 
 /// Cells of a file, in VTK's terms.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct CellSet {
     /// VTK cell type code of every cell.
     pub types: Vec<u8>,
@@ -418,7 +419,7 @@ pub struct CellSet {
 }
 
 /// The faces of one polyhedral cell.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Polyhedron {
     /// Number of the cell.
     pub cell: u32,
@@ -437,7 +438,7 @@ pub(super) struct Cell<'a> {
 }
 
 /// An array with one tuple a point (or cell), components of a tuple side by side.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Array {
     /// Components of a tuple, at least 1.
     pub component_count: usize,
@@ -476,7 +477,7 @@ impl From<Vec<[f64; 3]>> for Array {
 }
 
 /// A point within a face or an edge of a larger cell: corners of one of its tetrahedra, and their weights at the point.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct HangingPoint {
     /// Number of the point.
     pub point: u32,

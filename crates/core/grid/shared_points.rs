@@ -9,13 +9,14 @@ use super::extent;
 use super::parts::{Association, DUPLICATE, RawGrid, corners};
 use glam::DVec3;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Points that one task handles.
 const CHUNK: usize = 1 << 13;
 
 /// Keys of the points of a piece: equal keys of pieces of one block are one point.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct PointKeys {
     block: usize,
     /// Global ids of all points.
@@ -202,6 +203,22 @@ impl SharedPoints {
     /// The shared points of a piece, by their numbers there.
     pub(super) fn of_piece(&self, piece: usize) -> &[SharedPoint] {
         self.of_pieces.get(piece).map_or(&[], Vec::as_slice)
+    }
+
+    /// For each piece those that it shares points with.
+    pub fn neighbours(&self) -> Vec<BTreeSet<usize>> {
+        let mut holders: Vec<(u32, usize)> = Vec::new();
+        for (piece, list) in self.of_pieces.iter().enumerate() {
+            holders.extend(list.iter().map(|shared| (shared.rank, piece)));
+        }
+        holders.par_sort_unstable();
+        let mut neighbours = vec![BTreeSet::new(); self.of_pieces.len()];
+        for same in holders.chunk_by(|a, b| a.0 == b.0) {
+            for &(_, piece) in same {
+                neighbours[piece].extend(same.iter().map(|other| other.1).filter(|&other| other != piece));
+            }
+        }
+        neighbours
     }
 
     /// Memory that they take.
