@@ -9,9 +9,9 @@ use voltet_core::reading::FileArray;
 use voltet_core::{Error, Result};
 use voltet_cpu::drawing_bytes;
 use voltet_graph::{
-    DefaultValue, Demand, Diagnostics, GridPart, Node, Outputs, Parameter, ParameterType, ParameterValue,
-    Parameters, PartWork, PlanContext, Port, PortType, Preparation, Range, RunContext, SavedWork, Steps,
-    TimeSeries, Value,
+    DefaultValue, Demand, Diagnostics, GridPart, Node, Outputs, PIECES_READ, Parameter, ParameterType,
+    ParameterValue, Parameters, PartWork, PlanContext, Port, PortType, Preparation, Range, RunContext,
+    SavedWork, Steps, TimeSeries, Value,
 };
 use voltet_io::formats::{
     self, Association, CellValues, Options, Request, SelectedArrays, TimeStep, existing_file,
@@ -117,6 +117,7 @@ pub const NODE: Node = Node {
     foreign_head: &formats::foreign_head,
     prepare: &prepare,
     part_work: PartWork::Each,
+    begin_parts: &|call, own| begin_parts(call, own, None),
     piece_bytes: &piece_bytes,
     run: &|call| run(call, None),
     ..Node::BLANK
@@ -175,13 +176,13 @@ pub(crate) fn run(call: &mut RunContext, chosen: Option<SelectedArrays>) -> Resu
     }
     let read = |request: &Request| formats::read(&path, request, call.progress()).map_err(with_file_named);
     let steps = step_pair(call.parameters, &path, &request)?;
-    let grid = match (call.part(), steps) {
+    let grid = match (call.part().cloned(), steps) {
         (Some(_), Some(_)) => {
             let what = "values between steps are found of whole grids";
             let error = call.parameters.error("between_steps", what).got("a grid in parts (--memory)");
             return Err(error.expected("between_steps = \"nearest\", or a larger --memory"));
         }
-        (Some(part), None) => match read_part(call, part, &path, &request).map_err(with_file_named)? {
+        (Some(part), None) => match read_part(call, &part, &path, &request).map_err(with_file_named)? {
             Some(grid) => grid,
             None => return Ok(Vec::new()),
         },
@@ -218,10 +219,36 @@ pub(crate) fn run(call: &mut RunContext, chosen: Option<SelectedArrays>) -> Resu
 }
 
 /// The grid of a part; none where it has no cells that are drawn.
-fn read_part(call: &RunContext, part: &GridPart, path: &Path, request: &Request) -> Result<Option<Grid>> {
-    let borders = || formats::piece_borders(path, request, part.layers, call.progress());
-    let borders = call.keep_for_parts(borders)?;
+fn read_part(call: &mut RunContext, part: &GridPart, path: &Path, request: &Request) -> Result<Option<Grid>> {
+    let borders = call.keep_for_parts(|| {
+        formats::piece_borders(
+            path,
+            request,
+            part.layers,
+            Some((&part.pieces, call.ranks())),
+            call.progress(),
+        )
+    })?;
+    let count = part.pieces.iter().filter(|&&piece| borders.is_drawn(piece)).count();
+    call.notes.counts.insert(PIECES_READ, count as u64);
     formats::read_part(path, request, &part.pieces, &borders, call.progress())
+}
+
+/// Finds the borders of the pieces that this process reads.
+pub(crate) fn begin_parts(
+    call: &mut RunContext,
+    own: &GridPart,
+    chosen: Option<SelectedArrays>,
+) -> Result<()> {
+    let request = asked(call.parameters, call.demand, chosen, &|path| call.resolve(path))?;
+    let path = call.path("path")?;
+    let share = (own.pieces.as_slice(), call.ranks());
+    let borders = call.keep_for_parts(|| {
+        formats::piece_borders(&path, &request, own.layers, Some(share), call.progress())
+            .map_err(with_file_named)
+    })?;
+    call.notes.counts.insert(PIECES_READ, borders.read_count());
+    Ok(())
 }
 
 /// Tetrahedra that cells are split into at most, on the average, by cell and by point: of hexahedra as many as 6 by either.

@@ -85,7 +85,11 @@ pub(crate) fn attributes_of<'a>(
     }
     for (i, name) in fields.into_iter().enumerate() {
         let values = volume.grid.field("the transfer function", name)?;
-        attributes.push(attribute(values, extent::range(values).unwrap_or_default(), about(2 + i)));
+        let range = match &cells.whole {
+            Some(whole) => whole.fields.get(i).copied().filter(|[low, high]| low <= high),
+            None => extent::range(&values[..volume.grid.drawn_points().min(values.len())]),
+        };
+        attributes.push(attribute(values, range.unwrap_or_default(), about(2 + i)));
     }
     Ok(attributes)
 }

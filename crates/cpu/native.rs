@@ -1,5 +1,6 @@
 //! The native engine as one of the program's engines, with its counts.
 
+use crate::cast::RayCastPolicy;
 use crate::cells::Cells;
 use crate::counts::Counts;
 use crate::cull::VolumeCache;
@@ -7,19 +8,21 @@ use crate::draw::{max_optical_depth, needs_gradient, prepare, prepare_in_order, 
 use crate::frame_renderer::{DrawnFrame, RayInputs};
 use crate::projection::Projection;
 use crate::segment_cache::{Plan, SegmentCache};
-use crate::selection::CullSample;
+use crate::selection::{CullSample, Traversal};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 use voltet_core::diagnostics::Diagnostics;
+use voltet_core::grid::extent;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::TransferFunction;
-use voltet_core::volume::{Volume, VolumeExtent};
+use voltet_core::volume::Volume;
 use voltet_core::{Result, counted};
 use voltet_optics::engine::{
     self, Engine, EngineInfo, PreparedVolume, RenderOptions, RenderOutput, Stage, StageTiming,
 };
 use voltet_optics::integrators::{self, PreparedScene, ScenePreparation};
 use voltet_optics::scene::Scene;
+use voltet_optics::scene_parts::{PartTally, SceneChoices, SceneExtent};
 use voltet_optics::shading::Ordering;
 use voltet_simd::LaneSet;
 
@@ -54,12 +57,43 @@ impl Engine for Native {
 
     fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn PreparedVolume>> {
         let cache = VolumeCache::new(volume)?;
-        Ok(Arc::new(NativeVolume { lanes: self.lanes, cache, prepared: Mutex::new(None) }))
+        let choices = SceneChoices::default();
+        Ok(Arc::new(NativeVolume { lanes: self.lanes, cache, choices, prepared: Mutex::new(None) }))
     }
 
-    fn prepare_part(&self, volume: &Arc<Volume>, whole: &VolumeExtent) -> Result<Arc<dyn PreparedVolume>> {
-        let cache = VolumeCache::of_part(volume, whole)?;
-        Ok(Arc::new(NativeVolume { lanes: self.lanes, cache, prepared: Mutex::new(None) }))
+    fn prepare_part(
+        &self,
+        volume: &Arc<Volume>,
+        whole: &SceneExtent,
+        choices: &SceneChoices,
+    ) -> Result<Arc<dyn PreparedVolume>> {
+        let (cache, choices) = (VolumeCache::of_part(volume, whole)?, choices.clone());
+        Ok(Arc::new(NativeVolume { lanes: self.lanes, cache, choices, prepared: Mutex::new(None) }))
+    }
+
+    fn choices(
+        &self,
+        whole: &SceneExtent,
+        transfer_function: &TransferFunction,
+        tally: &PartTally,
+        boundary_faces: f64,
+    ) -> Result<SceneChoices> {
+        let length = extent::scene_length(whole.volume.bounds)?;
+        let policy = RayCastPolicy::new(transfer_function, max_optical_depth(transfer_function, length));
+        let casts_rays = policy.pays(tally.covered_pixels / tally.cells.max(1.0))
+            && policy.allows_boundary(boundary_faces, tally.cells);
+        let is_active = |widget: usize| tally.active_widgets.get(widget).copied().unwrap_or(true);
+        let mut active = transfer_function.clone();
+        let mut number = 0..;
+        active.widgets.retain(|_| is_active(number.next().unwrap_or_default()));
+        let origins = |function: &TransferFunction| {
+            (0..2 + transfer_function.fields().len())
+                .map(|axis| function.axis_origin(axis))
+                .collect::<Vec<_>>()
+        };
+        let is_same = active.widgets.is_empty() || origins(&active) == origins(transfer_function);
+        let inactive = (0..transfer_function.widgets.len()).filter(|&widget| !is_same && !is_active(widget));
+        Ok(SceneChoices { casts_rays: Some(casts_rays), inactive_widgets: inactive.collect() })
     }
 }
 
@@ -68,6 +102,8 @@ impl Engine for Native {
 struct NativeVolume {
     lanes: LaneSet,
     cache: VolumeCache,
+    /// Choices for the grid, of which the volume is a part.
+    choices: SceneChoices,
     /// The scene that an integrator prepared last: it serves the next picture, as a table does.
     prepared: Mutex<Option<Arc<Prepared>>>,
 }
@@ -134,6 +170,16 @@ impl PreparedVolume for NativeVolume {
             false => cache.cull(transfer_function, camera, progress)?,
         };
         cells.lanes = self.lanes;
+        let mut active_widgets = vec![true; transfer_function.widgets.len()];
+        if manner.part {
+            cells.inactive_widgets.iter().for_each(|&widget| active_widgets[widget] = false);
+            // A part may lack the cells of a widget that the whole grid has.
+            cells.inactive_widgets.clone_from(&self.choices.inactive_widgets);
+            cells.casts_rays = self.choices.casts_rays == Some(true);
+            if self.choices.casts_rays == Some(false) {
+                cells.traversal = Traversal::Project;
+            }
+        }
         timer.end(Stage::Cull);
         let cells = sort(&cells, camera, scene.ordering(manner.exhaustive))?;
         timer.end(Stage::Sort);
@@ -152,7 +198,11 @@ impl PreparedVolume for NativeVolume {
         let inputs = RayInputs { records_stretches: manner.part, ..RayInputs::default() };
         let DrawnFrame { picture, counts, depth_image } = renderer.draw(inputs, Some(scene), progress)?;
         timer.end(Stage::Composite);
-        let mut drawn = RenderOutput { depth_image, ..RenderOutput::new(picture, timer.stages) };
+        let tally = || PartTally { active_widgets, ..projection.tally() };
+        let mut drawn = RenderOutput {
+            part: depth_image.map(|image| (image, tally())),
+            ..RenderOutput::new(picture, timer.stages)
+        };
         drawn.notes = Diagnostics::new(manner.exhaustive);
         cells.count(&mut drawn.counts);
         cells.note(&mut drawn.notes);

@@ -1,7 +1,8 @@
 //! Projection: cells prepared for the compositor, once for each sample of a pixel.
 
 use crate::attribute::Attribute;
-use crate::cast::{RayCastPolicy, RayCaster};
+use crate::cast::ray_caster;
+use crate::cast::{RayCastPolicy, RayCaster, ScreenExtent};
 use crate::cells::Cells;
 use crate::composite::frame::{BufferPool, SegmentSource};
 use crate::fragments::crossing::Near;
@@ -9,12 +10,12 @@ use crate::project::cells::Input;
 use crate::project::regions::Regions;
 use crate::tile::{Area, TILE};
 use crate::view::{ScreenVertex, View};
-use rayon::prelude::*;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::camera::Camera;
 use voltet_core::grid::Grid;
 use voltet_core::progress::Progress;
+use voltet_optics::scene_parts::PartTally;
 
 /// Cells prepared for the compositor: one projection for each sample of a pixel. Of more cells than are resident at once
 /// ([`crate::CellSelection::max_resident_cells`]) it holds the region of the picture that each touches; the compositor projects them region
@@ -46,6 +47,18 @@ impl Projection {
         self.samples.first().map_or(Some(0), SubpixelView::cell_count)
     }
 
+    /// Figures of the cells, as a part of a grid.
+    pub(crate) fn tally(&self) -> PartTally {
+        let Some(sample) = self.samples.first() else { return PartTally::default() };
+        let SubpixelView { view, screen_vertices, extent, source, .. } = sample;
+        let caster = match source {
+            SegmentSource::RayCast(caster) => Some(caster),
+            _ => None,
+        };
+        let faces = self.cells.faces.as_ref();
+        ray_caster::tally(&self.cells, faces, (view, screen_vertices), (extent, self.policy), caster)
+    }
+
     /// Projects the cells for one more sample of every pixel. `attributes`: at least those that the first was projected with.
     pub(crate) fn sample(
         &self,
@@ -74,6 +87,7 @@ pub(crate) fn cells_of_region(max_resident_cells: usize) -> usize {
 #[derive(Debug)]
 pub(crate) struct SubpixelView {
     pub view: View,
+    extent: ScreenExtent,
     screen_vertices: Arc<Vec<ScreenVertex>>,
     pub source: SegmentSource,
     buffers: Arc<BufferPool>,
@@ -118,8 +132,11 @@ impl SubpixelView {
             Some((of_camera, vertices)) if of_camera == camera && offset == [0.0; 2] => vertices.clone(),
             _ => Arc::new(view.project(&grid.points).0),
         };
-        let depths = vertices.par_iter().with_min_len(1 << 14).map(|vertex| vertex.z);
-        let nearest = depths.reduce(|| f64::INFINITY, f64::min);
+        let extent = match &cells.whole {
+            Some(whole) => ScreenExtent::of_whole(whole.view, &view),
+            None => ScreenExtent::new(&vertices[..grid.drawn_points().min(vertices.len())]),
+        };
+        let nearest = extent.near;
         let distance_origin = nearest.max(view.near).max(0.0);
         let input = Input {
             view: &view,
@@ -132,7 +149,7 @@ impl SubpixelView {
         };
 
         let faces = cells.faces.as_ref();
-        let source = match faces.and_then(|faces| RayCaster::new(cells, faces, &input, policy)) {
+        let source = match faces.and_then(|faces| RayCaster::new(cells, faces, &input, (&extent, policy))) {
             Some(caster) => SegmentSource::RayCast(caster),
             None => SegmentSource::new(cells, &input, cells.max_resident_cells)?,
         };
@@ -145,6 +162,7 @@ impl SubpixelView {
         });
         Ok(SubpixelView {
             view,
+            extent,
             screen_vertices: vertices,
             source,
             buffers: cells.buffers.clone(),

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
+use voltet_optics::scene_parts::SceneExtent;
 use voltet_optics::shading::Ordering;
 use voltet_simd::LaneSet;
 
@@ -69,6 +70,10 @@ pub struct CellSelection {
     pub(crate) ranges: [[f64; 2]; 2],
     /// Largest component of ∇s over the grid; 0 where there is no gradient.
     pub(crate) max_gradient: f64,
+    /// True to cast rays wherever that is possible, also where the boundary is large or it does not pay: by the choice for a whole grid.
+    pub(crate) casts_rays: bool,
+    /// Extent of the whole grid, of which the volume is a part.
+    pub(crate) whole: Option<Arc<SceneExtent>>,
 }
 
 impl CellSelection {

@@ -95,10 +95,7 @@ pub(crate) const EDGE_ON_COLUMN_DISTANCE: f32 = 1.0 / (1 << 15) as f32;
 /// Fraction of the product of its edges below which a tetrahedron's volume is rounding alone: no ray enters it.
 pub(crate) const FLAT_CELL: f64 = 1e-12;
 
-/// Height of a tetrahedron over each of its faces by its longest edge below which it is thin.
-pub(crate) const THIN_CELL: f64 = 1e-3;
-
-/// Optical depth over the longest thin cell, at the densest place: rounding moves a face by some 1e-7 of the cell's size.
+/// Optical depth over the longest thin cell ([`voltet_core::grid::extent::longest_edges`]), at the densest place: rounding moves a face by some 1e-7 of the cell's size.
 pub(crate) const MAX_THIN_CELL_DEPTH: f64 = 4e3;
 
 /// Depth of the farthest point by that of the nearest up to which depths are told apart by their inverse.

@@ -39,15 +39,6 @@ impl Supersegment {
             false => self.entry > other.entry,
         }
     }
-
-    /// Composites a stretch behind this one, and extends it to the other's end.
-    fn take_behind(&mut self, behind: &Supersegment) {
-        let transmittance = 1.0 - f64::from(self.rgba[3]);
-        for (front, behind) in self.rgba.iter_mut().zip(behind.rgba) {
-            *front = transmittance.mul_add(f64::from(behind), f64::from(*front)) as f32;
-        }
-        self.exit = self.exit.max(behind.exit);
-    }
 }
 
 /// Supersegments of the rays of one sample a pixel, front to back.
@@ -246,6 +237,13 @@ impl VolumetricDepthImage {
         pixels.into_par_iter().filter(is_overlapping).count() as u64
     }
 
+    /// Pixels with a stretch.
+    pub fn covered_pixels(&self) -> u64 {
+        let is_covered =
+            |pixel: &usize| self.samples.iter().any(|sample| !sample.of_pixel(*pixel).is_empty());
+        (0..self.size[0] * self.size[1]).into_par_iter().filter(is_covered).count() as u64
+    }
+
     /// Number of stretches of all samples.
     pub fn stretch_count(&self) -> u64 {
         self.samples.iter().map(|sample| sample.stretches.len() as u64).sum()
@@ -314,16 +312,37 @@ pub fn sort_and_join(stretches: &mut Vec<Supersegment>, events: &[RayEvent], res
             to -= 1;
         }
     }
-    stretches.dedup_by(|behind, front| {
-        // Those that overlap stay, to be counted.
-        let is_apart = (behind.entry - front.exit).abs() > resolution;
-        let between = front.middle()..=behind.middle();
-        if is_apart || surfaces(events).any(|(depth, _)| between.contains(&depth)) {
-            return false;
+    // Colours of the stretch at hand, which are rounded when it ends.
+    let mut sum = [0.0; 4];
+    let mut kept = 0;
+    for next in 0..stretches.len() {
+        let behind = stretches[next];
+        if next > 0 {
+            let front = &mut stretches[kept];
+            // Those that overlap stay, to be counted.
+            let is_apart = (behind.entry - front.exit).abs() > resolution;
+            let between = front.middle()..=behind.middle();
+            if !is_apart && !surfaces(events).any(|(depth, _)| between.contains(&depth)) {
+                composite_behind(&mut sum, behind.rgba);
+                front.exit = front.exit.max(behind.exit);
+                continue;
+            }
+            front.rgba = sum.map(|value| value as f32);
+            kept += 1;
         }
-        front.take_behind(behind);
-        true
-    });
+        sum = behind.rgba.map(f64::from);
+        stretches[kept] = behind;
+    }
+    if let Some(last) = stretches.get_mut(kept) {
+        last.rgba = sum.map(|value| value as f32);
+    }
+    stretches.truncate(kept + 1);
+}
+
+/// Composites a layer behind others.
+fn composite_behind(sum: &mut [f64; 4], rgba: [f32; 4]) {
+    let transmittance = 1.0 - sum[3];
+    sum.iter_mut().zip(rgba).for_each(|(sum, value)| *sum += transmittance * f64::from(value));
 }
 
 /// The stretches of two parts along a ray, in order, joined.
@@ -345,10 +364,7 @@ fn merged(
 /// Colour and opacity of a ray.
 fn composited(stretches: &[Supersegment], events: &[RayEvent]) -> [f64; 4] {
     let mut sum = [0.0; 4];
-    let mut take = |rgba: [f32; 4]| {
-        let transmittance = 1.0 - sum[3];
-        sum.iter_mut().zip(rgba).for_each(|(sum, value)| *sum += transmittance * f64::from(value));
-    };
+    let mut take = |rgba: [f32; 4]| composite_behind(&mut sum, rgba);
     let mut surfaces = surfaces(events).peekable();
     for stretch in stretches {
         while let Some((_, rgba)) = surfaces.next_if(|(depth, _)| *depth <= stretch.middle()) {

@@ -5,6 +5,7 @@
 
 use crate::depth_image::VolumetricDepthImage;
 use crate::scene::Scene;
+use crate::scene_parts::{PartTally, SceneChoices, SceneExtent};
 use crate::shading::{Ordering, Shading};
 use std::any::Any;
 use std::sync::Arc;
@@ -12,7 +13,7 @@ use voltet_core::diagnostics::Diagnostics;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::TransferFunction;
-use voltet_core::volume::{Volume, VolumeExtent};
+use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 
 /// Description of an engine before it is opened.
@@ -142,10 +143,27 @@ pub trait Engine: Any + Send + Sync {
     /// Takes in a volume: what frames of it share is made once. Errors: what the device cannot hold.
     fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn PreparedVolume>>;
 
-    /// Takes in a part of a volume that has this extent, to be drawn by itself ([`RenderOptions::part`]). Errors: those of
-    /// [`Engine::prepare`]; an engine without [`EngineInfo::draws_parts`].
-    fn prepare_part(&self, _volume: &Arc<Volume>, _whole: &VolumeExtent) -> Result<Arc<dyn PreparedVolume>> {
+    /// Takes in a part of a volume, to be drawn by itself ([`RenderOptions::part`]) as a part of the grid that has this extent, by
+    /// these choices. Errors: those of [`Engine::prepare`]; an engine without [`EngineInfo::draws_parts`].
+    fn prepare_part(
+        &self,
+        _volume: &Arc<Volume>,
+        _whole: &SceneExtent,
+        _choices: &SceneChoices,
+    ) -> Result<Arc<dyn PreparedVolume>> {
         Err(Error::run("the engine draws whole grids").got("a part of a grid").expected("another engine"))
+    }
+
+    /// The choices for a whole grid of this extent, whose parts have this tally together and so many faces at the boundary of the
+    /// selected cells. Errors: an extent beyond 64-bit floats.
+    fn choices(
+        &self,
+        _whole: &SceneExtent,
+        _transfer_function: &TransferFunction,
+        _tally: &PartTally,
+        _boundary_faces: f64,
+    ) -> Result<SceneChoices> {
+        Ok(SceneChoices::default())
     }
 }
 
@@ -256,8 +274,8 @@ pub struct RenderOutput {
     pub is_preview: bool,
     /// Further diagnostics: counts of this engine alone, skipped work, warnings.
     pub notes: Diagnostics,
-    /// The volumetric depth image of a part ([`RenderOptions::part`]).
-    pub depth_image: Option<VolumetricDepthImage>,
+    /// The volumetric depth image of a part, with figures of its cells ([`RenderOptions::part`]).
+    pub part: Option<(VolumetricDepthImage, PartTally)>,
 }
 
 impl RenderOutput {
@@ -269,7 +287,7 @@ impl RenderOutput {
             stages,
             is_preview: false,
             notes: Diagnostics::default(),
-            depth_image: None,
+            part: None,
         }
     }
 }

@@ -16,6 +16,7 @@ pub mod overlap;
 pub mod quadrature;
 pub mod ray_events;
 pub mod scene;
+pub mod scene_parts;
 pub mod shading;
 pub mod special;
 pub mod trace;

@@ -103,16 +103,15 @@ pub trait Float:
     fn mul_add(self, b: Self, c: Self) -> Self;
     /// True if [`mul_add`](Self::mul_add) is fused.
     const FUSED: bool = true;
-    /// self × b − c × d, to the last digits also where the products nearly cancel: two products of which the rounding of one is made good
-    /// (Kahan; Jeannerod, Louvet and Muller 2013).
+    /// self × b − c × d, to the last digits also where the products nearly cancel: two products whose roundings are made good (as Kahan's;
+    /// Jeannerod, Louvet and Muller 2013). Exchanged products give the same number with the opposite sign.
     #[inline(always)]
     fn difference_of_products(self, b: Self, c: Self, d: Self) -> Self {
         if !Self::FUSED {
             return unfused_difference_of_products(self, b, c, d);
         }
-        let product = c * d;
-        let rest = c.mul_add(d, -product);
-        self.mul_add(b, -product) - rest
+        let (one, other) = (self * b, c * d);
+        (one - other) + (self.mul_add(b, -one) - c.mul_add(d, -other))
     }
     /// The smaller lane; the second operand where either is NaN.
     #[inline(always)]

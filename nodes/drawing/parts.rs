@@ -3,19 +3,20 @@
 use super::engines::{AUTO, ENGINE, ENGINES, NATIVE};
 use super::scene::{check_engine, clips, order, shading};
 use super::{engines::OpenEngines, note};
-use glam::DVec3;
+use serde_json::json;
 use std::sync::Arc;
 use voltet_core::camera::Camera;
 use voltet_core::picture::Picture;
 use voltet_core::progress::refuse_beyond_memory;
 use voltet_core::transfer::TransferFunction;
-use voltet_core::volume::VolumeExtent;
+use voltet_core::volume::Volume;
 use voltet_core::{Error, Result, counted};
 use voltet_graph::{Outputs, RunContext, Value};
 use voltet_optics::depth_image::{Supersegment, VolumetricDepthImage};
-use voltet_optics::engine::{AdapterRequest, EngineInfo, RenderOptions};
+use voltet_optics::engine::{AdapterRequest, Engine, EngineInfo, RenderOptions};
 use voltet_optics::ray_events::{RayEventSource, RayEvents};
 use voltet_optics::scene::Scene;
+use voltet_optics::scene_parts::{PartTally, SceneChoices, SceneExtent, outer_faces};
 use voltet_optics::shading::{Shading, VisibilityOrder};
 
 /// Memory of a stretch of a ray (bytes).
@@ -27,8 +28,8 @@ pub fn draw_parts(call: &mut RunContext) -> Result<Outputs> {
     let look = call.look("transfer_function")?;
     let shading = shading(call.parameters)?;
     refuse(call, &look.transfer_function, &shading)?;
-    let whole = extent_of_parts(call)?;
-    let diagonal = voltet_graph::diagonal(whole.bounds);
+    let whole = extent_of_parts(call, &look.transfer_function.fields(), &camera)?;
+    let diagonal = voltet_graph::diagonal(whole.volume.bounds);
     if look.auto_unit_distance {
         call.set_diagonal(diagonal);
     }
@@ -36,34 +37,28 @@ pub fn draw_parts(call: &mut RunContext) -> Result<Outputs> {
     let surfaces = call.surfaces("surfaces")?;
     let clips = clips(call.parameters)?;
     let events = surface_events(RayEventSource::new(&surfaces, &[], &camera)?, &camera, call)?;
-    let size = camera.size.map(|n| n as usize);
-    let mut image = VolumetricDepthImage::empty(size, camera.sample_offsets().len());
     let opened = call.keep_for_session(|| Ok(OpenEngines::default()))?;
     let engine = opened.open(NATIVE, &AdapterRequest::default())?;
-    call.each_part(&mut |call| {
-        let scene = Scene {
-            volume: call.volume("volume")?,
-            transfer_function: transfer_function.clone(),
-            camera,
-            shading,
-            order: VisibilityOrder::Exact,
-            surfaces: surfaces.clone(),
-            clips: clips.clone(),
-        };
-        let manner = RenderOptions { part: true, exhaustive: call.exhaustive(), ..RenderOptions::default() };
-        let drawn = call.stage("draw", |progress| {
-            engine.prepare_part(&scene.volume, &whole)?.draw(&scene, &manner, progress)
-        })?;
-        call.notes.counts.insert("cells_total", scene.volume.grid.tetrahedra.len() as u64);
-        call.notes.add(drawn.notes);
-        note(call, &drawn.counts);
-        let own = drawn.depth_image.ok_or_else(|| Error::run("the engine drew no volumetric depth image"))?;
-        // Both and what they become.
-        let bytes = 2 * (image.stretch_count() + own.stretch_count()) * STRETCH_BYTES;
-        refuse_beyond_memory(call.progress(), || "the stretches of rays in parts of the grid".into(), bytes)?;
-        image = call.stage("merge", |_| image.merged(&own, &events))?;
-        Ok(())
-    })?;
+    let scene_of = |volume: Arc<Volume>| Scene {
+        volume,
+        transfer_function: transfer_function.clone(),
+        camera,
+        shading,
+        order: VisibilityOrder::Exact,
+        surfaces: surfaces.clone(),
+        clips: clips.clone(),
+    };
+    let mut choices = SceneChoices::default();
+    let before = call.notes.clone();
+    let image = loop {
+        let (image, tally) = draw_each(call, &*engine, (&whole, &choices), &scene_of, &events)?;
+        let (tally, boundary_faces) = tally_of_all(call, tally)?;
+        let decided = engine.choices(&whole, &transfer_function, &tally, boundary_faces)?;
+        if choices.serves(&decided, &tally) {
+            break image;
+        }
+        (choices, call.notes) = (decided, before.clone());
+    };
     call.notes.counts.insert("ray_stretches", image.stretch_count());
     call.notes.engine = Some((NATIVE.name.into(), "it draws grids in parts".into()));
     call.notes.adapter = Some(engine.adapter());
@@ -74,7 +69,7 @@ pub fn draw_parts(call: &mut RunContext) -> Result<Outputs> {
             counted(overlapping, "pixel")
         ));
     }
-    if picture.rgba.iter().all(|pixel| *pixel == [0.0; 4]) {
+    if call.ranks().rank() == 0 && picture.rgba.iter().all(|pixel| *pixel == [0.0; 4]) {
         call.notes.warnings.push("the picture is empty: no widget reaches a cell in view".into());
     }
     Ok(vec![Value::Image(Arc::new(picture))])
@@ -118,35 +113,87 @@ fn refuse(call: &RunContext, transfer_function: &TransferFunction, shading: &Sha
     check_engine(NATIVE, p, transfer_function, shading)
 }
 
-/// The extent of the whole grid.
-fn extent_of_parts(call: &mut RunContext) -> Result<VolumeExtent> {
-    let mut whole: Option<VolumeExtent> = None;
+/// Draws each part by itself: their image, and figures of their cells.
+fn draw_each(
+    call: &mut RunContext,
+    engine: &dyn Engine,
+    (whole, choices): (&SceneExtent, &SceneChoices),
+    scene_of: &dyn Fn(Arc<Volume>) -> Scene,
+    events: &[RayEvents],
+) -> Result<(VolumetricDepthImage, PartTally)> {
+    let camera = *call.camera("camera")?;
+    let size = camera.size.map(|n| n as usize);
+    let mut image = VolumetricDepthImage::empty(size, camera.sample_offsets().len());
+    let mut tally = PartTally::default();
     call.each_part(&mut |call| {
-        let own = VolumeExtent::from_volume(&*call.volume("volume")?);
-        whole = Some(whole.take().map_or(own, |whole| whole.joined(&own)));
+        let scene = scene_of(call.volume("volume")?);
+        let manner = RenderOptions { part: true, exhaustive: call.exhaustive(), ..RenderOptions::default() };
+        let drawn = call.stage("draw", |progress| {
+            engine.prepare_part(&scene.volume, whole, choices)?.draw(&scene, &manner, progress)
+        })?;
+        call.notes.counts.insert("cells_total", scene.volume.grid.tetrahedra.len() as u64);
+        call.notes.add(drawn.notes);
+        note(call, &drawn.counts);
+        let (own, figures) =
+            drawn.part.ok_or_else(|| Error::run("the engine drew no volumetric depth image"))?;
+        // Both and what they become.
+        let bytes = 2 * (image.stretch_count() + own.stretch_count()) * STRETCH_BYTES;
+        refuse_beyond_memory(call.progress(), || "the stretches of rays in parts of the grid".into(), bytes)?;
+        image = call.stage("merge", |_| image.merged(&own, events))?;
+        tally.add(figures);
         Ok(())
     })?;
-    let of_all = call.gather(&whole.map_or(Vec::new(), |own| to_numbers(&own)))?;
-    let of_all = of_all.iter().filter_map(|own| from_numbers(own));
-    Ok(of_all.reduce(|whole, own| whole.joined(&own)).unwrap_or_default())
+    Ok((image, tally))
 }
 
-/// An extent as numbers that other processes are sent.
-fn to_numbers(extent: &VolumeExtent) -> Vec<f64> {
-    let bounds =
-        extent.bounds.map_or([f64::NAN; 6].to_vec(), |ends| ends.map(|place| place.to_array()).concat());
-    [bounds, extent.ranges.concat(), vec![extent.max_gradient]].concat()
+/// The extent of the scene's whole grid.
+fn extent_of_parts(call: &mut RunContext, fields: &[&str], camera: &Camera) -> Result<SceneExtent> {
+    let mut whole: Option<SceneExtent> = None;
+    call.each_part(&mut |call| {
+        let own = SceneExtent::of_part(&*call.volume("volume")?, fields, camera)?;
+        whole = Some(whole.take().map_or_else(|| own.clone(), |whole| whole.joined(&own)));
+        Ok(())
+    })?;
+    let own = whole.map_or(Vec::new(), |own| own.to_numbers());
+    let mut of_all: Option<SceneExtent> = None;
+    for numbers in call.gather(&own)? {
+        let own = SceneExtent::from_numbers(&numbers)?;
+        of_all = match (of_all, own) {
+            (Some(all), Some(own)) => Some(all.joined(&own)),
+            (all, own) => all.or(own),
+        };
+    }
+    of_all.ok_or_else(|| Error::run("no process has a part of the grid"))
 }
 
-/// The extent that [`to_numbers`] made numbers of; `None` of a process without cells.
-fn from_numbers(numbers: &[f64]) -> Option<VolumeExtent> {
-    let &[a, b, c, d, e, f, s_low, s_high, g_low, g_high, max_gradient] = numbers else { return None };
-    let bounds = (!a.is_nan()).then(|| [DVec3::new(a, b, c), DVec3::new(d, e, f)]);
-    Some(VolumeExtent { bounds, ranges: [[s_low, s_high], [g_low, g_high]], max_gradient })
+/// The figures of the cells of all processes, and the number of faces at the boundary of the cells of all.
+fn tally_of_all(call: &RunContext, mut own: PartTally) -> Result<(PartTally, f64)> {
+    let count = call.ranks().count();
+    let mut to_each: Vec<Vec<u8>> = vec![Vec::new(); count];
+    for key in std::mem::take(&mut own.boundary) {
+        to_each[(key % count as u64) as usize].extend(key.to_le_bytes());
+    }
+    let keys = call.ranks().exchange(to_each)?;
+    let keys = keys.iter().flat_map(|bytes| bytes.as_chunks::<8>().0).map(|key| u64::from_le_bytes(*key));
+    let faces = outer_faces(keys.collect()) as f64;
+    let flags = own.methods.iter().chain(&own.active_widgets).map(|flag| f64::from(u8::from(*flag)));
+    let numbers: Vec<f64> = [own.covered_pixels, own.cells, faces].into_iter().chain(flags).collect();
+    let (mut all, mut all_faces) = (PartTally::default(), 0.0);
+    for numbers in call.gather(&numbers)? {
+        let [covered_pixels, cells, faces, cast, projected, ref active @ ..] = numbers[..] else {
+            return Err(Error::run("another process sent broken figures").got(numbers.len()));
+        };
+        let active_widgets = active.iter().map(|flag| *flag > 0.0).collect();
+        let methods = [cast > 0.0, projected > 0.0];
+        all.add(PartTally { covered_pixels, cells, active_widgets, methods, ..PartTally::default() });
+        all_faces += faces;
+    }
+    Ok((all, all_faces))
 }
 
-/// The picture of the parts of all processes, on each of them. Each puts together some of the rows, of which the others send it theirs
-/// (direct send: Hsu 1993, "Segmented ray casting for data parallel volume rendering").
+/// The picture of the parts of all processes, on the first of them, and the number of pixels in which parts overlap; on the others it is
+/// transparent. Each puts together some of the rows, of which the others send it theirs (direct send: Hsu 1993, "Segmented ray casting for
+/// data parallel volume rendering").
 fn picture_of_all(
     call: &mut RunContext,
     image: &VolumetricDepthImage,
@@ -164,36 +211,47 @@ fn picture_of_all(
         false => Ok(image.rows(rows(rank))?.to_bytes()),
     };
     let to_each = (0..count).map(message).collect::<Result<Vec<_>>>()?;
-    let bytes = |all: &[Vec<u8>]| {
-        let sent = all.iter().enumerate().filter(|(rank, _)| *rank != own_rank);
-        sent.map(|(_, bytes)| bytes.len() as u64).sum::<u64>()
-    };
-    let mut sent = bytes(&to_each);
+    let mut sent = to_each.iter().map(|bytes| bytes.len() as u64).sum::<u64>();
     let mut own = image.rows(rows(own_rank))?;
     for (rank, bytes) in call.ranks().exchange(to_each)?.iter().enumerate() {
         if rank != own_rank {
             own = own.merged(&VolumetricDepthImage::from_bytes(bytes)?, events)?;
         }
     }
-    let overlapping = call.gather(&[own.overlapping_pixels() as f64])?.iter().flatten().sum::<f64>() as u64;
+    let mut to_each = vec![Vec::new(); count];
     let pixels = own.picture(events).rgba;
-    let own_bytes: Vec<u8> = pixels.as_flattened().iter().flat_map(|value| value.to_le_bytes()).collect();
-    let to_each = vec![own_bytes; count];
-    sent += bytes(&to_each);
-    let mut picture = Picture { width, height, rgba: Vec::with_capacity(width * height) };
-    for (rank, bytes) in call.ranks().exchange(to_each)?.iter().enumerate() {
+    to_each[0] = pixels.as_flattened().iter().flat_map(|value| value.to_le_bytes()).collect();
+    // Colour and opacity of each pixel that a process touches must leave it somehow.
+    let pixel_bytes = size_of::<[f32; 4]>() as u64;
+    let mut least = 0;
+    if own_rank > 0 {
+        sent += to_each[0].len() as u64;
+        least = image.covered_pixels() * pixel_bytes;
+    }
+    let figures = [own.overlapping_pixels(), sent, least].map(|count| count as f64);
+    let figures = call.gather(&figures)?;
+    let sum = |k: usize| figures.iter().filter_map(|own| own.get(k)).sum::<f64>();
+    let mut picture = Picture::transparent(width, height);
+    for (rank, bytes) in call.ranks().exchange(to_each)?.iter().enumerate().filter(|_| own_rank == 0) {
         let (pixels, rest) = bytes.as_chunks::<16>();
-        if pixels.len() != width * rows(rank).len() || !rest.is_empty() {
+        let own = &mut picture.rgba[width * rows(rank).start..width * rows(rank).end];
+        if pixels.len() != own.len() || !rest.is_empty() {
             return Err(Error::run("another process sent a broken part of the picture").got(bytes.len()));
         }
-        let pixel = |bytes: &[u8; 16]| {
+        for (pixel, bytes) in own.iter_mut().zip(pixels) {
             let (values, _) = bytes.as_chunks::<4>();
-            [0, 1, 2, 3].map(|k: usize| f32::from_le_bytes(values[k]))
-        };
-        picture.rgba.extend(pixels.iter().map(pixel));
+            *pixel = [0, 1, 2, 3].map(|k: usize| f32::from_le_bytes(values[k]));
+        }
+    }
+    if own_rank == 0 {
+        let a_pixel = [1, 2].map(|k| (sum(k) / (width * height) as f64 * 10.0).round() / 10.0);
+        let what =
+            format!("{} bytes sent a pixel, of which any method sends {} or more", a_pixel[0], a_pixel[1]);
+        call.notes.find(what, json!({ "bytes_a_pixel": { "sent": a_pixel[0], "least": a_pixel[1] } }));
     }
     call.notes.counts.insert("bytes_sent", sent);
-    Ok((picture, overlapping))
+    call.notes.counts.insert("bytes_sent_least", least);
+    Ok((picture, sum(0) as u64))
 }
 
 /// The surfaces along the rays of each sample; none where there are no surfaces.

@@ -4,7 +4,9 @@ use crate::reader;
 use std::path::{Path, PathBuf};
 use voltet_core::Result;
 use voltet_core::reading::GridReader;
-use voltet_graph::{Node, Outputs, Parameter, Parameters, PlanContext, Preparation, Registry, RunContext};
+use voltet_graph::{
+    GridPart, Node, Outputs, Parameter, Parameters, PlanContext, Preparation, Registry, RunContext,
+};
 use voltet_io::formats::{Request, SelectedArrays};
 
 /// The parameters of the node `reader` that belong to some of its formats.
@@ -39,6 +41,9 @@ pub fn reader(reader: &'static dyn GridReader) -> &'static Node {
             reader::steps(preparation, chosen(preparation.parameters))
         }),
         files_beside: &|_, _| Vec::<PathBuf>::new(),
+        begin_parts: leak(move |call: &mut RunContext, own: &GridPart| -> Result<()> {
+            reader::begin_parts(call, own, chosen(call.parameters))
+        }),
         run: leak(move |call: &mut RunContext| -> Result<Outputs> {
             reader::run(call, chosen(call.parameters))
         }),

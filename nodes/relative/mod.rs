@@ -143,11 +143,14 @@ pub(crate) fn bounds(call: &mut RunContext) -> Result<Option<[DVec3; 2]>> {
 
 /// Bounds of a grid in parts.
 fn bounds_of_parts(call: &mut RunContext) -> Result<Option<[DVec3; 2]>> {
-    let mut bounds: Option<[DVec3; 2]> = None;
-    call.each_part(&mut |call| {
-        bounds = extent::joined(bounds, call.volume("volume")?.grid.bounds());
-        Ok(())
-    })?;
+    let known = call.known_bounds("volume")?;
+    let mut bounds = known.flatten();
+    if known.is_none() {
+        call.each_part(&mut |call| {
+            bounds = extent::joined(bounds, call.volume("volume")?.grid.bounds());
+            Ok(())
+        })?;
+    }
     let own = bounds.map_or(Vec::new(), |bounds| bounds.map(|place| place.to_array()).concat());
     let of_all = call.gather(&own)?;
     let bounds_of = |own: &Vec<f64>| Some([own.get(..3)?, own.get(3..)?].map(DVec3::from_slice));

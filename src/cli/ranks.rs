@@ -74,7 +74,9 @@ impl Launch {
     pub fn announce_failure(&self) {
         let (rank, count) = (self.ranks.rank(), self.ranks.count());
         if count > 1 && !self.is_announced.replace(true) {
-            std::thread::sleep(std::time::Duration::from_millis(300 * rank.min(10) as u64));
+            // As long as a launcher takes to end them.
+            let patience = if rank == 0 { 0 } else { 2000 + 300 * rank.min(10) as u64 };
+            std::thread::sleep(std::time::Duration::from_millis(patience));
             hold_back(false);
             say(&format!("rank {rank} of {count}{} fails:\n", host()));
         }

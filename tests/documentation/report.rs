@@ -123,6 +123,10 @@ const COUNTS: &[(&str, &str)] = &[
     ("arrays_decoded", "arrays that were read from the file"),
     ("arrays_written", "arrays of `grid-writer`"),
     ("bytes_sent", "bytes that processes sent each other for the picture"),
+    (
+        "bytes_sent_least",
+        "bytes of these that any method sends: colour and opacity of each pixel that a process beside the first touches",
+    ),
     ("bytes_uploaded", "bytes sent to the device"),
     ("cells_cast", "cells that rays go through from face to face"),
     ("cells_culled", "cells that no widget touches, or that lie out of view"),
@@ -136,6 +140,10 @@ const COUNTS: &[(&str, &str)] = &[
     ("gradients_computed", "gradient fields computed"),
     ("lines", "lines that tubes were made of"),
     ("percentiles_computed", "percentiles of numbers relative to data"),
+    (
+        "pieces_read",
+        "times that a piece of a file was read, by all processes together: for borders, ranges, and each round of drawing",
+    ),
     ("pixels_disordered", "pixels composited in an order that is not exact"),
     ("points_written", "points of `grid-writer`"),
     ("ray_stretches", "gapless stretches of rays that the parts of a grid left"),

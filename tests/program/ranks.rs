@@ -2,19 +2,29 @@
 
 use super::parts::SCENE;
 use super::support::Folder;
-use std::process::{Command, Output};
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
 use voltet_testing::files::pieces::write_pieces;
 
 /// Runs the program by so many processes.
 fn mpirun(folder: &Folder, count: usize, arguments: &[&str]) -> Output {
+    launcher(folder, count, arguments)
+        .output()
+        .expect("mpirun is installed where the program is built with MPI")
+}
+
+/// The launcher of so many processes of the program.
+fn launcher(folder: &Folder, count: usize, arguments: &[&str]) -> Command {
     let count = count.to_string();
     let program = folder.command(&[]).get_program().to_owned();
-    let mut launcher = Command::new("mpirun");
+    // `MPIRUN` names that of another MPI.
+    let mut launcher = Command::new(std::env::var_os("MPIRUN").unwrap_or_else(|| "mpirun".into()));
     // Names of Open MPI alone, which MPICH does not read.
     launcher.envs([("OMPI_ALLOW_RUN_AS_ROOT", "1"), ("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")]);
     launcher.env("OMPI_MCA_rmaps_base_oversubscribe", "1");
     launcher.args(["-n", &count]).arg(program).args(arguments).current_dir(folder.path());
-    launcher.output().expect("mpirun is installed where the program is built with MPI")
+    launcher
 }
 
 fn folder() -> Folder {
@@ -36,7 +46,7 @@ fn processes_draw_the_picture_of_one() {
         let all = folder.floats("all.exr").1;
         let differences = one.as_flattened().iter().zip(all.as_flattened()).map(|(a, b)| (a - b).abs());
         let largest = differences.fold(0.0, f32::max);
-        assert!(largest < 1e-5, "{count}: {largest:e}");
+        assert!(largest < 1e-6, "{count}: {largest:e}");
         assert!(folder.report("r.json")["counts"]["bytes_sent"].as_u64().unwrap() > 0);
         // One of them speaks.
         let lines = String::from_utf8(ran.stdout).unwrap();
@@ -55,4 +65,97 @@ fn a_process_that_fails_ends_all_and_says_why() {
     let said = String::from_utf8_lossy(&ran.stderr);
     assert!(said.contains("rank ") && said.contains("grid_3.vtu"), "{said}");
     assert!(!folder.join("all.exr").exists());
+}
+
+#[test]
+fn a_missing_piece_ends_all_with_its_name() {
+    let folder = folder();
+    std::fs::remove_file(folder.join("grid_4.vtu")).unwrap();
+    let ran = mpirun(&folder, 2, &["run", "scene.toml", "--output", "all.exr"]);
+    assert!(!ran.status.success());
+    let said = String::from_utf8_lossy(&ran.stderr);
+    assert!(said.contains("rank ") && said.contains("grid_4.vtu"), "{said}");
+    assert_eq!(said.matches(" fails:").count(), 1, "one process says it: {said}");
+}
+
+/// The time within which processes end of which one has ended.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// Waits for the end of a launcher, which is killed where it does not come.
+fn end_of(mut launcher: Child) -> Option<std::process::ExitStatus> {
+    let start = Instant::now();
+    while start.elapsed() < PATIENCE {
+        if let Some(status) = launcher.try_wait().unwrap() {
+            return Some(status);
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    launcher.kill().unwrap();
+    launcher.wait().unwrap();
+    None
+}
+
+/// The number of the process that runs as a rank in a folder.
+fn process_of(folder: &Path, rank: usize) -> Option<String> {
+    let names = [format!("OMPI_COMM_WORLD_RANK={rank}"), format!("PMI_RANK={rank}")];
+    std::fs::read_dir("/proc").unwrap().find_map(|entry| {
+        let entry = entry.unwrap();
+        let of_process = |name: &str| std::fs::read(entry.path().join(name)).ok();
+        let is_here = std::fs::read_link(entry.path().join("cwd")).ok()? == folder.canonicalize().ok()?;
+        let variables = of_process("environ")?;
+        let is_rank =
+            variables.split(|byte| *byte == 0).any(|own| names.iter().any(|name| own == name.as_bytes()));
+        let is_program = of_process("cmdline")?.split(|byte| *byte == 0).next()?.ends_with(b"voltet");
+        (is_here && is_rank && is_program).then(|| entry.file_name().into_string().ok())?
+    })
+}
+
+#[test]
+fn a_process_that_is_killed_ends_all_at_every_stage() {
+    let folder = folder();
+    // Each piece is read some times, and the picture takes long enough to be hit.
+    let arguments = ["run", "scene.toml", "--size", "600x500", "--output", "all.exr"];
+    let start = Instant::now();
+    assert!(mpirun(&folder, 2, &arguments).status.success());
+    let whole = start.elapsed();
+    std::fs::remove_file(folder.join("all.exr")).unwrap();
+    let mut killed = 0;
+    for (stage, rank) in (0..8).zip([0, 1].into_iter().cycle()) {
+        let mut command = launcher(&folder, 2, &arguments);
+        let child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        std::thread::sleep(whole * (2 * stage + 1) / 16);
+        let process = process_of(folder.path(), rank);
+        let was_killed = process.is_some_and(|process| {
+            Command::new("kill").args(["-KILL", &process]).stderr(Stdio::null()).status().unwrap().success()
+        });
+        let status =
+            end_of(child).unwrap_or_else(|| panic!("stage {stage}: the others wait for rank {rank}"));
+        killed += u32::from(was_killed && !status.success());
+        // What is there is whole.
+        if folder.join("all.exr").exists() {
+            assert_eq!(folder.floats("all.exr").1.len(), 600 * 500, "stage {stage}");
+            std::fs::remove_file(folder.join("all.exr")).unwrap();
+        }
+    }
+    assert!(killed >= 4, "of 8 processes {killed} were killed before they ended");
+}
+
+#[test]
+fn a_full_disk_ends_all_and_says_where() {
+    let folder = folder();
+    std::fs::create_dir(folder.join("full")).unwrap();
+    let script = "mount -t tmpfs -o size=4k none full && exec \"$@\"";
+    let mut command = Command::new("unshare");
+    command.args(["--mount", "--map-root-user", "sh", "-c", script, "sh"]);
+    let inner = launcher(&folder, 2, &["run", "scene.toml", "--size", "400x300", "--output", "full/all.exr"]);
+    command.arg(inner.get_program()).args(inner.get_args()).current_dir(folder.path());
+    command.envs(inner.get_envs().filter_map(|(name, value)| Some((name, value?))));
+    let ran = command.output().unwrap();
+    let said = String::from_utf8_lossy(&ran.stderr);
+    if said.contains("unshare") || said.contains("mount:") {
+        println!("SKIPPED: no file system can be mounted here ({})", said.lines().next().unwrap_or_default());
+        return;
+    }
+    assert!(!ran.status.success());
+    assert!(said.contains("rank 0 of 2") && said.contains("all.exr") && said.contains("No space"), "{said}");
 }

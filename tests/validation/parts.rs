@@ -7,11 +7,11 @@ use voltet_core::grid::whole_cells;
 use voltet_core::picture::Picture;
 use voltet_core::progress::NoProgress;
 use voltet_core::transfer::TransferFunction;
-use voltet_core::volume::VolumeExtent;
 use voltet_cpu::ENGINE;
 use voltet_optics::depth_image::VolumetricDepthImage;
 use voltet_optics::engine::{AdapterRequest, RenderOptions};
 use voltet_optics::scene::Scene;
+use voltet_optics::scene_parts::{PartTally, SceneChoices, SceneExtent, outer_faces};
 use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
 use voltet_testing::pictures::Engine;
 use voltet_testing::pictures::compare::{NamedScene, within};
@@ -23,11 +23,8 @@ pub struct ByParts;
 /// Number of parts; the last one has no cells where cells are dealt out in blocks.
 const PARTS: usize = 4;
 
-/// Difference of pictures of other partitions: rounding of some hundred layers.
-const SAME: f64 = 1e-5;
-
-/// The same where rays graze long cells at an angle of 0.002: what a part's points are rounded by on the screen depends on its extent.
-const GRAZING: (&str, f64) = ("cyclic above", 3e-4);
+/// Difference of any channel from the picture of the whole grid: rounding of sums of some hundred layers.
+const SAME: f64 = 1e-6;
 
 impl Engine for ByParts {
     fn picture(&self, named: &NamedScene, shading: &Shading) -> Option<Picture> {
@@ -38,8 +35,7 @@ impl Engine for ByParts {
             *shading,
             VisibilityOrder::Exact,
         );
-        let bound = if named.name == GRAZING.0 { GRAZING.1 } else { SAME };
-        Some(in_parts(&scene, bound))
+        Some(in_parts(&scene))
     }
 
     fn serves(&self, integrator: &Integrator, look: &TransferFunction) -> bool {
@@ -55,18 +51,25 @@ impl Engine for ByParts {
     }
 }
 
-/// The picture of cells in blocks, which is that of cells dealt out at random.
-fn in_parts(scene: &Scene, bound: f64) -> Picture {
+/// The picture of cells in blocks, which is that of cells dealt out at random, and that of the whole grid.
+fn in_parts(scene: &Scene) -> Picture {
     let count = scene.volume.grid.tetrahedra.len();
     let by_block = |cell: usize| cell * (PARTS - 1) / count;
     let at_random =
         |cell: usize| ((cell as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40) as usize % PARTS;
     let [blocks, dealt] = [draw(scene, by_block), draw(scene, at_random)].map(|drawn| drawn.expect("draws"));
-    // Tables extend to the largest values of the cells that are drawn with them.
-    if !scene.shading.integrator.has_table() {
-        within("cells dealt out", &dealt, &blocks, bound);
+    // Tables over lengths extend to the longest of the cells that are drawn with them.
+    if !scene.shading.integrator.has_table_of_lengths() {
+        let whole = drawn_whole(scene).expect("draws");
+        within("cells in blocks", &blocks, &whole, SAME);
+        within("cells dealt out", &dealt, &whole, SAME);
     }
     blocks
+}
+
+fn drawn_whole(scene: &Scene) -> Result<Picture> {
+    let volume = ENGINE.open(&AdapterRequest::default())?.prepare(&scene.volume)?;
+    Ok(volume.draw(scene, &RenderOptions::default(), &NoProgress)?.picture)
 }
 
 fn draw(scene: &Scene, part_of: impl Fn(usize) -> usize + Sync) -> Result<Picture> {
@@ -77,19 +80,40 @@ fn draw(scene: &Scene, part_of: impl Fn(usize) -> usize + Sync) -> Result<Pictur
         source.iter().flat_map(|source| offsets.iter().map(|offset| source.events(*offset, &NoProgress)));
     let events = events.collect::<Result<Vec<_>>>()?;
     let size = scene.camera.size.map(|n| n as usize);
-    let whole = VolumeExtent::from_volume(&scene.volume);
-    let mut all = VolumetricDepthImage::empty(size, offsets.len());
+    let mut parts = Vec::new();
     for part in 0..PARTS {
         let cells = whole_cells(&scene.volume.grid, |cell| part_of(cell) == part, &NoProgress)?;
-        if cells.tetrahedra.is_empty() {
-            continue;
+        if !cells.tetrahedra.is_empty() {
+            parts.push(Scene { volume: Arc::new(scene.volume.subset(&cells)), ..scene.clone() });
         }
-        let scene = Scene { volume: Arc::new(scene.volume.subset(&cells)), ..scene.clone() };
-        let manner = RenderOptions { part: true, ..RenderOptions::default() };
-        let drawn = engine.prepare_part(&scene.volume, &whole)?.draw(&scene, &manner, &NoProgress)?;
-        all = all.merged(&drawn.depth_image.expect("was asked for"), &events)?;
     }
-    Ok(all.picture(&events))
+    let fields = scene.transfer_function.fields();
+    let extents = parts.iter().map(|part| SceneExtent::of_part(&part.volume, &fields, &scene.camera));
+    let extents = extents.collect::<Result<Vec<_>>>()?;
+    let whole = extents.into_iter().reduce(|whole, own| whole.joined(&own)).expect("a part has cells");
+    let draw_by = |choices: &SceneChoices| -> Result<(Picture, PartTally)> {
+        let mut all = VolumetricDepthImage::empty(size, offsets.len());
+        let mut tally = PartTally::default();
+        for part in &parts {
+            let manner = RenderOptions { part: true, ..RenderOptions::default() };
+            let prepared = engine.prepare_part(&part.volume, &whole, choices)?;
+            let drawn = prepared.draw(part, &manner, &NoProgress)?;
+            let (image, own) = drawn.part.expect("was asked for");
+            all = all.merged(&image, &events)?;
+            tally.add(own);
+        }
+        Ok((all.picture(&events), tally))
+    };
+    let mut choices = SceneChoices::default();
+    loop {
+        let (picture, tally) = draw_by(&choices)?;
+        let faces = outer_faces(tally.boundary.clone()) as f64;
+        let decided = engine.choices(&whole, &scene.transfer_function, &tally, faces)?;
+        if choices.serves(&decided, &tally) {
+            return Ok(picture);
+        }
+        choices = decided;
+    }
 }
 
 voltet_testing::picture_tests!(crate::parts::ByParts);
@@ -98,7 +122,7 @@ macro_rules! surfaces {
     ($($name:ident),*) => {
         $(#[test]
         fn $name() {
-            surfaces::$name(&|scene| Some(in_parts(scene, SAME)));
+            surfaces::$name(&|scene| Some(in_parts(scene)));
         })*
     };
 }

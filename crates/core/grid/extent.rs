@@ -69,6 +69,29 @@ pub fn range(values: &[f64]) -> Option<[f64; 2]> {
     (low <= high).then_some([low, high])
 }
 
+/// Height of a tetrahedron over each of its faces by its longest edge below which it is thin.
+const THIN_CELL: f64 = 1e-3;
+
+/// The longest edge of all tetrahedra, and of those that are thin; 0 of none.
+pub fn longest_edges(points: &[DVec3], tetrahedra: &[[u32; 4]]) -> [f64; 2] {
+    let of_cell = |cell: &[u32; 4]| longest_edge(cell.map(|p| points[p as usize]));
+    let max = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].max(b[1])];
+    tetrahedra.par_iter().with_min_len(CHUNK).map(of_cell).reduce(|| [0.0; 2], max)
+}
+
+/// The longest edge of a tetrahedron, and again where it is thin, else 0.
+#[inline]
+pub fn longest_edge(corners: [DVec3; 4]) -> [f64; 2] {
+    let [a, b, c, d] = corners;
+    let [e, f, g] = [b - a, c - a, d - a];
+    let longest = longest_edge_squared(corners).sqrt();
+    // Twice the largest face.
+    let area = [e.cross(f), e.cross(g), f.cross(g), (c - b).cross(d - b)];
+    let area = area.into_iter().map(|normal| normal.length_squared()).fold(0.0, f64::max).sqrt();
+    let is_thin = e.dot(f.cross(g)).abs() < THIN_CELL * longest * area;
+    [longest, if is_thin { longest } else { 0.0 }]
+}
+
 /// Square of the longest edge of a tetrahedron.
 pub fn longest_edge_squared(corners: [DVec3; 4]) -> f64 {
     let edge = |i: usize, j: usize| corners[i].distance_squared(corners[j]);

@@ -1,4 +1,4 @@
-//! Edge functions, the side of an edge on which a ray passes, and perspective-correct barycentric interpolation with them.
+//! Edge functions, the side of an edge on which a ray passes, and the point at which it passes a face.
 
 use super::points::{Points, SPREAD_BITS};
 use crate::tolerances::MIN_CORNER_WEIGHT;
@@ -15,7 +15,7 @@ pub(super) fn moved_by_depth<L: Lanes>(depth: L::U, spread: L::U) -> L::U {
 }
 
 /// Edge function: twice the area of the triangle of two positions and the ray, positive where they turn clockwise about it on the
-/// screen. Exchanged positions give a number of the opposite sign, and 0 gives 0. Where the edge passes close by the ray, all digits of the
+/// screen. Exchanged positions give the same number with the opposite sign, and 0 gives 0. Where the edge passes close by the ray, all digits of the
 /// difference count.
 #[inline(always)]
 pub(super) fn edge_function<L: Lanes>(a: Offset<L>, b: Offset<L>) -> L::F {
@@ -44,46 +44,53 @@ pub(super) fn edges_inside<L: Lanes>(functions: [L::F; 3], edges: [[Offset<L>; 2
     (moved(sides.0, functions[0], e), moved(sides.1, functions[1], f), moved(sides.2, functions[2], g))
 }
 
-/// Barycentric weights of the corners of faces where rays pass them: each one's is the edge function of the other two.
-pub(super) struct Barycentric<L: Lanes> {
+/// Point at which a ray passes a face: barycentric weights of the corners (each one's is the edge function of the other two), and its depth.
+///
+/// It has the same bits whatever the order of the corners, and whichever of the face's two cells the ray is in: sums have two terms that are
+/// not 0, since depths and values are counted from the least of the corners, or begin with the smaller ones. So a segment does not depend on
+/// what else is drawn.
+pub(super) struct FacePoint<L: Lanes> {
     /// Perspective-correct weights.
     weights: [L::F; 3],
-    /// Reciprocals of the sums of weights on the screen and of the perspective-correct ones.
-    pub by_total: L::F,
+    /// Reciprocal of their sum.
     by_sum: L::F,
-    /// Σ weight × (depth − a depth), in steps.
-    pub above: L::F,
+    /// Depth (steps).
+    pub depth: L::U,
     /// Depth, scene lengths (perspective).
     pub distance: L::F,
 }
 
-impl<L: Lanes> Barycentric<L> {
-    /// Weights for corners at some depths; `near`: the corner depth that depths are counted from.
+impl<L: Lanes> FacePoint<L> {
+    /// The point for the edge functions of corners 0 and 1, 1 and 2, 2 and 0, none negative, and the depths of the corners.
     #[inline(always)]
-    pub fn new(points: &Points, functions: [L::F; 3], depth: [L::U; 3], near: L::U) -> Self {
-        let one = L::F::splat(1.0);
+    pub fn new(points: &Points, functions: [L::F; 3], depth: [L::U; 3]) -> Self {
+        let (one, half) = (L::F::splat(1.0), L::F::splat(0.5));
         let weights = [functions[1], functions[2], functions[0]];
-        let total = weights[0] + weights[1] + (weights[2] + L::F::splat(MIN_CORNER_WEIGHT));
-        let higher: [L::F; 3] = array!(|k| (depth[k] - near).to_float());
-        let above = weights[0].mul_add(higher[0], weights[1].mul_add(higher[1], weights[2] * higher[2]));
+        let [smaller, larger] = [weights[0].min(weights[1]), weights[0].max(weights[1])];
+        let sum_of_smaller = smaller + larger.min(weights[2]);
+        let total = sum_of_smaller + larger.max(weights[2]) + L::F::splat(MIN_CORNER_WEIGHT);
+        let nearest = depth[0].min(depth[1]).min(depth[2]);
+        let higher: [L::F; 3] = array!(|k| (depth[k] - nearest).to_float());
+        let above = weights[0] * higher[0] + weights[1] * higher[1] + weights[2] * higher[2];
+        let at = inlined!(|by_total: L::F| nearest + above.mul_add(by_total, half).to_unsigned());
         if !points.perspective {
             let by_total = one / total;
-            return Barycentric { weights, by_total, by_sum: by_total, above, distance: one };
+            return FacePoint { weights, by_sum: by_total, depth: at(by_total), distance: one };
         }
-        let (nearest, fall) = (L::F::splat(points.nearest), L::F::splat(-points.step));
-        let inverse = near.to_float().mul_add(fall, nearest);
+        let (first, fall) = (L::F::splat(points.nearest), L::F::splat(-points.step));
+        let inverse = nearest.to_float().mul_add(fall, first);
         let perspective: [L::F; 3] = array!(|k| weights[k] * higher[k].mul_add(fall, inverse));
         let sum = above.mul_add(fall, total * inverse);
         let by_both = one / (total * sum);
         let by_sum = by_both * total;
-        Barycentric { weights: perspective, by_total: by_both * sum, by_sum, above, distance: total * by_sum }
+        FacePoint { weights: perspective, by_sum, depth: at(by_both * sum), distance: total * by_sum }
     }
 
-    /// Interpolates values, counted from one of them: a constant stays what it is.
+    /// Interpolates values, counted from the least: a constant stays what it is.
     #[inline(always)]
-    pub fn interpolate(&self, values: [L::F; 3], from: L::F) -> L::F {
-        let [a, b, c] = array!(|k| values[k] - from);
-        let sum = self.weights[0].mul_add(a, self.weights[1].mul_add(b, self.weights[2] * c));
-        sum.mul_add(self.by_sum, from)
+    pub fn interpolate(&self, values: [L::F; 3]) -> L::F {
+        let least = values[0].min(values[1]).min(values[2]);
+        let [a, b, c]: [L::F; 3] = array!(|k| self.weights[k] * (values[k] - least));
+        (a + b + c).mul_add(self.by_sum, least)
     }
 }

@@ -1,10 +1,10 @@
 //! Faces that cells share: those of a volume, the half-faces of the cells that are drawn, and the cache that keeps both between pictures.
 
 use crate::cache::get_or_compute;
-use crate::tolerances::{FLAT_CELL, THIN_CELL};
+use crate::tolerances::FLAT_CELL;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
-use voltet_core::grid::{Grid, cells_of_faces};
+use voltet_core::grid::{Grid, cells_of_faces, extent};
 
 /// Cells at most: limited by the numbers of half-faces.
 pub(crate) const MAX_CELLS: usize = 1 << 27;
@@ -193,20 +193,14 @@ impl Mesh {
             let [a, b, c, d] = corners(cell);
             let [e, f, g] = [b - a, c - a, d - a];
             let volume = e.dot(f.cross(g));
-            let edges = [e, f, g, c - b, d - b, d - c].map(|edge| edge.length());
-            let side = if volume.abs() <= FLAT_CELL * edges[0] * edges[1] * edges[2] {
+            let side = if volume.abs() <= FLAT_CELL * e.length() * f.length() * g.length() {
                 Side::Flat
             } else if volume > 0.0 {
                 Side::Positive
             } else {
                 Side::Negative
             };
-            let longest = edges.into_iter().fold(0.0, f64::max);
-            // Twice the largest face.
-            let area = [e.cross(f), e.cross(g), f.cross(g), (c - b).cross(d - b)];
-            let area = area.into_iter().map(|normal| normal.length()).fold(0.0, f64::max);
-            let is_thin = volume.abs() < THIN_CELL * longest * area;
-            (side, [longest, if is_thin { longest } else { 0.0 }])
+            (side, extent::longest_edge([a, b, c, d]))
         };
         let max = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].max(b[1])];
         let parts: Vec<(Vec<Side>, [f64; 2])> = grid

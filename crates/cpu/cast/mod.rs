@@ -28,4 +28,5 @@ mod tests;
 pub(crate) mod traversal;
 
 pub(crate) use half_faces::{BYTES_PER_CELL, FaceCache, MAX_CELLS};
+pub(crate) use points::ScreenExtent;
 pub(crate) use ray_caster::{RayCastPolicy, RayCaster};

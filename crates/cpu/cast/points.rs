@@ -61,11 +61,29 @@ struct SpreadView {
     rounding: f64,
 }
 
-/// Extent of points on the screen: the largest |x| or |y|, least and greatest depth.
-pub(super) struct ScreenExtent {
+/// Extent of points on the screen: the largest |x| or |y|, least and greatest depth. It is a little wider than the points, and has the
+/// same bits whether it is found of all points of a grid or of those of its parts.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ScreenExtent {
     largest: f64,
-    near: f64,
+    pub near: f64,
     far: f64,
+}
+
+/// Binary digits that are left of the ends of an extent.
+const EXTENT_BITS: u32 = 16;
+
+/// Fraction of itself by which rounding may move an end, at most.
+const EXTENT_ROUNDING: f64 = 1e-12;
+
+/// The next number of few digits that is not below, whatever the rounding.
+fn coarse_above(x: f64) -> f64 {
+    if !x.is_finite() {
+        return x;
+    }
+    let rest = (1_u64 << (f64::MANTISSA_DIGITS - 1 - EXTENT_BITS)) - 1;
+    let bits = (x + EXTENT_ROUNDING * x.abs()).to_bits();
+    f64::from_bits(if x > 0.0 { (bits + rest) & !rest } else { bits & !rest })
 }
 
 impl ScreenExtent {
@@ -73,8 +91,18 @@ impl ScreenExtent {
         let none = || [0.0, f64::INFINITY, f64::NEG_INFINITY];
         let join = |a: [f64; 3], b: [f64; 3]| [a[0].max(b[0]), a[1].min(b[1]), a[2].max(b[2])];
         let of = |s: &ScreenVertex| [s.x.abs().max(s.y.abs()), s.z, s.z];
-        let [largest, near, far] = vertices.par_iter().with_min_len(CHUNK).map(of).reduce(none, join);
-        ScreenExtent { largest, near, far }
+        ScreenExtent::rounded(vertices.par_iter().with_min_len(CHUNK).map(of).reduce(none, join))
+    }
+
+    /// The extent of all points of a grid: their positions about the view axis (pixels), and depths (world units).
+    pub fn of_whole([across, down, depth]: [[f64; 2]; 3], view: &View) -> ScreenExtent {
+        let farthest = |[low, high]: [f64; 2], axis: f64| (low + axis).abs().max((high + axis).abs());
+        let largest = farthest(across, view.axis[0]).max(farthest(down, view.axis[1]));
+        ScreenExtent::rounded([largest, depth[0] / view.length, depth[1] / view.length])
+    }
+
+    fn rounded([largest, near, far]: [f64; 3]) -> ScreenExtent {
+        ScreenExtent { largest: coarse_above(largest), near: -coarse_above(-near), far: coarse_above(far) }
     }
 
     /// True if the near plane, or the eye, may cut cells.

@@ -1,8 +1,8 @@
 //! Ray caster, the acceleration structure of a picture; the boundary of the drawn cells, by which its rays enter and exit; and the cost
 //! model of casting rays against projecting cells.
 
-use super::edge_functions::{Offset, edge_function, edges_inside, moved_by_depth};
-use super::half_faces::{EXIT_FLAG, FaceCache, HalfFaces, MAX_CELLS};
+use super::edge_functions::{FacePoint, Offset, edge_function, edges_inside, moved_by_depth};
+use super::half_faces::{BoundaryFace, EXIT_FLAG, FaceCache, HalfFaces, MAX_CELLS};
 use super::points::{Points, ScreenExtent};
 use crate::fragments::batch::MAX_LANES;
 use crate::project::cells::Input;
@@ -11,8 +11,10 @@ use crate::tile::{Area, PIXELS, TILE, TileRect, tiles_of};
 use crate::tolerances::{BOUNDARY_SLACK, EYE_CUT, MAX_THIN_CELL_DEPTH};
 use crate::view::{ScreenVertex, View};
 use rayon::prelude::*;
+use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher};
 use std::sync::Arc;
 use voltet_core::transfer::TransferFunction;
+use voltet_optics::scene_parts::PartTally;
 use voltet_optics::shading::Ordering;
 use voltet_simd::{Float, Kernel, LaneSet, Lanes, Mask, Unsigned, array, dispatch, inlined, mask_of};
 
@@ -40,11 +42,10 @@ impl RayCaster {
         cells: &CellSelection,
         faces: &FaceCache,
         input: &Input<'_>,
-        policy: RayCastPolicy,
+        (extent, policy): (&ScreenExtent, RayCastPolicy),
     ) -> Option<RayCaster> {
         let Input { view, screen_vertices, tetrahedra, attributes, max_optical_depth, .. } = *input;
-        let extent = ScreenExtent::new(screen_vertices);
-        let drawn = if extent.is_cut(view) { &cells.ids } else { faces.drawn() };
+        let drawn = drawn(cells, faces, view, extent);
         let is_possible = cells.traversal != Traversal::Project
             && matches!(cells.ordering, Ordering::Independent | Ordering::PerPixel)
             && attributes.len() <= MAX_RAYCAST_ATTRIBUTES
@@ -54,21 +55,23 @@ impl RayCaster {
             return None;
         }
         let segments = covered_pixels(view, screen_vertices, tetrahedra, &cells.ids) / drawn.len() as f64;
-        if cells.traversal != Traversal::RayCast && !policy.pays(segments) {
+        if cells.traversal != Traversal::RayCast && !cells.casts_rays && !policy.pays(segments) {
             return None;
         }
         // Faces are found last: of a volume that takes longer than a frame.
         let grid = &cells.volume.grid;
         let mesh = faces.mesh(grid);
-        let [longest, longest_thin] = mesh.longest.map(|longest| longest / cells.length);
+        let longest_edges = cells.whole.as_ref().map_or(mesh.longest, |whole| whole.longest_edges);
+        let [longest, longest_thin] = longest_edges.map(|longest| longest / cells.length);
         if MAX_THIN_CELL_DEPTH < max_optical_depth * longest_thin {
             return None;
         }
         let half_faces = faces.half_faces(&mesh, grid, drawn);
-        if !policy.allows_boundary(half_faces.boundary.len(), drawn.len()) {
+        let allows_boundary = policy.allows_boundary(half_faces.boundary.len() as f64, drawn.len() as f64);
+        if !cells.casts_rays && !allows_boundary {
             return None;
         }
-        let points = Points::new(view, &grid.points, screen_vertices, &extent, longest, attributes)?;
+        let points = Points::new(view, &grid.points, screen_vertices, extent, longest, attributes)?;
         let corner = |point| points.corner(screen_vertices, &grid.points, point);
         let boundary = Boundary::new(&half_faces, corner, view.size);
         Some(RayCaster { half_faces, points, boundary })
@@ -83,6 +86,50 @@ impl RayCaster {
         queue.sort_by_key(|&tile| std::cmp::Reverse(count(tile as usize)));
         queue
     }
+}
+
+/// Figures of the selected cells, as those of a part of a grid. `caster`: that of the rays, where they are cast.
+pub(crate) fn tally(
+    cells: &CellSelection,
+    faces: Option<&FaceCache>,
+    (view, screen_vertices): (&View, &[ScreenVertex]),
+    (extent, policy): (&ScreenExtent, RayCastPolicy),
+    caster: Option<&RayCaster>,
+) -> PartTally {
+    let grid = &cells.volume.grid;
+    let drawn = faces.map_or(&cells.ids, |faces| drawn(cells, faces, view, extent));
+    let covered_pixels = covered_pixels(view, screen_vertices, &grid.tetrahedra, &cells.ids);
+    let methods = [caster.is_some(), caster.is_none() && !drawn.is_empty()];
+    // Where rays are not cast for the boundary alone, it is known.
+    let is_known = cells.traversal != Traversal::Project
+        && drawn.len() <= MAX_CELLS
+        && policy.pays(covered_pixels / drawn.len().max(1) as f64);
+    let half_faces = match (caster, faces) {
+        (Some(caster), _) => Some(caster.half_faces.clone()),
+        (None, Some(faces)) if is_known => Some(faces.half_faces(&faces.mesh(grid), grid, drawn)),
+        _ => None,
+    };
+    let key = |face: &BoundaryFace| {
+        let of_corner = |corner: u32| {
+            let hasher = BuildHasherDefault::<DefaultHasher>::default();
+            hasher.hash_one(grid.points[corner as usize].to_array().map(|x| (x + 0.0).to_bits()))
+        };
+        face.corners.map(of_corner).into_iter().fold(0, u64::wrapping_add)
+    };
+    let boundary = half_faces.map_or(Vec::new(), |half_faces| {
+        half_faces.boundary.par_iter().with_min_len(CHUNK).map(key).collect()
+    });
+    PartTally { covered_pixels, cells: drawn.len() as f64, boundary, methods, active_widgets: Vec::new() }
+}
+
+/// The cells that rays go through: those in widgets' supports, in view or not; where the near plane may cut cells, those in view.
+fn drawn<'a>(
+    cells: &'a CellSelection,
+    faces: &'a FaceCache,
+    view: &View,
+    extent: &ScreenExtent,
+) -> &'a Arc<Vec<u32>> {
+    if extent.is_cut(view) { &cells.ids } else { faces.drawn() }
 }
 
 /// Pixels that cells cover in front of the near plane, estimated from some of them. A tetrahedron covers half of the sum of its four faces.
@@ -144,8 +191,8 @@ impl RayCastPolicy {
     }
 
     /// True if the boundary is small enough.
-    pub fn allows_boundary(&self, faces: usize, cells: usize) -> bool {
-        faces as f64 <= self.max_boundary * (cells as f64)
+    pub fn allows_boundary(&self, faces: f64, cells: f64) -> bool {
+        faces <= self.max_boundary * cells
     }
 }
 
@@ -421,15 +468,9 @@ impl Kernel for FindHits<'_> {
                     if in_by == 0 {
                         continue;
                     }
-                    // Each corner's weight is the edge function of the other two. From the nearest corner, so that nothing is less than 0.
-                    let total =
-                        (functions[0] + functions[1] + functions[2]).max(L::F::splat(f32::MIN_POSITIVE));
-                    let nearest = corners[0][2].min(corners[1][2]).min(corners[2][2]);
-                    let farther = inlined!(|k: usize| L::F::splat((corners[k][2] - nearest) as f32));
-                    let above = functions[1]
-                        .mul_add(farther(0), functions[2].mul_add(farther(1), functions[0] * farther(2)));
+                    let depth = array!(|k| L::U::splat(corners[k][2]));
                     let mut depths = [0; MAX_LANES];
-                    (L::U::splat(nearest) + (above / total).to_unsigned()).store(&mut depths);
+                    FacePoint::<L>::new(points, functions.map(L::F::abs), depth).depth.store(&mut depths);
                     while in_by != 0 {
                         let lane = in_by.trailing_zeros() as usize;
                         unsorted.push(((first + lane) as u8, Entry { depth: depths[lane], face: number }));

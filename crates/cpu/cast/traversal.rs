@@ -1,6 +1,6 @@
 //! Traversal of ray packets through cells.
 
-use super::edge_functions::{Barycentric, Offset, edge_function, edges_inside, moved_by_depth};
+use super::edge_functions::{FacePoint, Offset, edge_function, edges_inside, moved_by_depth};
 use super::half_faces::{EXIT_FLAG, ROTATION_BITS};
 use super::packet::{MAX_TRAVERSAL_STEPS, PACKETS_IN_FLIGHT, PacketState, RayPacket, SLICES};
 use super::points::Points;
@@ -285,23 +285,18 @@ impl<'a, 'b, L: Lanes, const CUT: bool, const N: usize> PacketTraversal<'a, 'b, 
             L::F::select(without_2, fa, L::F::select(without_0, fc, state.functions[2])).abs(),
         ];
 
-        let weights = Barycentric::<L>::new(points, state.functions, state.depth, depth);
-        let mut steps = weights.above.mul_add(weights.by_total, (depth - state.at).to_float()).max(zero);
-        let at = state.at + (steps + L::F::splat(0.5)).to_unsigned();
-        let distance = weights.distance;
-        let mut out = [zero; N];
-        let mut a = 0;
-        while a < N {
-            out[a] = weights.interpolate(state.values[a], values[a]);
-            a += 1;
-        }
+        let point = FacePoint::<L>::new(points, state.functions, state.depth);
+        let FacePoint { depth: at, distance, .. } = point;
+        let out: [L::F; N] = array!(|a| point.interpolate(state.values[a]));
+        // Of a cell that the ray passes at an edge the second face may lie before the first by rounding.
+        let mut steps = (at - state.at).to_float().max(zero);
         let (mut begin, mut end) = (state.at, at);
         if CUT {
             let later = inlined!(|depth: L::U| depth + *near - depth.min(*near));
             (begin, end) = (later(begin), later(end));
             let is_cut = begin.equal(state.at).not();
             if is_cut.any() {
-                let left = weights.above.mul_add(weights.by_total, (depth - begin).to_float()).max(zero);
+                let left = (at - begin).to_float().max(zero);
                 let fraction = left / steps.max(L::F::splat(1.0));
                 steps = L::F::select(is_cut, left, steps);
                 let mut a = 0;
@@ -380,8 +375,7 @@ impl<'a, 'b, L: Lanes, const CUT: bool, const N: usize> PacketTraversal<'a, 'b, 
         let [a, b, c] = [corners[0].at, corners[1].at, corners[2].at];
         let functions =
             [edge_function::<L>(a, b).abs(), edge_function::<L>(b, c).abs(), edge_function::<L>(c, a).abs()];
-        let weights =
-            Barycentric::<L>::new(self.points, functions, array!(|k| corners[k].depth), corners[2].depth);
+        let point = FacePoint::<L>::new(self.points, functions, array!(|k| corners[k].depth));
         let entered = mask_of::<L>(rays);
         let state = &mut self.state;
         let mut k = 0;
@@ -400,12 +394,12 @@ impl<'a, 'b, L: Lanes, const CUT: bool, const N: usize> PacketTraversal<'a, 'b, 
         let mut a = 0;
         while a < N {
             let values = [corners[0].values[a], corners[1].values[a], corners[2].values[a]];
-            state.value[a] = L::F::select(entered, weights.interpolate(values, values[2]), state.value[a]);
+            state.value[a] = L::F::select(entered, point.interpolate(values), state.value[a]);
             a += 1;
         }
         self.records.ask::<L>(L::U::select(entered, half_face, self.records.index::<L>()));
         state.rotation = L::U::select(entered, L::U::splat(0), state.rotation);
         state.at = L::U::select(entered, at, state.at);
-        state.distance = L::F::select(entered, weights.distance, state.distance);
+        state.distance = L::F::select(entered, point.distance, state.distance);
     }
 }

@@ -14,11 +14,13 @@ pub(crate) struct TileAccumulator {
     /// Premultiplied colour and opacity.
     rgba: [[f32; PIXELS]; 4],
     transmittance: [f32; PIXELS],
+    /// Error of the transmittances by rounding: the product of thousands of numbers just below 1 is off by that much.
+    rest: [f32; PIXELS],
 }
 
 impl TileAccumulator {
     pub fn new() -> TileAccumulator {
-        TileAccumulator { rgba: [[0.0; PIXELS]; 4], transmittance: [1.0; PIXELS] }
+        TileAccumulator { rgba: [[0.0; PIXELS]; 4], transmittance: [1.0; PIXELS], rest: [0.0; PIXELS] }
     }
 
     /// Stores colour and opacity of all pixels.
@@ -123,13 +125,20 @@ impl Kernel for Add<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Add { sums, row, depths, opacities } = self;
-        let one = L::F::splat(1.0);
-        for at in (0..depths.len()).step_by(L::WIDTH) {
-            // Fragments of no length have no depth.
-            let sums = &mut sums[row * TILE + at % TILE..];
-            let (sum, more) = (L::F::load(sums), L::F::load(&depths[at..]));
-            let more = if opacities { (one - sum) * more } else { more };
-            (sum + more).store(sums);
+        let (zero, one) = (L::F::splat(0.0), L::F::splat(1.0));
+        for half in (0..TILE).step_by(L::WIDTH) {
+            let sums = &mut sums[row * TILE + half..];
+            let mut sum = if opacities { L::F::load(sums) } else { zero };
+            for at in (half..depths.len()).step_by(TILE) {
+                // Fragments of no length have no depth.
+                let more = L::F::load(&depths[at..]);
+                sum = sum + if opacities { (one - sum) * more } else { more };
+            }
+            if !opacities {
+                // Depths of the batch, rounded as the small numbers that they are.
+                sum = L::F::load(sums) + sum;
+            }
+            sum.store(sums);
         }
     }
 }
@@ -150,8 +159,10 @@ impl Kernel for Over<'_> {
         let (zero, one) = (L::F::splat(0.0), L::F::splat(1.0));
         for half in (0..TILE).step_by(L::WIDTH) {
             let first = row * TILE + half;
-            let mut sums: [L::F; 4] = array!(|c| L::F::load(&pixels.rgba[c][first..]));
+            // Sums of the batch, each rounded as the small number that it is.
+            let mut sums = [zero; 4];
             let mut transmittance = L::F::load(&pixels.transmittance[first..]);
+            let mut rest = L::F::load(&pixels.rest[first..]);
             let mut at = half;
             while at < columns[0].len() {
                 let mut layer: [L::F; 4] = array!(|c| L::F::load(&columns[c][at..]));
@@ -159,16 +170,25 @@ impl Kernel for Over<'_> {
                     let hit = zero.lt(L::F::load(&lengths[at..]));
                     layer = array!(|c| L::F::select(hit, layer[c], zero));
                 }
+                let visibility = transmittance + rest;
                 for (sum, layer) in sums.iter_mut().zip(layer) {
-                    *sum = transmittance.mul_add(layer, *sum);
+                    *sum = visibility.mul_add(layer, *sum);
                 }
-                transmittance = transmittance * (one - layer[3]);
+                // The product of T + rest and 1 − A, both with what their rounding takes.
+                let clear = one - layer[3];
+                let rounding = (one - clear) - layer[3];
+                let product = transmittance * clear;
+                let of_product = transmittance.mul_add(clear, -product);
+                rest = rest.mul_add(clear, transmittance.mul_add(rounding, of_product));
+                transmittance = product;
                 at += TILE;
             }
             for (column, sum) in pixels.rgba.iter_mut().zip(sums) {
-                sum.store(&mut column[first..]);
+                let column = &mut column[first..];
+                (L::F::load(column) + sum).store(column);
             }
             transmittance.store(&mut pixels.transmittance[first..]);
+            rest.store(&mut pixels.rest[first..]);
         }
     }
 }

@@ -21,6 +21,7 @@ use voltet_core::progress::Progress;
 use voltet_core::transfer::{Support, TransferFunction};
 use voltet_core::volume::{Volume, VolumeExtent};
 use voltet_core::{Error, Result};
+use voltet_optics::scene_parts::SceneExtent;
 use voltet_optics::shading::Ordering;
 use voltet_simd::LaneSet;
 
@@ -37,6 +38,8 @@ pub struct VolumeCache {
     length: f64,
     ranges: [[f64; 2]; 2],
     max_gradient: f64,
+    /// Extent of the whole grid, of which the volume is a part.
+    whole: Option<Arc<SceneExtent>>,
     blocks: Mutex<Option<Arc<Vec<Block>>>>,
     contributing: Mutex<Option<Arc<ContributingCells>>>,
     points: Mutex<Option<Arc<ProjectedPoints>>>,
@@ -66,17 +69,26 @@ impl ProjectedPoints {
 impl VolumeCache {
     /// Errors: an extent beyond 64-bit floats.
     pub fn new(volume: &Arc<Volume>) -> Result<VolumeCache> {
-        VolumeCache::of_part(volume, &VolumeExtent::from_volume(volume))
+        VolumeCache::with_extent(volume, &VolumeExtent::from_volume(volume), None)
     }
 
-    /// Cache of a part of a volume that has this extent: lengths and values are rounded as in the whole.
+    /// Cache of a part of the grid that has this extent: lengths and values are rounded as in the whole.
     ///
     /// Errors: an extent beyond 64-bit floats.
-    pub fn of_part(volume: &Arc<Volume>, whole: &VolumeExtent) -> Result<VolumeCache> {
+    pub fn of_part(volume: &Arc<Volume>, whole: &SceneExtent) -> Result<VolumeCache> {
+        VolumeCache::with_extent(volume, &whole.volume, Some(Arc::new(whole.clone())))
+    }
+
+    fn with_extent(
+        volume: &Arc<Volume>,
+        extent: &VolumeExtent,
+        whole: Option<Arc<SceneExtent>>,
+    ) -> Result<VolumeCache> {
         Ok(VolumeCache {
-            length: extent::scene_length(whole.bounds)?,
-            ranges: whole.ranges,
-            max_gradient: whole.max_gradient,
+            length: extent::scene_length(extent.bounds)?,
+            ranges: extent.ranges,
+            max_gradient: extent.max_gradient,
+            whole,
             volume: volume.clone(),
             blocks: Mutex::default(),
             contributing: Mutex::default(),
@@ -238,6 +250,8 @@ impl VolumeCache {
             length: self.length,
             ranges: self.ranges,
             max_gradient: self.max_gradient,
+            casts_rays: false,
+            whole: self.whole.clone(),
         })
     }
 

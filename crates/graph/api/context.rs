@@ -5,6 +5,7 @@ use super::origins::{Origins, ResolvedPipeline};
 use super::parts::GridPart;
 use super::ranks::{self, Ranks};
 use super::value::{CellValues, PortType, Revision, StagePayload, TransferFunctionSpec, Value, Wiring};
+use glam::DVec3;
 use std::any::{Any, TypeId};
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
@@ -156,8 +157,14 @@ pub(crate) trait RunServices {
     ) -> Result<RetainedValue>;
     /// The part of the grid that the node runs for.
     fn part(&self) -> Option<&GridPart>;
+    /// Has the nodes that read parts prepare for it, the first time that it is called.
+    fn begin_parts(&self) -> Result<()>;
     /// The numbers of the parts, in the order in which they are best taken.
     fn parts(&self) -> Vec<usize>;
+    /// Notes that all parts were gone through.
+    fn end_parts(&self);
+    /// Bounds of the grids of all parts of this process at an edge; `None` until parts were gone through.
+    fn bounds_of_parts(&self, edge: usize) -> Option<Option<[DVec3; 2]>>;
     /// Runs what feeds the node for a part, and hands the services and the values at its inputs to `of_part`. Nothing where the part
     /// has no cells.
     fn with_part(&self, part: usize, of_part: &mut PartCallback) -> Result<()>;
@@ -351,6 +358,7 @@ impl RunContext<'_> {
     /// # Errors
     /// - those of the nodes and of `of_part`; no part has cells to draw.
     pub fn each_part(&mut self, of_part: &mut dyn FnMut(&mut RunContext) -> Result<()>) -> Result<()> {
+        self.services.begin_parts()?;
         let order = self.services.parts();
         let (mut notes, mut is_empty) = (Diagnostics::new(self.exhaustive()), true);
         for (place, &part) in order.iter().enumerate() {
@@ -379,6 +387,7 @@ impl RunContext<'_> {
             })?;
         }
         self.notes.add_part(notes);
+        self.services.end_parts();
         let others = self.gather(&[f64::from(u8::from(!is_empty))])?;
         if others.iter().flatten().all(|has_cells| *has_cells == 0.0) {
             return Err(Error::run("there is nothing to draw")
@@ -386,6 +395,14 @@ impl RunContext<'_> {
                 .expected("at least one three-dimensional cell that no threshold leaves out"));
         }
         Ok(())
+    }
+
+    /// Bounds of the parts of this process at an input, where they are known since all parts were gone through, on every process alike.
+    ///
+    /// # Errors
+    /// - nothing is wired to the input.
+    pub fn known_bounds(&self, port: &str) -> Result<Option<Option<[DVec3; 2]>>> {
+        Ok(self.services.bounds_of_parts(self.edge(port)?))
     }
 
     /// The processes that run the graph together, each with its own parts of the grid.

@@ -2,6 +2,7 @@
 //! the reference of nodes are made from this alone.
 
 use super::context::{DemandContext, Outputs, PlanContext, Preparation, RunContext};
+use super::parts::GridPart;
 use super::value::{Port, Value};
 use std::path::{Path, PathBuf};
 use voltet_core::Result;
@@ -101,6 +102,9 @@ pub struct Node {
     pub part_work: PartWork,
     /// True if it drops cells of its grid, and with them what surrounds a part.
     pub drops_cells: bool,
+    /// Prepares the reading of parts, once for all that this process reads: its pieces, none where it has no part. All processes call it
+    /// together.
+    pub begin_parts: &'static (dyn Fn(&mut RunContext, &GridPart) -> Result<()> + Send + Sync),
     /// Memory that each piece of the file that it reads takes when it is drawn, bytes, from headers alone; none where it reads no file in pieces.
     pub piece_bytes: &'static (dyn Fn(&Preparation) -> Result<Vec<u64>> + Send + Sync),
     /// Numbers of the steps of the time series at its inputs, of so many, that it looks at beside the one that is read: its outputs
@@ -136,6 +140,7 @@ impl Node {
         files_beside: &|_, _| Vec::new(),
         part_work: PartWork::None,
         drops_cells: false,
+        begin_parts: &|_, _| Ok(()),
         piece_bytes: &|_| Ok(Vec::new()),
         other_steps: &|_, _| Vec::new(),
         prepare: &|_| Ok(()),

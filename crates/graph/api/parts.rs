@@ -1,5 +1,8 @@
 //! Parts of a grid, which are read and drawn one after the other.
 
+/// Name of the count of times that a piece of a file was read, by all processes together.
+pub const PIECES_READ: &str = "pieces_read";
+
 /// Some pieces of the file of a grid, with what surrounds them.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct GridPart {

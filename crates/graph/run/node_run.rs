@@ -1,7 +1,7 @@
 //! Services of a session to one running node: the origins of values, and the steps of the time series that feed it.
 
 use super::cache::{Key, Store, stamped};
-use super::parts::{PartOutputs, PartRuns};
+use super::parts::{Division, PartOutputs, PartRuns};
 use super::plan::{Done, asks_of, inputs_of};
 use crate::api::context::{
     Make, NodeProgress, Observer, PartCallback, Preparation, RetainedValue, RunContext, RunServices,
@@ -9,10 +9,11 @@ use crate::api::context::{
 use crate::api::demand::Demand;
 use crate::api::node::Steps;
 use crate::api::origins::{FileRead, FileStamp, Origins, Stamp};
-use crate::api::parts::GridPart;
+use crate::api::parts::{GridPart, PIECES_READ};
 use crate::api::ranks::Ranks;
 use crate::api::value::{Edge, PortType, Revision, Value, diagonal};
 use crate::build::graph::{Graph, GraphNode};
+use glam::DVec3;
 use std::any::TypeId;
 use std::cell::Cell;
 use std::collections::{BTreeSet, HashMap};
@@ -98,11 +99,19 @@ impl<'a> NodeRun<'a> {
             let inputs = inputs_of(node, &all_done);
             let mut call = run.context(&node.parameters, &runs.demands[place], inputs, (false, false));
             let values = node.run(&mut call)?;
-            if is_first {
-                runs.add_notes(place, std::mem::take(&mut call.notes));
+            let mut notes = std::mem::take(&mut call.notes);
+            if !is_first {
+                // Of what is done again, the reading alone counts again.
+                let reads = notes.counts.remove(PIECES_READ);
+                notes = Diagnostics::default();
+                notes.counts.extend(reads.map(|reads| (PIECES_READ, reads)));
             }
+            runs.add_notes(place, notes);
             if values.is_empty() {
                 continue;
+            }
+            for (output, value) in values.iter().enumerate() {
+                runs.add_bounds((place, output), value);
             }
             let outputs = values.into_iter().map(|value| {
                 revision += 1;
@@ -262,6 +271,28 @@ impl RunServices for NodeRun<'_> {
 
     fn part(&self) -> Option<&GridPart> {
         self.part
+    }
+
+    fn begin_parts(&self) -> Result<()> {
+        let Some(runs) = self.part_runs.filter(|runs| runs.begins()) else { return Ok(()) };
+        let Division { is_mapped, own, .. } = runs.division;
+        let sources = self.graph.order.iter().filter(|&&place| is_mapped[place]);
+        for &place in sources.filter(|&&place| self.graph.nodes[place].inputs.is_empty()) {
+            let node = &self.graph.nodes[place];
+            let run = NodeRun { place, ..*self };
+            let mut call = run.context(&node.parameters, &runs.demands[place], Vec::new(), (false, false));
+            (node.node.begin_parts)(&mut call, own).map_err(|error| node.locate(error))?;
+            runs.add_notes(place, std::mem::take(&mut call.notes));
+        }
+        Ok(())
+    }
+
+    fn end_parts(&self) {
+        self.part_runs.into_iter().for_each(PartRuns::end);
+    }
+
+    fn bounds_of_parts(&self, edge: usize) -> Option<Option<[DVec3; 2]>> {
+        self.part_runs?.bounds(self.source(edge))
     }
 
     fn parts(&self) -> Vec<usize> {

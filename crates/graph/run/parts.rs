@@ -9,11 +9,13 @@ use crate::api::parts::{GRADIENT_LAYERS, GridPart, MEAN_LAYERS};
 use crate::api::ranks::Ranks;
 use crate::api::value::{Edge, PortType, Revision, Value};
 use crate::build::graph::Graph;
+use glam::DVec3;
 use std::any::TypeId;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::diagnostics::Diagnostics;
+use voltet_core::grid::extent;
 use voltet_core::{Error, Result};
 
 /// Division of a grid into parts.
@@ -22,6 +24,8 @@ pub(super) struct Division {
     /// True for each node of the graph that runs once for each part.
     pub is_mapped: Vec<bool>,
     pub parts: Vec<GridPart>,
+    /// All parts of this process together.
+    pub own: GridPart,
 }
 
 impl Division {
@@ -107,8 +111,9 @@ impl Division {
                 }
             }
         }
+        let own = GridPart { pieces: groups.concat(), layers };
         let parts = groups.into_iter().map(|pieces| GridPart { pieces, layers }).collect();
-        Ok(Some(Division { is_mapped, parts }))
+        Ok(Some(Division { is_mapped, parts, own }))
     }
 }
 
@@ -170,6 +175,12 @@ struct PartState {
     diagonal: Option<f64>,
     /// Parts that ran, for what is counted once.
     counted: BTreeSet<usize>,
+    /// True once the nodes that read parts have prepared for it.
+    has_begun: bool,
+    /// True once all parts were gone through.
+    has_ended: bool,
+    /// Bounds of the grids of all parts that ran, by the node's place and its output.
+    bounds: HashMap<(usize, usize), Option<[DVec3; 2]>>,
     notes: BTreeMap<usize, Diagnostics>,
 }
 
@@ -215,6 +226,34 @@ impl<'a> PartRuns<'a> {
     /// Sets the diagonal of the whole grid.
     pub fn set_diagonal(&self, diagonal: f64) {
         self.lock().diagonal = Some(diagonal);
+    }
+
+    /// True the first time that it is called.
+    pub fn begins(&self) -> bool {
+        !std::mem::replace(&mut self.lock().has_begun, true)
+    }
+
+    /// Notes that all parts were gone through.
+    pub fn end(&self) {
+        self.lock().has_ended = true;
+    }
+
+    /// Adds the bounds of a part's grid at an output.
+    pub fn add_bounds(&self, output: (usize, usize), value: &Value) {
+        let own = match value {
+            Value::Grid(grid) => grid.bounds(),
+            Value::Volume(volume) => volume.grid.bounds(),
+            _ => return,
+        };
+        let mut state = self.lock();
+        let known = state.bounds.entry(output).or_default();
+        *known = extent::joined(*known, own);
+    }
+
+    /// Bounds of all parts at an output; `None` until all parts were gone through.
+    pub fn bounds(&self, output: (usize, usize)) -> Option<Option<[DVec3; 2]>> {
+        let state = self.lock();
+        state.has_ended.then(|| state.bounds.get(&output).copied().flatten())
     }
 
     /// True the first time that a part runs, for what is counted once.

@@ -62,6 +62,7 @@ mod netcdf;
 mod numbers;
 mod outline;
 mod parts;
+mod piece_share;
 mod plot3d;
 mod request;
 mod series;
@@ -93,6 +94,7 @@ pub use voltet_core::grid::{Association, CellValues, Options};
 pub use voltet_core::reading::FileArray;
 
 use contents::{CellBlocks, Compute, Dataset, Encoding, ExternalFormat, Geometry, Piece, PieceArray, Stored};
+use piece_share::Share;
 use request::Format;
 use source::{Source, printable, text_of};
 use std::collections::HashSet;
@@ -101,6 +103,7 @@ use std::sync::Arc;
 use voltet_core::grid::Grid;
 use voltet_core::progress::{NoProgress, Progress};
 use voltet_core::{Error, Result, counted};
+use voltet_graph::ranks::Ranks;
 
 /// Reads a grid and the arrays that `request` names.
 ///
@@ -121,7 +124,8 @@ pub fn piece_sizes(path: &Path, request: &Request) -> Result<Vec<PieceSize>> {
 
 /// Borders between a file's pieces, for [`read_part`] with the same request. `layers` of cells around a part serve it as ghosts: for
 /// gradients of point values as many as the filter looks at rings of neighbours; for means of cell values at points one more. Reads the
-/// pieces one after the other and keeps what is near the borders.
+/// pieces one after the other and keeps what is near the borders. `share`: the pieces that this process reads, of the several that
+/// call this together, and the others, which it exchanges the borders with; `None`: it reads all pieces.
 ///
 /// # Errors
 /// As [`read`], but for what shows only when the grid is built.
@@ -129,10 +133,12 @@ pub fn piece_borders(
     path: &Path,
     request: &Request,
     layers: usize,
+    share: Option<(&[usize], &dyn Ranks)>,
     progress: &dyn Progress,
 ) -> Result<PieceBorders> {
     let dataset = open(path, request)?;
-    parts::borders(&dataset, request, layers, progress).map_err(|error| error.in_file(path))
+    parts::borders(&dataset, request, layers, &Share::new(share), progress)
+        .map_err(|error| error.in_file(path))
 }
 
 /// Reads some of a file's pieces as a grid that has at its cells what the grid of all has there: the same tetrahedra, values and

@@ -1,7 +1,8 @@
 //! Parts of a grid: some pieces of a file at a time, with cells of the other pieces around them as ghosts. Each part has at its own cells
 //! what the grid of all pieces has there (docs/src/explanation/optics.md, section 2).
 //!
-//! [`borders`] reads all pieces one after the other: keys of points that may be shared, then the cells near those that are. In memory are,
+//! [`borders`] reads the pieces one after the other: keys of points that may be shared, then the cells near those that are. Of several
+//! processes each reads its own, sends all others the keys, and each the cells that lie near the pieces of that one. In memory are,
 //! beside one piece, at first 24 bytes a point with global ids, or 48 a point in the box of another piece where there are none; then 12
 //! for each shared point of each piece, and the cells near the borders with their values: of pieces of compact shape a share that
 //! falls with their size, of cells scattered over the pieces all. Of 2.1 million hexahedra in 8 cubes, two layers are 17 MiB, in 64
@@ -12,9 +13,10 @@ use super::assemble::{
     pieces_with_cells, unread_of,
 };
 use super::contents::{Dataset, GHOST_LEVELS, GHOST_TYPE, Geometry, Meter, NumberedPiece, Piece};
+use super::piece_share::Share;
 use super::request::{ArraySelection, Request};
 use super::{assemble, blocks, cells};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use voltet_core::grid::{
     self, Association, Cells, Grid, Halo, Options, PointKeys, RawGrid, SharedPoints, extent,
 };
@@ -41,9 +43,21 @@ pub struct PieceBorders {
     first_cells: Vec<u64>,
     /// True if means of cell values are those of an adaptive grid.
     is_adaptive: bool,
+    /// Times that this process has read a piece for them.
+    reads: u64,
 }
 
 impl PieceBorders {
+    /// Times that this process has read a piece for them, each time some arrays of it.
+    pub fn read_count(&self) -> u64 {
+        self.reads
+    }
+
+    /// True if a picture may show a piece.
+    pub fn is_drawn(&self, piece: usize) -> bool {
+        self.is_drawn.get(piece).is_some_and(|is_drawn| *is_drawn)
+    }
+
     /// Memory that they take.
     pub fn byte_count(&self) -> u64 {
         self.shared.byte_count() + self.halos.iter().flatten().map(Halo::byte_count).sum::<u64>()
@@ -61,12 +75,14 @@ pub(super) fn borders(
     dataset: &Dataset,
     request: &Request,
     layers: usize,
+    share: &Share,
     progress: &dyn Progress,
 ) -> Result<PieceBorders> {
     // Keys, of positions after boxes; then halos.
     let meter = Meter::new(progress, dataset.file_bytes.saturating_mul(3));
     let choices = choices(dataset, request)?;
-    let pieces = drawn_pieces(dataset, request, &choices, &meter)?;
+    let mut reads = 0;
+    let pieces = drawn_pieces(dataset, request, &choices, (share, &mut reads), &meter)?;
     let mut found = PieceBorders {
         is_drawn: vec![false; dataset.pieces.len()],
         shared: SharedPoints::default(),
@@ -74,6 +90,7 @@ pub(super) fn borders(
         first_cells: vec![0; dataset.pieces.len()],
         is_adaptive: is_averaged(request, &choices)
             && pieces.iter().any(|piece| matches!(piece.1.geometry, Geometry::Adaptive(_))),
+        reads: 0,
     };
     let mut cell_count = 0_u64;
     for &(index, piece) in &pieces {
@@ -87,29 +104,66 @@ pub(super) fn borders(
     // A ghost cell is without owner only where no other piece has its original.
     let has_ghosts = pieces.iter().any(|piece| has_ghost_flags(piece.1));
     let layers = layers.max(usize::from(has_ghosts));
-    let keys = match global_ids(dataset) {
-        Some(ids) => keys_of_ids(dataset, &pieces, ids, has_ghosts, request, &meter)?,
-        None => keys_of_places(dataset, &pieces, request, &choices, &meter)?,
+    let own: Vec<NumberedPiece> = pieces.iter().copied().filter(|piece| share.has(piece.0)).collect();
+    let own_keys = match global_ids(dataset) {
+        Some(ids) => keys_of_ids(dataset, &own, ids, has_ghosts, request, &meter)?,
+        None => keys_of_places(dataset, &own, request, &choices, share, &meter)?,
     };
+    reads += own_keys.reads;
+    let mut keys = vec![PointKeys::default(); dataset.pieces.len()];
+    for (index, of_piece) in share.gather(own_keys.keys)? {
+        keys[index] = of_piece;
+    }
     let bytes = keys.iter().map(|keys| keys.byte_count().saturating_mul(3)).fold(0, u64::saturating_add);
     let what = || format!("the points at the borders of {}", counted(pieces.len(), "piece"));
     refuse_beyond_memory(progress, what, bytes)?;
     found.shared = SharedPoints::find(&keys);
     drop(keys);
-    for own @ (index, piece) in pieces {
+    let mut halos = Vec::new();
+    for own @ (index, piece) in own {
         // Points that curved cells add on a border are numbered by all cells there.
         let is_needed =
             layers > 0 || global_ids(dataset).is_some() || cells::has_types(piece, grid::is_curved, &meter)?;
         if is_needed && !found.shared.is_empty_at(index) {
             let cells = cells::load(piece, &meter)?;
             let loaded = load_all(dataset, vec![(own, cells)], request, &choices, &meter)?;
+            reads += 1;
             for (index, raw) in loaded {
-                found.halos[index] = Halo::from_piece(raw, &found.shared, index, layers)?;
+                let halo = Halo::from_piece(raw, &found.shared, index, layers)?;
+                halos.extend(halo.map(|halo| (index, halo)));
             }
         }
         forget(piece);
     }
+    // A piece with curved cells has a layer more.
+    let reached = within(&found.shared.neighbours(), layers + 1);
+    let reaches =
+        |from: usize, to: &BTreeSet<usize>| reached.get(from).is_some_and(|own| !own.is_disjoint(to));
+    for (index, halo) in share.exchange(halos, reaches)? {
+        found.halos[index] = Some(halo);
+    }
+    found.reads = reads;
     Ok(found)
+}
+
+/// For each piece those that are at most so many neighbours away.
+fn within(neighbours: &[BTreeSet<usize>], steps: usize) -> Vec<BTreeSet<usize>> {
+    let of_piece = |piece: usize| {
+        let mut reached = BTreeSet::from([piece]);
+        for _ in 0..steps {
+            let next: Vec<usize> = reached.iter().flat_map(|&own| &neighbours[own]).copied().collect();
+            reached.extend(next);
+        }
+        reached
+    };
+    (0..neighbours.len()).map(of_piece).collect()
+}
+
+/// Keys of the points of pieces, with the pieces' numbers, and how often a piece was read for them.
+#[derive(Default)]
+struct KeysOfPieces {
+    keys: Vec<(usize, PointKeys)>,
+    reads: u64,
 }
 
 /// The pieces that a picture may show. Errors: none has a volume and the arrays.
@@ -117,6 +171,7 @@ fn drawn_pieces<'a>(
     dataset: &'a Dataset,
     request: &Request,
     choices: &[ArraySelection],
+    (share, reads): (&Share, &mut u64),
     meter: &Meter,
 ) -> Result<Vec<NumberedPiece<'a>>> {
     let mut pieces = pieces_with_cells(dataset);
@@ -124,11 +179,15 @@ fn drawn_pieces<'a>(
         pieces.retain(|piece| !is_flat(piece.1));
         return Ok(pieces);
     }
-    let mut flagged = Vec::new();
-    for piece in pieces {
-        flagged.push((piece, has_volume(&cells::load(piece.1, meter)?)));
-        forget(piece.1);
+    let mut flags = Vec::new();
+    for &(index, piece) in pieces.iter().filter(|piece| share.has(piece.0)) {
+        flags.push((index, has_volume(&cells::load(piece, meter)?)));
+        *reads += 1;
+        forget(piece);
     }
+    let flags: BTreeMap<usize, bool> = share.gather(flags)?.into_iter().collect();
+    let flagged = pieces.into_iter().map(|piece| (piece, flags.get(&piece.0).is_some_and(|flag| *flag)));
+    let flagged = flagged.collect();
     let (drawn, _) = blocks::drawn_pieces(dataset, flagged, |has_volume| *has_volume, choices)?;
     Ok(drawn.into_iter().map(|piece| piece.0).collect())
 }
@@ -162,9 +221,9 @@ fn keys_of_ids(
     has_ghosts: bool,
     request: &Request,
     meter: &Meter,
-) -> Result<Vec<PointKeys>> {
+) -> Result<KeysOfPieces> {
     let bare = request_of(request, Vec::new(), true);
-    let mut keys = vec![PointKeys::default(); dataset.pieces.len()];
+    let mut found = KeysOfPieces::default();
     for &(index, piece) in pieces {
         let raw = match has_ghosts {
             true => load_one(dataset, piece, cells::load(piece, meter)?, &bare, meter)?,
@@ -175,10 +234,11 @@ fn keys_of_ids(
         };
         grid::check_cells(&raw).map_err(|error| error.at_item(format!("piece {index}")))?;
         let raw = RawGrid { block: assemble::group(dataset, piece, index), ..raw };
-        keys[index] = PointKeys::of_ids(&raw, has_ghosts);
+        found.keys.push((index, PointKeys::of_ids(&raw, has_ghosts)));
+        found.reads += 1;
         forget(piece);
     }
-    Ok(keys)
+    Ok(found)
 }
 
 /// Keys of positions and values.
@@ -187,14 +247,21 @@ fn keys_of_places(
     pieces: &[NumberedPiece],
     request: &Request,
     choices: &[ArraySelection],
+    share: &Share,
     meter: &Meter,
-) -> Result<Vec<PointKeys>> {
+) -> Result<KeysOfPieces> {
     let bare = request_of(request, Vec::new(), true);
-    let mut boxes = vec![(0, None); dataset.pieces.len()];
+    let mut found = KeysOfPieces::default();
+    let mut own = Vec::new();
     for &(index, piece) in pieces {
         let raw = load_one(dataset, piece, no_cells(), &bare, meter)?;
-        boxes[index] = (assemble::group(dataset, piece, index), extent::bounds(&raw.points));
+        own.push((index, assemble::group(dataset, piece, index), extent::bounds(&raw.points)));
+        found.reads += 1;
         forget(piece);
+    }
+    let mut boxes = vec![(0, None); dataset.pieces.len()];
+    for (index, block, bounds) in share.gather(own)? {
+        boxes[index] = (block, bounds);
     }
     let others = grid::boxes_of_others(&boxes);
     // Points are one where all values on points are equal.
@@ -204,14 +271,14 @@ fn keys_of_places(
     let of_arrays = of_arrays.zip(&choices[usize::from(!request.without_scalar)..]);
     let names = of_arrays.filter(|(_, choice)| choice.association == Association::Point);
     let wanted = request_of(request, names.map(|(name, _)| name.clone()).collect(), !with_scalar);
-    let mut keys = vec![PointKeys::default(); dataset.pieces.len()];
     for &(index, piece) in pieces.iter().filter(|piece| !others[piece.0].is_empty()) {
         let raw = load_one(dataset, piece, no_cells(), &wanted, meter)?;
         let raw = RawGrid { block: boxes[index].0, ..raw };
-        keys[index] = PointKeys::of_places(&raw, &others[index]);
+        found.keys.push((index, PointKeys::of_places(&raw, &others[index])));
+        found.reads += 1;
         forget(piece);
     }
-    Ok(keys)
+    Ok(found)
 }
 
 fn no_cells() -> Cells {
