@@ -2,7 +2,7 @@
 //! opened or made for data, saved, changed by another program, recovered after a crash.
 
 use crate::editor::{Editor, Next, Panels};
-use crate::files::{Disk, FileDialog, Recover, ask, begun, free_path, is_pipeline};
+use crate::files::{Disk, FileDialog, Recover, age, ask, begun, free_path, is_pipeline};
 use crate::jobs::{Arrays, Job};
 use crate::picture::milliseconds;
 use crate::scene::{Action, Command, FilePurpose};
@@ -523,7 +523,8 @@ impl Editor {
     pub(crate) fn offer_left_behind(&mut self, ctx: &Context) {
         let Some(left) = self.recover.left.first() else { return };
         let name = left.path.as_ref().map_or("a new pipeline".into(), |path| path.display().to_string());
-        let text = format!("A window ended without saving what was done in {name}.");
+        let when = left.written.elapsed().map(|time| format!(", {}", age(time))).unwrap_or_default();
+        let text = format!("A window ended without saving what was done in {name}{when}.");
         let answers = [("Open it", 0), ("Discard it", 1), ("Later", 2)];
         let Some(answer) = ask(ctx, "Work that was not saved", text, &answers) else { return };
         let left = self.recover.left.remove(0);

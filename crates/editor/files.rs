@@ -267,7 +267,7 @@ fn size(bytes: u64) -> String {
 }
 
 /// Time since a file was written in words: "3 hours ago".
-fn age(time: Duration) -> String {
+pub(crate) fn age(time: Duration) -> String {
     let seconds = time.as_secs();
     let units = [(86_400, "day"), (3600, "hour"), (60, "minute")];
     let words = units.into_iter().find_map(|(length, unit)| {

@@ -164,7 +164,7 @@ const MOUSE: &[(&str, &[(&str, &str)])] = &[
         &[
             ("drag a widget", "move it; its handles: widths, angle, corners, bands"),
             ("Alt-drag", "the same at a fifth of the speed"),
-            ("double click", "add a point to the selected curve or polygon; elsewhere show all"),
+            ("double click", "a point more on the curve or polygon; elsewhere show all"),
             ("right click on a point", "remove it; elsewhere: menu"),
             ("wheel, Alt-wheel", "zoom to the right, zoom up"),
             ("Shift-drag", "pan"),

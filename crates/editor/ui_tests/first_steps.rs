@@ -98,6 +98,8 @@ fn without_widgets_the_plane_offers_one() {
     hand.click_on("Add a widget at the peak");
     hand.frames(2);
     assert!(hand.sees("centre of widget 1"), "{}", hand.text());
+    // Through the densest place of the data light is left.
+    assert!(hand.text().contains("extinction = 0.1"), "{}", hand.text());
 }
 
 #[test]
