@@ -112,7 +112,7 @@ key ctrl+z
 save
 cmp -s "$work/scene.toml" "$work/before.toml" || fail "undo does not give the file back"
 
-# Below the others; its first port lies 25 points below its corner.
+# Below the others; its first port lies 22 points below its corner.
 at 400 356
 key space
 xdotool type --delay 40 histogram
@@ -120,7 +120,7 @@ sleep 0.4
 shot 03-menu
 key Return
 sleep 0.4
-drag 304 138 400 381
+drag 304 127 400 378
 shot 04-wired
 save
 grep -A3 'type = "histogram"' "$work/scene.toml" | grep -q 'volume = "gradient"' || fail "no wire is drawn"
@@ -131,7 +131,7 @@ click 240 200
 
 # The widget by its centre on the histogram, then the camera.
 before=$(grep '^centre' "$work/scene.toml")
-drag 972 518 1020 500
+drag 972 534 1020 516
 shot 05-widget
 drag 960 200 910 220
 save

@@ -139,26 +139,6 @@ impl Document {
         Edit::AddNode { name, node_type: node.name.to_string(), settings: Vec::new(), at: Some(at) }
     }
 
-    /// Edit that adds a node and joins it by its port to a port (node, port) of the document; `is_input` says
-    /// whether that one is an input. Errors: as of [`Document::join`].
-    pub fn adding_joined(
-        &self,
-        registry: &Registry,
-        fitting: Fitting,
-        at: [f64; 2],
-        held: (&str, &str),
-        is_input: bool,
-    ) -> Result<[Edit; 2]> {
-        let add = self.adding(fitting.node, at);
-        let name = self.free_name(&fitting.node.name.replace('-', "_"));
-        let mut with_it = self.clone();
-        with_it.edit(&add)?;
-        let own = (name.as_str(), fitting.port.name);
-        let (from, to) = if is_input { (own, held) } else { (held, own) };
-        let join = with_it.join(registry, from, to)?;
-        Ok([add, join])
-    }
-
     /// Edit that wires an output to an input. Errors say why not: the wrong type, a circle, or joined
     /// already.
     pub fn join(&self, registry: &Registry, from: (&str, &str), to: (&str, &str)) -> Result<Edit> {

@@ -2,7 +2,7 @@
 //! opened or made for data, saved, changed by another program, recovered after a crash.
 
 use crate::editor::{Editor, Next, Panels};
-use crate::files::{Disk, FileDialog, Recover, ask, begun, free_path, is_pipeline};
+use crate::files::{Disk, FileDialog, Recover, age, ask, begun, free_path, is_pipeline};
 use crate::jobs::{Arrays, Job};
 use crate::picture::milliseconds;
 use crate::scene::{Action, Command, FilePurpose};
@@ -24,11 +24,14 @@ use voltet_nodes::files::{folder, refuse_unwritable, relative_to};
 /// From a node to what is pasted after it, points.
 const PASTE_OFFSET: f64 = 40.0;
 
+/// Way that a key moves the selected nodes by, points.
+const STEP: f64 = 20.0;
+
 impl Editor {
     pub(crate) fn apply(&mut self, ctx: &Context, action: Action) {
         match action {
             Action::Edit(label, edits) => self.edit(label, &edits),
-            Action::Select(names) => self.selection = names,
+            Action::Select(names) => self.select(names),
             Action::Show(name) => self.shown_node = Some(name),
             Action::MoveCamera(view) => self.look(view),
             Action::Probe(places) => self.probe(places, false),
@@ -44,15 +47,31 @@ impl Editor {
         }
     }
 
-    /// A file was chosen in the dialog.
-    pub(crate) fn chosen(&mut self, ctx: &Context, purpose: FilePurpose, file: &Path) {
-        match purpose {
-            FilePurpose::Open => self.open_any(ctx, file),
+    /// A file was chosen in the dialog, which stays open with the reason where the file cannot be opened.
+    pub(crate) fn chosen(&mut self, ctx: &Context, dialog: FileDialog, file: &Path) {
+        match dialog.purpose.clone() {
+            FilePurpose::Open => {
+                self.message = None;
+                self.open_any(ctx, file);
+                self.opened_by = Some(dialog);
+                if self.made.is_none() {
+                    self.ask_again();
+                }
+            }
             FilePurpose::SaveAs => self.save_as(file),
             FilePurpose::Parameter { node, path, .. } => {
                 let text = relative_to(file, &self.document.folder()).to_string_lossy().into_owned();
                 self.edit_one(Edit::Set { node, path, value: text.into() });
             }
+        }
+    }
+
+    /// Shows the dialog again by which a file was chosen that cannot be opened, with the reason.
+    fn ask_again(&mut self) {
+        let dialog = self.opened_by.take();
+        if let (Some(mut dialog), Some((text, true))) = (dialog, &self.message) {
+            dialog.fault = Some(text.clone());
+            self.file_dialog = Some(dialog);
         }
     }
 
@@ -87,7 +106,7 @@ impl Editor {
         }
         // What is new is what is worked on next.
         if !added.is_empty() {
-            self.selection = added;
+            self.select(added);
         }
     }
 
@@ -106,8 +125,8 @@ impl Editor {
         let other = view.settings().into_iter().filter(|setting| !before.contains(setting));
         let mut edits: Vec<Edit> = other.map(|(key, datum)| Edit::set(&name, [key], datum)).collect();
         // A view in words, and its angles, are numbers from then on.
-        let in_words = VIEW_PARAMETERS.into_iter().filter(|name| camera.setting(name).is_some());
-        edits.extend(in_words.map(|key| Edit::Unset { node: name.clone(), path: [key].into() }));
+        let error_text = VIEW_PARAMETERS.into_iter().filter(|name| camera.setting(name).is_some());
+        edits.extend(error_text.map(|key| Edit::Unset { node: name.clone(), path: [key].into() }));
         if !edits.is_empty() {
             self.edit(format!("move the camera '{name}'"), &edits);
         }
@@ -136,10 +155,19 @@ impl Editor {
                 }
             }
             Command::SelectAll => {
-                self.selection =
-                    self.document.pipeline().nodes.iter().map(|node| node.name.clone()).collect();
+                self.select(self.document.pipeline().nodes.iter().map(|node| node.name.clone()).collect());
             }
             Command::Add => self.panels.graph.opens_menu = true,
+            Command::Wire => match self.selection.first() {
+                Some(node) if self.selection.len() == 1 => self.panels.graph.wires_of = Some(node.clone()),
+                _ => self.say("select one node, whose wires are to be listed"),
+            },
+            Command::Edit => match self.selection.len() {
+                1 => self.panels.parameters.begins = true,
+                _ => self.say("select one node, whose parameters are to be edited"),
+            },
+            Command::Step(x, y) => self.choose_beside([x, y].map(f32::from)),
+            Command::Shift(x, y) => self.shift([x, y].map(f64::from)),
             Command::Tidy | Command::Align(_) | Command::Frame | Command::Note => self.arrange_nodes(command),
             Command::Fold => self.fold(),
             Command::FitGraph => self.panels.graph.fit(),
@@ -164,7 +192,7 @@ impl Editor {
                 ctx.set_theme(if dark { ThemePreference::Light } else { ThemePreference::Dark });
             }
             Command::Costs => self.panels.costs = !self.panels.costs,
-            Command::Widgets => self.panels.transfer.by_keyboard = !self.panels.transfer.by_keyboard,
+            Command::Widgets => self.panels.transfer.switch_keys(),
             Command::Section => self.panels.section.open = !self.panels.section.open,
             Command::Study => self.panels.study.open = !self.panels.study.open,
             Command::ReadAgain => self.read_again(),
@@ -217,6 +245,32 @@ impl Editor {
         self.say(text);
     }
 
+    /// Selects the next node in a direction, and has it in view.
+    fn choose_beside(&mut self, way: [f32; 2]) {
+        let beside = self.panels.graph.beside(&self.scene(), way).map(str::to_string);
+        if let Some(node) = beside {
+            self.panels.graph.reveal(&node);
+            self.select([node].into());
+        }
+    }
+
+    /// Selects nodes, for which keys are from then on.
+    pub(crate) fn select(&mut self, names: BTreeSet<String>) {
+        self.selection = names;
+        self.panels.transfer.lose_keys();
+    }
+
+    fn shift(&mut self, way: [f64; 2]) {
+        let moved = self.selected().into_iter().map(|name| {
+            let [x, y] = self.document.position(&name);
+            (name, [x + STEP * way[0], y + STEP * way[1]])
+        });
+        let moved: Vec<(String, [f64; 2])> = moved.collect();
+        if !moved.is_empty() {
+            self.edit_one(Edit::MoveNodes(moved));
+        }
+    }
+
     fn selected(&self) -> Vec<String> {
         self.selection.iter().cloned().collect()
     }
@@ -236,7 +290,7 @@ impl Editor {
 
     /// Takes what the clipboard gives, unless a text field does.
     pub(crate) fn paste(&mut self, ctx: &Context) {
-        if ctx.egui_wants_keyboard_input() {
+        if ctx.text_edit_focused() {
             return;
         }
         let pasted = ctx.input(|input| {
@@ -253,7 +307,7 @@ impl Editor {
 
     fn take_copies(&mut self, outcome: Result<Vec<String>>) {
         if let Some(names) = self.check(outcome) {
-            self.selection = names.into_iter().collect();
+            self.select(names.into_iter().collect());
         }
     }
 
@@ -346,7 +400,8 @@ impl Editor {
             return;
         };
         self.made = None;
-        let Some(document) = self.check(made) else { return };
+        let Some(document) = self.check(made) else { return self.ask_again() };
+        self.opened_by = None;
         if self.document.revision() == at {
             self.take(document);
         } else {
@@ -426,9 +481,15 @@ impl Editor {
         self.faults = (None, Vec::new());
         self.message = None;
         // Which windows are open is the user's; what they show was the other document's.
-        let Panels { section, study, costs, help, .. } = std::mem::take(&mut self.panels);
-        self.panels =
-            Panels { section: section.emptied(), study: study.emptied(), costs, help, ..Panels::default() };
+        let Panels { section, study, panes, costs, help, .. } = std::mem::take(&mut self.panels);
+        self.panels = Panels {
+            section: section.emptied(),
+            study: study.emptied(),
+            panes,
+            costs,
+            help,
+            ..Panels::default()
+        };
     }
 
     pub(crate) fn keep_in(&mut self, place: Recovery) {
@@ -462,7 +523,8 @@ impl Editor {
     pub(crate) fn offer_left_behind(&mut self, ctx: &Context) {
         let Some(left) = self.recover.left.first() else { return };
         let name = left.path.as_ref().map_or("a new pipeline".into(), |path| path.display().to_string());
-        let text = format!("A window ended without saving what was done in {name}.");
+        let when = left.written.elapsed().map(|time| format!(", {}", age(time))).unwrap_or_default();
+        let text = format!("A window ended without saving what was done in {name}{when}.");
         let answers = [("Open it", 0), ("Discard it", 1), ("Later", 2)];
         let Some(answer) = ask(ctx, "Work that was not saved", text, &answers) else { return };
         let left = self.recover.left.remove(0);

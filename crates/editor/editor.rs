@@ -5,9 +5,10 @@ use crate::files::{BETWEEN, Disk, FileDialog, FileWatcher, Recent, Recover, ask,
 use crate::graph::GraphView;
 use crate::jobs::{Arrays, Job};
 use crate::keys::{self, GestureTracker};
+use crate::panes::Pane;
 use crate::parameters::ParameterPanel;
 use crate::picture::{self, PicturePanel};
-use crate::scene::{Action, Actions, Command, Lag, Scene, pictures};
+use crate::scene::{Action, Actions, Command, Lag, Scene, error_text, pictures};
 use crate::section::SectionPanel;
 use crate::study::{StudyPanel, show_costs};
 use crate::theme;
@@ -16,8 +17,8 @@ use crate::worker::{
     Estimate, NodeState, PixelProbe, RenderRequest, VolumeSource, Worker, WorkerOutput, size_of,
 };
 use eframe::egui::{
-    Align, Button, CentralPanel, Context, Frame, Key, Label, Layout, Panel, Rect, RichText, Ui, UiBuilder,
-    ViewportCommand, vec2,
+    Align, Button, CentralPanel, Context, Frame, Key, Label, Layout, Modifiers, Panel, Rect, RichText, Ui,
+    UiBuilder, ViewportCommand, vec2,
 };
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -38,6 +39,8 @@ pub(crate) struct Panels {
     pub transfer: TransferPanel,
     pub section: SectionPanel,
     pub study: StudyPanel,
+    /// Shares of what is at the right, the transfer function there, and the parameters.
+    pub panes: [Pane; 3],
     pub costs: bool,
     pub help: bool,
 }
@@ -81,6 +84,8 @@ pub struct Editor {
     pub(crate) disk: Disk,
     pub(crate) watch: FileWatcher,
     pub(crate) file_dialog: Option<FileDialog>,
+    /// The dialog by which the file was chosen that is being opened.
+    pub(crate) opened_by: Option<FileDialog>,
     pub(crate) recent: Recent,
     pub(crate) run: Option<Job<RunReport>>,
     /// Next step, once unsaved work is settled.
@@ -92,6 +97,8 @@ pub struct Editor {
     pub(crate) gestures: GestureTracker,
     pub(crate) gesture: Option<Gesture>,
     pub(crate) ends: bool,
+    /// True if a text was typed in the last frame: Escape leaves it.
+    was_typing: bool,
 }
 
 impl Editor {
@@ -119,6 +126,7 @@ impl Editor {
             disk: Disk::default(),
             watch,
             file_dialog: None,
+            opened_by: None,
             recent: Recent::default(),
             run: None,
             unsaved: None,
@@ -129,6 +137,7 @@ impl Editor {
             gestures: GestureTracker::default(),
             gesture: None,
             ends: false,
+            was_typing: false,
         };
         editor.begin();
         Ok(editor)
@@ -284,8 +293,12 @@ impl Editor {
         let dropped =
             ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_path_buf()));
         dropped.into_iter().for_each(|path| self.actions.push(Action::Begin(path)));
-        keys::read(ctx, self.panels.transfer.takes_keys(), &self.actions);
+        self.close_uppermost(ctx);
+        let transfer = &self.panels.transfer;
+        let of_widgets = [transfer.takes_keys(), transfer.is_last()];
+        keys::read(ctx, of_widgets, self.panels.graph.has_focus(), &self.actions);
         show(self, ui);
+        self.was_typing = ctx.text_edit_focused();
         for action in self.actions.take() {
             self.apply(ctx, action);
         }
@@ -300,6 +313,24 @@ impl Editor {
             return;
         }
         self.wish();
+    }
+}
+
+impl Editor {
+    /// Closes the sheet that lies above the others, when Escape is pressed and nothing else has a use for it.
+    fn close_uppermost(&mut self, ctx: &Context) {
+        let is_asking = self.unsaved.is_some() || self.file_dialog.is_some() || !self.recover.left.is_empty();
+        let is_taken =
+            self.was_typing || is_asking || ctx.any_popup_open() || self.panels.graph.is_choosing();
+        if is_taken || !ctx.input(|input| input.key_pressed(Key::Escape)) {
+            return;
+        }
+        let panels = &mut self.panels;
+        let sheets = [&mut panels.help, &mut panels.study.open, &mut panels.costs, &mut panels.section.open];
+        if let Some(open) = sheets.into_iter().find(|open| **open) {
+            *open = false;
+            ctx.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape));
+        }
     }
 }
 
@@ -323,8 +354,8 @@ fn show(editor: &mut Editor, ui: &mut Ui) {
     }
     keys::sheet(ctx, &mut panels.help);
     editor.panels = panels;
-    if let Some((purpose, path)) = show_dialog(&mut editor.file_dialog, ctx) {
-        editor.chosen(ctx, purpose, &path);
+    if let Some((dialog, path)) = show_dialog(&mut editor.file_dialog, ctx) {
+        editor.chosen(ctx, dialog, &path);
     }
     unsaved(editor, ctx);
     editor.offer_left_behind(ctx);
@@ -342,28 +373,39 @@ fn empty(editor: &Editor, ui: &mut Ui, graph: &mut GraphView, scene: &Scene) {
 
 /// The graph and the parameters at the left, the picture and the transfer function at the right.
 fn parts(ui: &mut Ui, scene: &Scene, panels: &mut Panels) {
+    let ctx = &ui.ctx().clone();
     let width = ui.available_width();
-    Panel::right("right").resizable(true).default_size(0.5 * width).size_range(280.0..=0.75 * width).show(
-        ui,
-        |ui| {
+    let [right, transfer, parameters] = &mut panels.panes;
+    right.fit(ctx, "right", width);
+    let shown = Panel::right("right")
+        .resizable(true)
+        .default_size(0.5 * width)
+        .size_range(280.0..=0.75 * width)
+        .show(ui, |ui| {
             if panels.transfer.is_wanted(scene) {
                 let height = ui.available_height();
-                Panel::bottom("transfer")
+                transfer.fit(ctx, "transfer", height);
+                let shown = Panel::bottom("transfer")
                     .resizable(true)
                     .default_size(0.42 * height)
                     .size_range(140.0..=0.75 * height)
                     .frame(Frame::NONE)
                     .show(ui, |ui| panels.transfer.show(ui, scene));
+                transfer.keep(ctx, shown.response.rect.height(), height);
+            } else {
+                panels.transfer.lose_keys();
             }
             panels.picture.show(ui, scene);
-        },
-    );
+        });
+    right.keep(ctx, shown.response.rect.width(), width);
     let height = ui.available_height();
-    Panel::bottom("parameters")
+    parameters.fit(ctx, "parameters", height);
+    let shown = Panel::bottom("parameters")
         .resizable(true)
         .default_size(0.42 * height)
         .size_range(80.0..=0.75 * height)
         .show(ui, |ui| panels.parameters.show(ui, scene));
+    parameters.keep(ctx, shown.response.rect.height(), height);
     let ground = Frame::NONE.fill(theme::ground(ui.visuals().dark_mode));
     CentralPanel::default().frame(ground).show(ui, |ui| {
         let place = ui.max_rect();
@@ -380,10 +422,16 @@ fn status(ui: &mut Ui, editor: &Editor, scene: &Scene) {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             picture::status(ui, scene);
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                let said = match (&editor.message, scene.faults.first()) {
+                // The parameters of the selected node say what is wrong with it.
+                let is_said = |fault: &&Error| {
+                    let node = fault.location.node.as_ref();
+                    scene.selection.len() == 1 && scene.selection.first() == node
+                };
+                let fault = scene.faults.iter().find(|fault| !is_said(fault));
+                let said = match (&editor.message, fault) {
                     (Some((text, true)), _) => Some((text.clone(), theme::wrong(dark))),
                     (Some((text, false)), _) => Some((text.clone(), theme::weak(dark))),
-                    (None, Some(fault)) => Some((fault.to_string(), theme::wrong(dark))),
+                    (None, Some(fault)) => Some((error_text(fault), theme::wrong(dark))),
                     (None, None) => None,
                 };
                 if let Some((text, color)) = said {
@@ -426,7 +474,6 @@ fn unsaved(editor: &mut Editor, ctx: &Context) {
     let text = format!("{name} has changes that are not saved.");
     let answers = [("Save", Some(true)), ("Discard", Some(false)), ("Cancel", None)];
     let answer = match ask(ctx, "Unsaved work", text, &answers) {
-        _ if ctx.input(|input| input.key_pressed(Key::Escape)) => None,
         None => return editor.unsaved = Some(next),
         Some(answer) => answer,
     };

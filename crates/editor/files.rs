@@ -2,12 +2,13 @@
 //! of a file.
 
 use crate::scene::FilePurpose;
-use eframe::egui::{Align2, Context, Key, ScrollArea, TextEdit, Ui, Window};
+use crate::theme;
+use eframe::egui::{Align, Align2, Context, Key, Layout, RichText, ScrollArea, TextEdit, Ui, Window};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
-use voltet_core::Result;
+use voltet_core::{Result, counted};
 use voltet_document::{Autosave, Document, Edit, OrphanedDraft, Recovery, stamp};
 use voltet_graph::Stamp;
 use voltet_nodes::files::{state_folder, write_whole};
@@ -173,7 +174,7 @@ impl Recover {
     }
 }
 
-/// Asks a question in the middle of the window; the answer, once a button is clicked.
+/// Asks a question in the middle of the window; the answer, once a button is clicked. Escape is the last answer.
 pub(crate) fn ask<T: Copy>(ctx: &Context, title: &str, text: String, answers: &[(&str, T)]) -> Option<T> {
     let mut answer = None;
     let window = Window::new(title).collapsible(false).resizable(false);
@@ -182,12 +183,20 @@ pub(crate) fn ask<T: Copy>(ctx: &Context, title: &str, text: String, answers: &[
         ui.add_space(6.0);
         ui.horizontal(|ui| {
             for (text, of_button) in answers {
-                if ui.button(*text).clicked() {
+                let button = ui.button(*text);
+                // The keys are for the question: Enter answers by the first button, Tab goes on to the others.
+                if ui.memory(|memory| memory.focused().is_none()) {
+                    button.request_focus();
+                }
+                if button.clicked() {
                     answer = Some(*of_button);
                 }
             }
         });
     });
+    if answer.is_none() && ctx.input(|input| input.key_pressed(Key::Escape)) {
+        return answers.last().map(|(_, last)| *last);
+    }
     answer
 }
 
@@ -214,12 +223,58 @@ impl FilePurpose {
 
 #[derive(Debug)]
 pub(crate) struct FileDialog {
-    purpose: FilePurpose,
+    pub purpose: FilePurpose,
     folder: PathBuf,
     name: String,
-    entries: Vec<(String, bool)>,
+    entries: Vec<ListedFile>,
     is_new: bool,
     warned: bool,
+    /// Reason why the file that was chosen last was not taken.
+    pub fault: Option<String>,
+}
+
+/// A file or folder of the list.
+#[derive(Debug)]
+struct ListedFile {
+    name: String,
+    is_folder: bool,
+    /// Size and age in words; of a folder none.
+    figures: String,
+}
+
+impl ListedFile {
+    fn new(entry: &std::fs::DirEntry) -> ListedFile {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let about = std::fs::metadata(entry.path()).ok();
+        let is_folder = about.as_ref().is_some_and(std::fs::Metadata::is_dir);
+        let age = about.as_ref().and_then(|about| about.modified().ok()?.elapsed().ok()).map(age);
+        let size = about.filter(|_| !is_folder).map(|about| size(about.len()));
+        let figures: Vec<String> = size.into_iter().chain(age.filter(|_| !is_folder)).collect();
+        ListedFile { name, is_folder, figures: figures.join(" · ") }
+    }
+}
+
+/// Size of a file in words: "12 kB".
+fn size(bytes: u64) -> String {
+    let mut size = bytes as f64;
+    for unit in ["bytes", "kB", "MB", "GB"] {
+        if size < 1000.0 {
+            return format!("{size:.0} {unit}");
+        }
+        size /= 1000.0;
+    }
+    format!("{size:.1} TB")
+}
+
+/// Time since a file was written in words: "3 hours ago".
+pub(crate) fn age(time: Duration) -> String {
+    let seconds = time.as_secs();
+    let units = [(86_400, "day"), (3600, "hour"), (60, "minute")];
+    let words = units.into_iter().find_map(|(length, unit)| {
+        let count = seconds / length;
+        (count > 0).then(|| format!("{} ago", counted(count as usize, unit)))
+    });
+    words.unwrap_or_else(|| "just now".into())
 }
 
 impl FileDialog {
@@ -235,19 +290,28 @@ impl FileDialog {
             FilePurpose::SaveAs => own.unwrap_or_else(|| "pipeline.toml".into()),
             FilePurpose::Parameter { .. } => own.unwrap_or_default(),
         };
-        let mut dialog =
-            FileDialog { purpose, folder, name, entries: Vec::new(), is_new: true, warned: false };
+        let mut dialog = FileDialog {
+            purpose,
+            folder,
+            name,
+            entries: Vec::new(),
+            is_new: true,
+            warned: false,
+            fault: None,
+        };
         dialog.read();
         dialog
     }
 
     fn read(&mut self) {
         let entries = std::fs::read_dir(&self.folder).into_iter().flatten().flatten();
-        let mut entries: Vec<(String, bool)> = entries
-            .map(|entry| (entry.file_name().to_string_lossy().into_owned(), entry.path().is_dir()))
-            .filter(|(name, is_folder)| !name.starts_with('.') && (*is_folder || self.purpose.accepts(name)))
+        let mut entries: Vec<ListedFile> = entries
+            .map(|entry| ListedFile::new(&entry))
+            .filter(|file| {
+                !file.name.starts_with('.') && (file.is_folder || self.purpose.accepts(&file.name))
+            })
             .collect();
-        entries.sort_by_key(|(name, is_folder)| (!is_folder, name.to_lowercase()));
+        entries.sort_by_key(|file| (!file.is_folder, file.name.to_lowercase()));
         self.entries = entries;
     }
 
@@ -268,9 +332,16 @@ impl FileDialog {
         });
         ScrollArea::vertical().max_height(320.0).auto_shrink([false, false]).show(ui, |ui| {
             let mut into = None;
-            for (name, is_folder) in &self.entries {
+            for ListedFile { name, is_folder, figures } in &self.entries {
                 let text = if *is_folder { format!("🗀  {name}") } else { format!("      {name}") };
-                let row = ui.selectable_label(*name == self.name, text);
+                let row = ui.horizontal(|ui| {
+                    let row = ui.selectable_label(*name == self.name, text);
+                    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                        ui.label(RichText::new(figures).small().color(theme::weak(ui.visuals().dark_mode)));
+                    });
+                    row
+                });
+                let row = row.inner;
                 if row.clicked() && *is_folder {
                     into = Some(self.folder.join(name));
                 } else if row.clicked() {
@@ -308,6 +379,9 @@ impl FileDialog {
         if self.warned {
             ui.label("There is a file of that name.");
         }
+        if let Some(fault) = &self.fault {
+            ui.label(RichText::new(fault).color(theme::wrong(ui.visuals().dark_mode)));
+        }
         let path = chosen?;
         if path.is_dir() {
             self.name.clear();
@@ -323,11 +397,11 @@ impl FileDialog {
     }
 }
 
-/// Shows the dialog that is open; the file, once one is chosen.
+/// Shows the dialog that is open; it and the file, once one is chosen.
 pub(crate) fn show_dialog(
     open_dialog: &mut Option<FileDialog>,
     ctx: &Context,
-) -> Option<(FilePurpose, PathBuf)> {
+) -> Option<(FileDialog, PathBuf)> {
     let mut dialog = open_dialog.take()?;
     let mut open = true;
     let mut chosen = None;
@@ -342,7 +416,7 @@ pub(crate) fn show_dialog(
         *open_dialog = Some(dialog);
         return None;
     }
-    Some((dialog.purpose, chosen?))
+    Some((dialog, chosen?))
 }
 
 #[cfg(test)]

@@ -35,15 +35,55 @@ const COMMANDS: &[Binding] = {
         ("Edit", Cut, "Cut", &[(CTRL, Key::X)], "cut the selected nodes"),
         ("Edit", Copy, "Copy", &[(CTRL, Key::C)], "copy the selected nodes, as text of the file"),
         ("Edit", Duplicate, "Duplicate", &[(CTRL, Key::D)], "duplicate the selected nodes"),
-        ("Edit", Delete, "Delete", &[(NONE, Key::Delete), (NONE, Key::Backspace)], "delete selected nodes"),
+        (
+            "Edit",
+            Delete,
+            "Delete",
+            &[(NONE, Key::Delete), (NONE, Key::Backspace)],
+            "delete the selected nodes, or the widget that was selected after them",
+        ),
         ("Edit", SelectAll, "Select all", &[(CTRL, Key::A)], "select all nodes"),
         (
             "Graph",
             Add,
             "Add a node …",
-            &[(NONE, Key::Space), (NONE, Key::Tab)],
+            &[(NONE, Key::Space)],
             "add a node: type to search, Enter takes the first",
         ),
+        (
+            "Graph",
+            Wire,
+            "Wire …",
+            &[(NONE, Key::J)],
+            "wire of the selected node: type to search, Enter takes the first",
+        ),
+        (
+            "Graph",
+            Edit,
+            "Parameters",
+            &[(NONE, Key::Enter)],
+            "to the parameters of the selected node; Escape: back",
+        ),
+        (
+            "",
+            Step(1, 0),
+            "",
+            &[(NONE, Key::ArrowRight)],
+            "select the next node to the right; so do the other arrows",
+        ),
+        ("", Step(-1, 0), "", &[(NONE, Key::ArrowLeft)], ""),
+        ("", Step(0, 1), "", &[(NONE, Key::ArrowDown)], ""),
+        ("", Step(0, -1), "", &[(NONE, Key::ArrowUp)], ""),
+        (
+            "",
+            Shift(1, 0),
+            "",
+            &[(SHIFT, Key::ArrowRight)],
+            "move the selected nodes to the right; so do the other arrows",
+        ),
+        ("", Shift(-1, 0), "", &[(SHIFT, Key::ArrowLeft)], ""),
+        ("", Shift(0, 1), "", &[(SHIFT, Key::ArrowDown)], ""),
+        ("", Shift(0, -1), "", &[(SHIFT, Key::ArrowUp)], ""),
         ("Graph", Tidy, "Tidy", &[(NONE, Key::L)], "tidy: lay the nodes out"),
         ("Graph", Frame, "Frame", &[(CTRL, Key::G)], "frame around the selected nodes"),
         ("Graph", Note, "Note", &[(NONE, Key::N)], "note in the graph"),
@@ -101,6 +141,7 @@ const MOUSE: &[(&str, &[(&str, &str)])] = &[
             ("double click", "pick the centre to orbit about"),
             ("click", "probe: the values on the ray"),
             ("Alt-drag", "probe: the values on rays through a box"),
+            ("right click", "menu"),
         ],
     ),
     (
@@ -112,7 +153,7 @@ const MOUSE: &[(&str, &[(&str, &str)])] = &[
             ("drag on empty space", "select nodes in a box"),
             ("drag the title of a frame", "move it with what it holds; its corner: its size"),
             ("double click on a title, a note", "write on it"),
-            ("right click, double click", "add a node"),
+            ("right click", "menu; on the ground, as a double click, of nodes"),
             ("middle drag, Ctrl-drag", "pan"),
             ("wheel", "zoom to the pointer"),
             ("double click on a node", "show its picture"),
@@ -123,8 +164,8 @@ const MOUSE: &[(&str, &[(&str, &str)])] = &[
         &[
             ("drag a widget", "move it; its handles: widths, angle, corners, bands"),
             ("Alt-drag", "the same at a fifth of the speed"),
-            ("double click", "add a point to the selected curve or polygon; elsewhere show all"),
-            ("right click on a point", "remove it"),
+            ("double click", "a point more on the curve or polygon; elsewhere show all"),
+            ("right click on a point", "remove it; elsewhere: menu"),
             ("wheel, Alt-wheel", "zoom to the right, zoom up"),
             ("Shift-drag", "pan"),
             ("arrows", "nudge the point or widget; Shift: five times, Alt: a fifth"),
@@ -136,9 +177,11 @@ const MOUSE: &[(&str, &[(&str, &str)])] = &[
     ),
 ];
 
-/// Reads the keys that no text field wants. `over_widgets`: what is deleted and duplicated is a widget then, not a node.
-pub(crate) fn read(ctx: &Context, over_widgets: bool, actions: &Actions) {
-    let typing = ctx.egui_wants_keyboard_input();
+/// Reads the keys that no text field wants, nor a button that has the focus. `of_widgets`: what is moved and duplicated, and what is
+/// deleted, is a widget then, not a node; `is_at_node`: a node of the graph has the focus.
+pub(crate) fn read(ctx: &Context, of_widgets: [bool; 2], is_at_node: bool, actions: &Actions) {
+    let typing = ctx.text_edit_focused();
+    let is_held = !is_at_node && ctx.egui_wants_keyboard_input();
     ctx.input_mut(|input| {
         // Longer combinations first: a key with Shift is not the key alone.
         for (command, modifiers, key) in keys(true).chain(keys(false)) {
@@ -147,8 +190,24 @@ pub(crate) fn read(ctx: &Context, over_widgets: bool, actions: &Actions) {
                 command,
                 Command::Save | Command::SaveAs | Command::Open | Command::Run | Command::Help
             );
-            let of_widgets = over_widgets && matches!(command, Command::Delete | Command::Duplicate);
-            if (!typing || anywhere) && !of_widgets && input.consume_key(modifiers, key) {
+            let is_for_widgets = match command {
+                Command::Duplicate | Command::Step(..) | Command::Shift(..) => of_widgets[0],
+                Command::Delete => of_widgets[1],
+                _ => false,
+            };
+            // A button takes these where it has the focus.
+            let is_for_focus = is_held
+                && matches!(
+                    key,
+                    Key::Space
+                        | Key::Enter
+                        | Key::ArrowRight
+                        | Key::ArrowLeft
+                        | Key::ArrowDown
+                        | Key::ArrowUp
+                );
+            let is_free = !is_for_widgets && !is_for_focus;
+            if (!typing || anywhere) && is_free && input.consume_key(modifiers, key) {
                 actions.command(command);
             }
         }

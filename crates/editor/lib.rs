@@ -6,6 +6,7 @@ mod files;
 mod graph;
 mod jobs;
 mod keys;
+mod panes;
 mod parameters;
 mod picture;
 mod requests;

@@ -1,12 +1,12 @@
 //! The parameter panel: the rows that the document makes of the selected node's declaration, as widgets by their controls; lists of
 //! tables; and texts that are being typed.
 
-use crate::scene::{Action, FilePurpose, Scene};
-use crate::theme;
+use crate::scene::{Action, FilePurpose, Scene, error_text};
+use crate::theme::{self, button};
 use eframe::egui::collapsing_header::CollapsingState;
 use eframe::egui::{
-    CollapsingHeader, Color32, ComboBox, DragValue, Grid, Label, Response, Rgba, RichText, ScrollArea, Sense,
-    Slider, TextEdit, Ui, vec2,
+    CollapsingHeader, Color32, ComboBox, DragValue, FocusDirection, Grid, Label, Response, Rgba, RichText,
+    ScrollArea, Sense, Slider, TextEdit, Ui, WidgetInfo, WidgetType, vec2,
 };
 use std::collections::HashMap;
 use voltet_core::arithmetic::decimal;
@@ -52,6 +52,7 @@ impl Typing {
         let mut text = begun.cloned().unwrap_or_else(|| now.to_string());
         let field = TextEdit::singleline(&mut text).id_salt(key).desired_width(width).hint_text(hint);
         let response = ui.add(field);
+        ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(key));
         if self.wants_focus.as_deref() == Some(key) {
             self.wants_focus = None;
             response.request_focus();
@@ -96,9 +97,10 @@ impl Typing {
 #[derive(Default)]
 pub(crate) struct ParameterPanel {
     typing: Typing,
-    /// Positions of the values by the keys of their rows, for tests.
-    #[cfg(test)]
-    pub places: HashMap<String, eframe::egui::Rect>,
+    /// True if the first value is to get the focus.
+    pub begins: bool,
+    /// True if the field before the first value has it, from which it goes on.
+    goes_on: bool,
 }
 
 #[derive(Clone, Copy)]
@@ -125,8 +127,6 @@ impl ParameterPanel {
     pub fn show(&mut self, ui: &mut Ui, scene: &Scene) {
         let dark = ui.visuals().dark_mode;
         ui.set_min_height(ui.available_height());
-        #[cfg(test)]
-        self.places.clear();
         let mut selected = scene.selection.iter();
         let (Some(name), None) = (selected.next(), selected.next()) else {
             let text = match scene.selection.len() {
@@ -139,14 +139,27 @@ impl ParameterPanel {
             return;
         };
         let Some(entry) = scene.entry(name) else { return };
+        self.move_focus(ui, entry);
         self.head(ui, scene, entry);
         let rows = scene.document.rows(scene.registry, name);
         ScrollArea::vertical().auto_shrink([false, false]).id_salt(("parameters", name)).show(ui, |ui| {
             for fault in scene.faults.iter().filter(|fault| fault.location.node.as_deref() == Some(name)) {
-                ui.label(RichText::new(fault.to_string()).color(theme::wrong(dark)));
+                ui.label(RichText::new(error_text(fault)).color(theme::wrong(dark)));
             }
             self.table(ui, Of { scene, node: name }, &Path::default(), &rows);
         });
+    }
+
+    /// Gives the focus to the first value, as Tab in the remark before it does.
+    fn move_focus(&mut self, ui: &Ui, entry: &NodeEntry) {
+        if std::mem::take(&mut self.goes_on) {
+            ui.memory_mut(|memory| memory.move_focus(FocusDirection::Next));
+        }
+        if std::mem::take(&mut self.begins) {
+            self.typing.wants_focus = Some(format!("remark of {}", entry.name));
+            self.goes_on = true;
+            ui.ctx().request_repaint();
+        }
     }
 
     /// The title of the pipeline, which its pictures carry.
@@ -154,7 +167,7 @@ impl ParameterPanel {
         let now = scene.document.pipeline().title.clone().unwrap_or_default();
         ui.horizontal(|ui| {
             ui.label("title").on_hover_text("of the pipeline; its pictures carry it");
-            if let Some(title) = self.typing.line(ui, "title!", &now, 320.0, "none") {
+            if let Some(title) = self.typing.line(ui, "title of the pipeline", &now, 320.0, "none") {
                 scene.actions.edit(Edit::Title(Some(title).filter(|title| !title.is_empty())));
             }
         });
@@ -165,7 +178,7 @@ impl ParameterPanel {
         let dark = ui.visuals().dark_mode;
         ui.add_space(3.0);
         ui.horizontal(|ui| {
-            let key = format!("{}!", entry.name);
+            let key = format!("name of {}", entry.name);
             if let Some(name) = self.typing.line(ui, &key, &entry.name, 130.0, "name")
                 && !name.is_empty()
             {
@@ -179,7 +192,7 @@ impl ParameterPanel {
         let view = scene.document.view().nodes.get(&entry.name);
         let now = view.and_then(|view| view.remark.clone()).unwrap_or_default();
         let width = (ui.available_width() - 24.0).max(80.0);
-        let key = format!("{}?", entry.name);
+        let key = format!("remark of {}", entry.name);
         if let Some(text) = self.typing.line(ui, &key, &now, width, "a remark, shown in the node") {
             let text = Some(text).filter(|text| !text.is_empty());
             scene.actions.edit(Edit::Remark { node: entry.name.clone(), text });
@@ -220,7 +233,7 @@ impl ParameterPanel {
         let what = parameter.parameter_type.describe();
         let help = format!("{}\n{what}{unit}\nstandard: {}", parameter.help, row.default_text());
         ui.label(RichText::new(parameter.name).color(color)).on_hover_text(&help);
-        let _shown = ui.vertical(|ui| {
+        let shown = ui.vertical(|ui| {
             ui.horizontal(|ui| {
                 if let (None, Some(first), DefaultValue::Unset(meaning)) =
                     (&row.set_value, row.begin(), parameter.default)
@@ -241,11 +254,11 @@ impl ParameterPanel {
             });
             self.typing.say_why_refused(ui, &of.key(row));
         });
-        #[cfg(test)]
-        self.places.insert(of.key(row), _shown.response.rect);
+        // The value's fields and buttons stand under the name of the parameter.
+        shown.response.widget_info(|| WidgetInfo::labeled(WidgetType::Panel, true, of.key(row)));
         if row.set_value.is_some() && !matches!(parameter.default, DefaultValue::Required) {
             let standard = format!("back to the standard: {}", row.default_text());
-            if ui.small_button("↺").on_hover_text(standard).clicked() {
+            if button(ui, "↺", &format!("standard {}", of.key(row)), &standard).clicked() {
                 of.unset(&row.path);
             }
         } else {
@@ -276,19 +289,20 @@ impl ParameterPanel {
                 swatch(ui, &entry.rows);
                 let kind = entry.kind.map_or("of no kind that is known", |kind| kind.name);
                 ui.label(format!("{} {kind}", place + 1));
-                for (text, help, to) in [
-                    ("⬆", "before the one above", place.saturating_sub(1)),
-                    ("⬇", "after the one below", (place + 1).min(count - 1)),
+                let name = |what: &str| format!("{what} {}", entry.path);
+                for (text, what, help, to) in [
+                    ("⬆", "earlier", "before the one above", place.saturating_sub(1)),
+                    ("⬇", "later", "after the one below", (place + 1).min(count - 1)),
                 ] {
-                    if ui.small_button(text).on_hover_text(help).clicked() && to != place {
+                    if button(ui, text, &name(what), help).clicked() && to != place {
                         let (node, list) = (node(), list.clone());
                         of.scene.actions.edit(Edit::MoveEntry { node, list, from: place, to });
                     }
                 }
-                if ui.small_button("×2").on_hover_text("duplicate").clicked() {
+                if button(ui, "×2", &name("duplicate"), "duplicate").clicked() {
                     of.scene.actions.edit(Edit::Duplicate { node: node(), list: list.clone(), place });
                 }
-                if ui.small_button("✖").on_hover_text("take away").clicked() {
+                if button(ui, "✖", &name("take away"), "take away").clicked() {
                     of.unset(&entry.path);
                 }
             });
@@ -360,7 +374,7 @@ impl ParameterPanel {
             Control::Array | Control::Arrays => self.arrays(ui, of, row, &key),
             Control::InputFile | Control::OutputFile => {
                 let given = self.typing.value(ui, &key, row, 200.0, "path");
-                if ui.small_button("…").on_hover_text("choose a file").clicked() {
+                if button(ui, "…", &format!("choose {key}"), "choose a file").clicked() {
                     of.scene.actions.push(browse(of, row));
                 }
                 given
@@ -373,7 +387,7 @@ impl ParameterPanel {
     /// A way to type what is no plain number.
     fn offer_typing(&mut self, ui: &mut Ui, is_offered: bool, key: &str, now: Option<&ParameterValue>) {
         let help = "type it: relative to the data (25 %, p90), or several numbers at once";
-        if is_offered && ui.small_button("✏").on_hover_text(help).clicked() {
+        if is_offered && button(ui, "✏", &format!("type {key}"), help).clicked() {
             self.typing.begin(key, now.map(to_text).unwrap_or_default());
         }
     }

@@ -1,12 +1,12 @@
 //! The picture: what the worker drew last, and the hand that moves the camera.
 
-use crate::scene::{Action, EARLIER, Scene};
-use crate::theme;
+use crate::scene::{Action, Command, EARLIER, Scene, command_buttons, error_text};
+use crate::theme::{self, button};
 use crate::view::View;
 use crate::worker::Pixels;
 use eframe::egui::{
     Align2, Color32, ColorImage, ComboBox, FontId, PointerButton, Pos2, Rect, Response, RichText, Sense,
-    Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, pos2, vec2,
+    Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, WidgetInfo, WidgetType, pos2, vec2,
 };
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -20,6 +20,15 @@ const RAYS: usize = 16;
 
 /// Factor of one notch of the wheel (50 points).
 const NOTCH: f64 = 1.15;
+
+/// Menu of the picture.
+const PICTURE_MENU: &[(&str, Command)] = &[
+    ("All of the data", Command::Home),
+    ("Isometric", Command::Isometric),
+    ("Section", Command::Section),
+    ("Costs and errors", Command::Costs),
+    ("Run: write the files", Command::Run),
+];
 
 /// A small picture, and what its texture holds.
 struct Thumbnail {
@@ -66,6 +75,9 @@ impl PicturePanel {
         if let Some(view) = scene.view {
             self.hand(ui, scene, &response, view);
         }
+        let name = format!("picture {}", scene.shown_node.unwrap_or("none"));
+        response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, &name));
+        response.context_menu(|ui| command_buttons(ui, scene.actions, PICTURE_MENU));
         response.on_hover_cursor(eframe::egui::CursorIcon::Grab);
     }
 
@@ -78,7 +90,7 @@ impl PicturePanel {
 
     /// Choice of the picture, and of the pointer's mode.
     fn head(&mut self, ui: &mut Ui, scene: &Scene) {
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             let pictures = scene.pictures();
             let shown = scene.shown_node.unwrap_or("no picture");
             ComboBox::from_id_salt("shown").selected_text(shown).width(120.0).show_ui(ui, |ui| {
@@ -102,7 +114,9 @@ impl PicturePanel {
                     ("⟲", Roll(true), "roll to the left (,)"),
                     ("⟳", Roll(false), "roll to the right (.)"),
                 ] {
-                    if ui.small_button(text).on_hover_text(help).clicked() {
+                    // The name without a pointer is the help without its key.
+                    let name = help.split(" (").next().unwrap_or(help);
+                    if button(ui, text, name, help).clicked() {
                         scene.actions.command(command);
                     }
                 }
@@ -147,7 +161,7 @@ impl PicturePanel {
             (_, None) => {
                 say("No node gives a picture yet: add a renderer (Space).", Color32::from_gray(200));
             }
-            (Some(failure), Some(_)) => say(&failure.to_string(), theme::wrong(dark)),
+            (Some(failure), Some(_)) => say(&error_text(failure), theme::wrong(dark)),
             (None, Some(_)) if scene.pixels.is_none() => {
                 say(scene.running.as_deref().unwrap_or("drawing …"), Color32::from_gray(200));
             }

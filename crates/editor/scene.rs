@@ -4,6 +4,7 @@
 use crate::jobs::Arrays;
 use crate::view::View;
 use crate::worker::{Distribution, NodeStatus, PixelProbe, Pixels, Section, Share, VolumeSource};
+use eframe::egui::Ui;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::PathBuf;
@@ -55,6 +56,19 @@ pub(crate) struct Scene<'a> {
     pub faults: &'a [Error],
     /// The document's nodes by name: looked up for every port and wire of a frame.
     pub entries: HashMap<&'a str, &'a NodeEntry>,
+}
+
+/// An error as the window says it: without the place in the file, and without what is right in the words of the file alone.
+pub(crate) fn error_text(error: &Error) -> String {
+    let mut text = error.location.node.as_ref().map_or(String::new(), |node| format!("{node}: "));
+    text += &error.what;
+    if let Some(got) = &error.got {
+        text += &format!(": found {got}");
+    }
+    if let Some(expected) = error.expected.as_ref().filter(|expected| !expected.contains(" = ")) {
+        text += &format!("; expected {expected}");
+    }
+    text
 }
 
 /// Words for pictures that are [earlier](Scene::earlier).
@@ -169,6 +183,14 @@ pub enum Command {
     Delete,
     SelectAll,
     Add,
+    /// A wire of the selected node, chosen from a list.
+    Wire,
+    /// The parameters of the selected node, to be typed.
+    Edit,
+    /// The node beside the selected one, so many steps to the right and down.
+    Step(i8, i8),
+    /// The selected nodes, moved so many steps to the right and down.
+    Shift(i8, i8),
     Tidy,
     Align(Align),
     Fold,
@@ -188,6 +210,16 @@ pub enum Command {
     Section,
     Study,
     Help,
+}
+
+/// Buttons of a menu, each for a command.
+pub(crate) fn command_buttons(ui: &mut Ui, actions: &Actions, buttons: &[(&str, Command)]) {
+    for (text, command) in buttons {
+        if ui.button(*text).clicked() {
+            actions.command(*command);
+            ui.close();
+        }
+    }
 }
 
 /// Requests collected while a frame is shown.

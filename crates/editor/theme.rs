@@ -1,8 +1,8 @@
 //! Colours, light and dark, and the shapes of ports.
 
 use eframe::egui::{
-    Color32, Context, Painter, PopupAnchor, Pos2, Rgba, Shape, Stroke, Theme, Tooltip, Ui, Visuals,
-    WidgetText, vec2,
+    Color32, Context, Painter, PopupAnchor, Pos2, Response, Rgba, Shape, Stroke, Theme, Tooltip, Ui, Visuals,
+    WidgetInfo, WidgetText, WidgetType, vec2,
 };
 use voltet_graph::PortType;
 
@@ -66,6 +66,13 @@ pub(crate) fn weak(dark: bool) -> Color32 {
 
 pub(crate) fn ground(dark: bool) -> Color32 {
     if dark { Color32::from_gray(22) } else { Color32::from_gray(226) }
+}
+
+/// A small button of a sign, with the name by which it is found without a pointer, and help.
+pub(crate) fn button(ui: &mut Ui, sign: &str, name: &str, help: &str) -> Response {
+    let response = ui.small_button(sign);
+    response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, name));
+    response.on_hover_text(help)
 }
 
 /// Shows words beside the pointer, a little away from it, so that they cover nothing that is pointed at.

@@ -17,7 +17,7 @@ use voltet_graph::Registry;
 const SIZE: [f32; 2] = [1280.0, 720.0];
 
 /// Least width and height, points.
-const MIN_SIZE: [f32; 2] = [800.0, 500.0];
+const MIN_SIZE: [f32; 2] = [700.0, 500.0];
 
 /// Opens the window on a file, or on an empty pipeline, and waits for its end. Must be called from the main thread. `start`
 /// makes the text of a pipeline for a file that is none, `study` studies. Errors: the file cannot be read, there is no display, or it has no

@@ -3,19 +3,21 @@
 //! One small interface ([`GraphView::show`]) around the package that draws nodes (`package.rs`). Pan and zoom are this
 //! module's, places are the document's; wires, the menu, frames and notes are drawn here.
 
+mod by_keyboard;
 mod frames;
 mod menu;
+mod new_node;
 mod nodes;
 mod package;
 mod places;
-#[cfg(test)]
-mod tests;
+mod wire_list;
 mod wires;
 
 use crate::scene::{Action, Scene};
 use crate::theme;
+use eframe::egui::epaint::CubicBezierShape;
 use eframe::egui::{
-    self, Color32, FontId, PointerButton, Pos2, Rect, Stroke, StrokeKind, TextStyle, Ui, Vec2, pos2, vec2,
+    self, Color32, FontId, Id, PointerButton, Pos2, Rect, Stroke, StrokeKind, TextStyle, Ui, Vec2, pos2, vec2,
 };
 use egui_node_editor::PanZoom;
 use menu::Menu;
@@ -23,7 +25,7 @@ use package::{Face, NodeGraph, Pictures, Port};
 use places::Places;
 pub(crate) use places::usual_size;
 use std::time::Duration;
-use voltet_document::{Annotation, AnnotationId};
+use voltet_document::{Annotation, AnnotationId, Edit};
 use voltet_graph::NodeEntry;
 
 /// Frames until nodes have the sizes that they are fitted by.
@@ -80,16 +82,28 @@ pub(crate) struct GraphView {
     dragged: Option<Dragged>,
     writing: Option<Writing>,
     wire: Option<DraggedWire>,
+    /// The wires of this frame, each with its words and the edit that takes it off.
+    drawn_wires: Vec<(CubicBezierShape, String, Edit)>,
     boxed: Option<Pos2>,
     menu: Option<Menu>,
     /// True if the menu is to be opened at the pointer.
     pub opens_menu: bool,
+    /// Node whose wires are to be listed.
+    pub wires_of: Option<String>,
+    revealed: Option<String>,
+    /// The node that the keys are for.
+    focused: Option<(String, Id)>,
 }
 
 impl GraphView {
     /// Width and height of a node as it was drawn; of one that was not, the usual ones.
     pub fn size_of(&self, node: &str) -> [f64; 2] {
         self.places.size_of(node)
+    }
+
+    /// True if the menu is open, or words are being written.
+    pub fn is_choosing(&self) -> bool {
+        self.menu.is_some() || self.writing.is_some()
     }
 
     pub fn fit(&mut self) {
@@ -161,8 +175,11 @@ impl GraphView {
             if scene.pictures().contains(&name) {
                 scene.actions.push(Action::Show(name.to_string()));
             }
-        } else if (double || secondary) && node.is_none() && !is_at_ground {
-            self.opens_menu = true;
+        } else if (double || secondary) && node.is_none() && port.is_none() && !is_at_ground {
+            match self.wire_at(at).filter(|_| secondary) {
+                Some(wire) => self.menu = Some(Menu::of_wire(at, wire)),
+                None => self.opens_menu = true,
+            }
         }
         let (rest, is_down) = ui.input(|input| {
             let pointer = &input.pointer;
@@ -190,9 +207,14 @@ impl GraphView {
                 ui.input(|input| input.pointer.hover_pos()).filter(|at| self.view.clip_rect.contains(*at));
             self.menu = Some(Menu::new(at.unwrap_or(self.view.clip_rect.center()), None));
         }
+        if let Some(node) = self.wires_of.take() {
+            let frame = self.places.drawn.iter().find(|(name, _)| *name == node).map(|(_, frame)| frame.min);
+            let at = frame.unwrap_or(self.view.clip_rect.center());
+            self.menu = Some(Menu::of_wires(at, scene, &node));
+        }
         let Some(mut menu) = self.menu.take() else { return };
         let at = self.to_document(menu.at);
-        if menu.show(ui, self.view.clip_rect, scene, at) {
+        if menu.show(ui, self.view.clip_rect, scene, &self.places, at) {
             self.menu = Some(menu);
         }
     }
@@ -216,6 +238,7 @@ impl GraphView {
             self.bring_into_view(scene);
             ui.ctx().request_repaint();
         }
+        self.show_revealed(scene);
         let over = ui.rect_contains_pointer(self.view.clip_rect) && self.menu.is_none();
         let (factor, at, delta, pans) = ui.input(|input| {
             let pointer = &input.pointer;

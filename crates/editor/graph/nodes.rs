@@ -2,12 +2,24 @@
 
 use super::package::{self, Face, NodeGraph, Pictures, Response};
 use super::{Dragged, GraphView};
-use crate::scene::{Action, Scene};
+use crate::scene::{Action, Command, Scene, command_buttons};
 use eframe::egui::{
-    Color32, Id, PointerButton, Rect, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, WidgetType, pos2,
+    Color32, EventFilter, Id, PointerButton, Rect, Response as EguiResponse, Sense, Stroke, StrokeKind, Ui,
+    Vec2, WidgetInfo, WidgetType, pos2,
 };
 use egui_node_editor::{GraphNodeWidget, NodeId, NodeRects, NodeResponse, PortLocations, show_zoomed};
 use std::collections::BTreeSet;
+
+/// Menu of a node, for all that are selected.
+const NODE_MENU: &[(&str, Command)] = &[
+    ("Parameters", Command::Edit),
+    ("Wire …", Command::Wire),
+    ("Duplicate", Command::Duplicate),
+    ("Copy", Command::Copy),
+    ("Fold or unfold", Command::Fold),
+    ("Frame", Command::Frame),
+    ("Delete", Command::Delete),
+];
 
 impl GraphView {
     /// Draws the visible nodes and handles the pointer's actions on them and on the ground; returns them as drawn.
@@ -56,10 +68,7 @@ impl GraphView {
             // The package's key of what a pointer takes hold of a node by.
             let response = ui.ctx().read_response(Id::new((*id, "window")));
             let Some(response) = response else { continue };
-            let name = format!("node {}", graph[*id].user_data.name);
-            let is_selected = scene.selection.contains(&graph[*id].user_data.name);
-            response
-                .widget_info(|| WidgetInfo::selected(WidgetType::SelectableLabel, true, is_selected, &name));
+            self.name_node(ui, scene, &graph[*id].user_data.name, &response);
         }
         self.hold_ports(ui, scene);
         let mut selected: Option<BTreeSet<String>> = ground.clicked().then(BTreeSet::new);
@@ -84,11 +93,43 @@ impl GraphView {
             if ui.input(|input| input.modifiers.shift || input.modifiers.command) {
                 selected.extend(scene.selection.iter().cloned());
             }
-            if selected != *scene.selection {
-                scene.actions.push(Action::Select(selected));
-            }
+            scene.actions.push(Action::Select(selected));
         }
         graph
+    }
+
+    /// Gives what a pointer takes hold of a node by its name, and the keys: the node that has the focus is the selected one.
+    fn name_node(&mut self, ui: &Ui, scene: &Scene, name: &str, response: &EguiResponse) {
+        let is_selected = scene.selection.contains(name);
+        let label = format!("node {name}");
+        response.widget_info(|| WidgetInfo::selected(WidgetType::SelectableLabel, true, is_selected, &label));
+        if response.secondary_clicked() && !is_selected {
+            scene.actions.push(Action::Select(BTreeSet::from([name.to_string()])));
+        }
+        response.context_menu(|ui| {
+            if scene.pictures().contains(&name) && ui.button("Show its picture").clicked() {
+                scene.actions.push(Action::Show(name.to_string()));
+                ui.close();
+            }
+            command_buttons(ui, scene.actions, NODE_MENU);
+        });
+        let is_focused = self.focused.as_ref().is_some_and(|(_, id)| *id == response.id);
+        let alone = BTreeSet::from([name.to_string()]);
+        if response.has_focus() {
+            // The arrows choose among nodes; they do not leave them for the next button.
+            let arrows =
+                EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() };
+            ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
+            if !is_focused {
+                self.focused = Some((name.to_string(), response.id));
+                scene.actions.push(Action::Select(alone));
+            } else if *scene.selection != alone {
+                response.surrender_focus();
+                self.focused = None;
+            }
+        } else if is_focused {
+            self.focused = None;
+        }
     }
 
     fn respond(

@@ -18,9 +18,14 @@ use voltet_document::{Edit, links};
 /// Side of the square in which a pointer takes hold of a port, points at the usual scale.
 const PORT: f32 = 12.0;
 
+/// Distance from a wire within which a pointer means it, points, and the pieces that it is measured by.
+const WIRE: f32 = 6.0;
+const SAMPLES: usize = 32;
+
 impl GraphView {
     /// Draws them where `at` was kept free, behind the nodes.
-    pub(super) fn wires(&self, ui: &Ui, at: ShapeIdx, scene: &Scene) {
+    pub(super) fn wires(&mut self, ui: &Ui, at: ShapeIdx, scene: &Scene) {
+        self.drawn_wires.clear();
         let (dark, clip, to_window) = (ui.visuals().dark_mode, ui.clip_rect(), self.to_window());
         let taken_off = self.wire.as_ref().and_then(|wire| wire.taken_off.as_ref());
         let mut shapes = Vec::new();
@@ -44,7 +49,11 @@ impl GraphView {
                 let curve =
                     curve(from, to, Stroke::new(width * self.view.zoom.max(0.5), color), self.view.zoom);
                 if curve.visual_bounding_rect().intersects(clip) {
-                    shapes.push(curve);
+                    let (node, port) = (entry.name.clone(), link.port.clone());
+                    let words = format!("take off {text} to {node}.{port}");
+                    let edit = Edit::Disconnect { node, port, source: Some(text.to_string()) };
+                    self.drawn_wires.push((curve.clone(), words, edit));
+                    shapes.push(Shape::CubicBezier(curve));
                 }
             }
         }
@@ -56,8 +65,26 @@ impl GraphView {
             let own = to_window(self.places.port(scene, entry, port.declared.name, port.is_input));
             let (from, to) = if port.is_input { (pointer, own) } else { (own, pointer) };
             let stroke = Stroke::new(2.5, theme::port_color(port.declared.port_type, dark));
-            ui.painter().add(curve(from, to, stroke, self.view.zoom));
+            ui.painter().add(Shape::CubicBezier(curve(from, to, stroke, self.view.zoom)));
         }
+    }
+
+    /// The wire that a pointer at a place of the window means: its words and the edit that takes it off.
+    pub(super) fn wire_at(&self, at: Pos2) -> Option<(String, Edit)> {
+        let distance = |curve: &CubicBezierShape| {
+            let along = (0..=SAMPLES).map(|i| curve.sample(i as f32 / SAMPLES as f32));
+            let points: Vec<Pos2> = along.collect();
+            let of_piece = |piece: &[Pos2]| {
+                let (way, from) = (piece[1] - piece[0], at - piece[0]);
+                let share = (from.dot(way) / way.length_sq().max(1e-6)).clamp(0.0, 1.0);
+                (from - share * way).length()
+            };
+            points.windows(2).map(of_piece).fold(f32::INFINITY, f32::min)
+        };
+        let by_distance = self.drawn_wires.iter().map(|(curve, words, edit)| (distance(curve), words, edit));
+        let near = by_distance.filter(|(distance, ..)| *distance <= WIRE);
+        let nearest = near.min_by(|a, b| a.0.total_cmp(&b.0));
+        nearest.map(|(_, words, edit)| (words.clone(), edit.clone()))
     }
 
     /// Takes hold of the ports: a drag begins a wire. Called after the nodes, on which they lie.
@@ -73,6 +100,16 @@ impl GraphView {
             if response.drag_started_by(PointerButton::Primary) {
                 self.begin_wire(scene, &port);
             }
+            response.context_menu(|ui| {
+                if ui.button("Add a node that fits …").clicked() {
+                    self.menu = Some(Menu::new(at, Some(port.clone())));
+                    ui.close();
+                }
+                if ui.button("Wire …").clicked() {
+                    self.wires_of = Some(port.node.clone());
+                    ui.close();
+                }
+            });
         }
     }
 
@@ -136,10 +173,10 @@ impl GraphView {
     }
 }
 
-fn curve(from: Pos2, to: Pos2, stroke: Stroke, zoom: f32) -> Shape {
+fn curve(from: Pos2, to: Pos2, stroke: Stroke, zoom: f32) -> CubicBezierShape {
     let bend = ((to.x - from.x).abs() * 0.5).clamp(20.0 * zoom, 160.0 * zoom);
     let points = [from, from + vec2(bend, 0.0), to - vec2(bend, 0.0), to];
-    Shape::CubicBezier(CubicBezierShape::from_points_stroke(points, false, Color32::TRANSPARENT, stroke))
+    CubicBezierShape::from_points_stroke(points, false, Color32::TRANSPARENT, stroke)
 }
 
 /// Edit that connects two ports. Errors: the ports do not fit.

@@ -7,10 +7,11 @@ use super::pointer::FINE;
 use super::screen_widget::{self, ScreenWidget};
 use super::{TransferPanel, edit};
 use crate::parameters::{by_hand, drag, edited_color};
-use crate::theme;
+use crate::theme::{self, button};
 use crate::worker::{short, widget_count};
 use eframe::egui::{
-    Button, Key, Modifiers, RichText, ScrollArea, Sense, Stroke, StrokeKind, TextEdit, Ui, vec2,
+    Button, Key, Modifiers, RichText, ScrollArea, Sense, Stroke, StrokeKind, TextEdit, Ui, WidgetInfo,
+    WidgetType, vec2,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use voltet_core::with_commas;
@@ -47,7 +48,7 @@ impl TransferPanel {
     pub(super) fn add(&mut self, look: &EditedFunction, entry: ParameterValue) {
         let (node, place) = (look.node.name.clone(), look.widgets.len());
         look.actions.edit(Edit::Insert { node, list: "widgets".into(), place, entry });
-        (self.chosen, self.held) = (place, None);
+        (self.chosen, self.held, self.is_last) = (place, None, true);
     }
 
     pub(super) fn duplicate(&mut self, look: &EditedFunction) {
@@ -136,18 +137,22 @@ impl TransferPanel {
         }
     }
 
-    /// Handles keys while the pointer is over the panel.
+    /// Handles keys while the pointer is over the panel, or a widget was selected last, which alone is deleted.
     pub(super) fn keys(&mut self, ui: &Ui, look: &EditedFunction) {
-        if ui.ctx().egui_wants_keyboard_input() || !self.takes_keys() {
+        if ui.ctx().text_edit_focused() || !self.takes_keys() {
             return;
         }
         self.set_keys(ui, look);
-        if look.widgets.is_empty() {
-            return;
-        }
-        for (modifiers, key, command) in KEYS {
+        let is_last = self.is_last();
+        let is_ours = |key: Key| match key {
+            Key::P => true,
+            Key::Delete | Key::Backspace => is_last && !look.widgets.is_empty(),
+            _ => !look.widgets.is_empty(),
+        };
+        for (modifiers, key, command) in KEYS.into_iter().filter(|(_, key, _)| is_ours(*key)) {
             if ui.input_mut(|input| input.consume_key(modifiers, key)) {
                 command(self, look);
+                self.is_last = true;
             }
         }
         self.nudge(ui, look);
@@ -259,10 +264,10 @@ impl TransferPanel {
         let (place, count) = (self.chosen, look.widgets.len());
         ui.label(format!("{} {}", place + 1, widget.kind));
         self.color_and_strength(ui, look, widget);
-        if ui.small_button("×2").on_hover_text("duplicate the widget (Ctrl+D over the plane)").clicked() {
+        if button(ui, "×2", "duplicate the widget", "duplicate the widget (Ctrl+D)").clicked() {
             self.duplicate(look);
         }
-        if ui.small_button("✖").on_hover_text("take the widget away (Delete over the plane)").clicked() {
+        if button(ui, "✖", "take the widget away", "take the widget away (Delete)").clicked() {
             self.remove(look);
         }
         for (text, to, help) in [
@@ -356,8 +361,41 @@ impl TransferPanel {
         if place == self.chosen {
             ui.painter().rect_stroke(rect, 3.0, Stroke::new(1.5, theme::accent(dark)), StrokeKind::Middle);
         }
-        if response.on_hover_text(format!("{} {}", place + 1, widget.kind)).clicked() {
+        let name = format!("widget {} {}", place + 1, widget.kind);
+        let is_chosen = place == self.chosen;
+        response.widget_info(|| WidgetInfo::selected(WidgetType::SelectableLabel, true, is_chosen, &name));
+        if response.on_hover_text(name).clicked() {
             self.choose(place, look);
+            self.is_last = true;
+        }
+    }
+
+    /// Menu of the plane: of the widget in hand, and of all.
+    pub(super) fn menu(&mut self, ui: &mut Ui, look: &EditedFunction) {
+        let (place, count) = (self.chosen, look.widgets.len());
+        let mut entries: Vec<(String, WidgetCommand)> = Vec::new();
+        if let Some(widget) = look.widgets.get(place) {
+            let hide = if self.hidden.contains(&place) { "Show" } else { "Hide" };
+            ui.label(format!("{} {}", place + 1, widget.kind));
+            entries.extend([
+                ("Duplicate".into(), Self::duplicate as WidgetCommand),
+                (hide.into(), |panel, _| panel.hide(panel.chosen)),
+                ("Alone, or with the others".into(), |panel, look| {
+                    panel.solo(panel.chosen, look.widgets.len())
+                }),
+                ("Take away".into(), Self::remove),
+            ]);
+        }
+        if count > 1 {
+            entries.push(("Next widget".into(), |panel, look| panel.choose(panel.chosen + 1, look)));
+        }
+        entries.push(("Add at the peak".into(), Self::add_at_peak));
+        entries.push(("All of the data into view".into(), |panel, _| panel.shown = None));
+        for (text, command) in entries {
+            if ui.button(text).clicked() {
+                command(self, look);
+                ui.close();
+            }
         }
     }
 

@@ -17,7 +17,10 @@ use crate::theme;
 use crate::worker::{short, short_by};
 use edited_function::{EditedFunction, axis_name, axis_title};
 pub(crate) use edited_function::{data_scope, edited_node, fields_of, scales, volume_of};
-use eframe::egui::{self, Align2, FontId, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
+use eframe::egui::{
+    self, Align, Align2, Button, FontId, Layout, Rect, Sense, Stroke, StrokeKind, Ui, UiBuilder, WidgetInfo,
+    WidgetType, pos2, vec2,
+};
 use images::Images;
 use plane::{Change, Counts, Handle, Plane, S_AND_G};
 use relative::PlaneAxes;
@@ -51,7 +54,9 @@ pub(crate) struct TransferPanel {
     /// True if the pointer was over the panel in the last frame.
     has_pointer: bool,
     /// True if keys go to the widgets wherever the pointer is.
-    pub by_keyboard: bool,
+    by_keyboard: bool,
+    /// True if a widget was selected after the last node: it is what is deleted by a key.
+    is_last: bool,
     plane: Option<Plane>,
 }
 
@@ -60,8 +65,25 @@ impl TransferPanel {
         edited_node(scene).is_some()
     }
 
+    /// True if the widget in hand is what was selected last.
+    pub fn is_last(&self) -> bool {
+        self.by_keyboard || self.is_last
+    }
+
+    /// True if keys are for the widgets, but for those that delete.
     pub fn takes_keys(&self) -> bool {
-        self.has_pointer || self.by_keyboard
+        self.has_pointer || self.is_last()
+    }
+
+    /// Has the keys go to the widgets wherever the pointer is, or no more.
+    pub fn switch_keys(&mut self) {
+        self.by_keyboard = !self.by_keyboard;
+        self.is_last &= self.by_keyboard;
+    }
+
+    /// A node was selected, or nothing is edited any more: keys are for the graph again.
+    pub fn lose_keys(&mut self) {
+        (self.is_last, self.has_pointer) = (false, false);
     }
 
     /// The widgets of a node that the window's picture leaves out.
@@ -85,7 +107,7 @@ impl TransferPanel {
     pub fn show(&mut self, ui: &mut Ui, scene: &Scene) {
         self.has_pointer = ui.rect_contains_pointer(ui.max_rect());
         if self.by_keyboard && ui.input(|input| input.key_pressed(egui::Key::Escape)) {
-            self.by_keyboard = false;
+            self.switch_keys();
         }
         let Some(node) = edited_node(scene) else { return };
         let is_another = self.of.as_deref() != Some(&node.name);
@@ -121,8 +143,12 @@ impl TransferPanel {
         if has_curve {
             plane::extinctions(ui, look.plane);
         }
+        self.name(ui, &response, &look);
         self.move_plane(ui, &response, look.plane);
         self.hand(ui, &response, &look);
+        if look.widgets.is_empty() {
+            self.invite(ui, &look);
+        }
         self.keys(ui, &look);
         self.readout(ui, &response, &look);
     }
@@ -156,6 +182,33 @@ impl TransferPanel {
                 ui.painter().layout(text, FontId::proportional(12.0), theme::weak(dark), rect.width() - 20.0);
             let place = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());
             ui.painter().galley(place.min, galley, theme::weak(dark));
+        }
+    }
+
+    /// Offers a first widget, where there is none.
+    fn invite(&mut self, ui: &mut Ui, look: &EditedFunction) {
+        let rect = Rect::from_center_size(look.plane.rect.center(), vec2(280.0, 56.0));
+        let builder = UiBuilder::new().max_rect(rect).layout(Layout::top_down(Align::Center));
+        ui.scope_builder(builder, |ui| {
+            ui.label("Nothing to see yet: there are no widgets.");
+            let button = ui.add_enabled(look.histogram().is_some(), Button::new("Add a widget at the peak"));
+            if button.on_hover_text("where most of the volume is (P)").clicked() {
+                self.add_at_peak(look);
+            }
+        });
+    }
+
+    /// Names of the plane and of the handles on it, by which they are found without a pointer.
+    fn name(&self, ui: &Ui, response: &egui::Response, look: &EditedFunction) {
+        let [x, y] = look.axes.each_ref().map(axis_name);
+        let name = format!("plane of {x} and {y}");
+        response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, &name));
+        let Some(widget) = look.widgets.get(self.chosen) else { return };
+        for (handle, place) in widget.handles(&look.plane) {
+            let rect = Rect::from_center_size(look.plane.to_window(place), vec2(10.0, 10.0));
+            let name = format!("{} of widget {}", handle.name(), self.chosen + 1);
+            let grip = ui.interact(rect, ui.id().with((name.as_str(), "grip")), Sense::empty());
+            grip.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, &name));
         }
     }
 

@@ -317,6 +317,24 @@ pub(super) enum Handle {
     Point(usize),
 }
 
+impl Handle {
+    /// Name of what it holds: "centre", "width 1", "upper edge 2".
+    pub fn name(self) -> String {
+        let end = |is_upper: bool| if is_upper { "upper" } else { "lower" };
+        match self {
+            Handle::Centre => "centre".into(),
+            Handle::Width(axis) => format!("width {}", axis + 1),
+            Handle::Angle => "angle".into(),
+            Handle::Band => "band".into(),
+            Handle::Rim(i) => format!("rim {}", i + 1),
+            Handle::Edge(axis, is_upper) => format!("{} edge {}", end(is_upper), axis + 1),
+            Handle::Corner(i) => format!("corner {}", i + 1),
+            Handle::Side(axis, is_upper) => format!("{} side {}", end(is_upper), axis + 1),
+            Handle::Point(i) => format!("point {}", i + 1),
+        }
+    }
+}
+
 /// Handles of ranges that may be infinite: of the corners, against the clock from the lower left, where all ends are finite; and of the
 /// finite sides, each in the middle of what is shown of it.
 pub(super) fn range_handles(

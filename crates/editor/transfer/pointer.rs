@@ -4,7 +4,7 @@ use super::edited_function::EditedFunction;
 use super::plane::{self, Handle, Plane, height_of};
 use super::screen_widget::{Drag, Region, ScreenWidget};
 use super::{TransferPanel, edit};
-use eframe::egui::{self, PointerButton, Pos2, Ui, Vec2};
+use eframe::egui::{self, PointerButton, Popup, Pos2, SetOpenCommand, Ui, Vec2};
 
 /// Distance from a handle, or from a curve, within which a pointer hits it (points).
 const NEAR: f32 = 9.0;
@@ -58,9 +58,18 @@ impl TransferPanel {
             self.take(at, look);
             self.drag = None;
         }
-        if let Some(at) = at.filter(|_| response.secondary_clicked()) {
-            self.take_point_away(at, look);
-        }
+        let asked = at.filter(|_| response.secondary_clicked());
+        let opens_menu = asked.is_some_and(|at| {
+            let takes_point = self.take_point_away(at, look);
+            if !takes_point {
+                self.take(at, look);
+                self.drag = None;
+            }
+            !takes_point
+        });
+        let menu =
+            Popup::context_menu(response).open_memory(opens_menu.then_some(SetOpenCommand::Bool(true)));
+        menu.show(|ui| self.menu(ui, look));
         let begins = response.drag_started_by(PointerButton::Primary) && !modifiers.shift;
         if let Some(at) = press.filter(|_| begins) {
             self.take(at, look);
@@ -108,13 +117,17 @@ impl TransferPanel {
         }
     }
 
-    fn take_point_away(&mut self, at: Pos2, look: &EditedFunction) {
-        let Some(widget) = look.widgets.get(self.chosen) else { return };
+    /// Takes away the point of a curve or polygon that lies there; false where none does.
+    fn take_point_away(&mut self, at: Pos2, look: &EditedFunction) -> bool {
+        let Some(widget) = look.widgets.get(self.chosen) else { return false };
         let handle = nearest(widget, at, look.plane);
-        if let Some(changes) = handle.and_then(|handle| widget.without_point(handle)) {
+        let changes = handle.and_then(|handle| widget.without_point(handle));
+        let takes = changes.is_some();
+        if let Some(changes) = changes {
             self.held = None;
             edit(look, self.chosen, widget, changes);
         }
+        takes
     }
 
     /// Starts a drag of the target of a press: a handle of the selected widget, another widget, or nothing.
@@ -140,7 +153,7 @@ impl TransferPanel {
         let widget = &look.widgets[place];
         let is_held = |(known, _): &(Handle, [f64; 2])| Some(*known) == handle;
         let from = widget.handles(&plane).into_iter().find(is_held).map_or(value, |(_, place)| place);
-        self.chosen = place;
+        (self.chosen, self.is_last) = (place, true);
         self.drag = Some(Drag { widget: widget.clone(), handle, from, at: from, peak: plane.peak });
     }
 }

@@ -67,10 +67,10 @@ fn numbers_on_an_axis_far_from_zero_are_told_apart() {
 fn a_typed_number_is_taken_with_all_its_digits_and_a_shown_one_loses_none() {
     let mut hand = Hand::in_tall_window(&TEXT.replace("extinction = 4.0", "extinction = 101325.0123456789"));
     let text = hand.text();
-    let title = hand.editor.panels.graph.frame_of("look").unwrap().min + vec2(30.0, 8.0);
+    let title = hand.rect("node look").min + vec2(30.0, 8.0);
     hand.click(title);
     hand.frames(3);
-    let row = hand.editor.panels.parameters.places["look.widgets.0.extinction"];
+    let row = hand.rect("look.widgets.0.extinction");
     let at = row.left_center() + vec2(14.0, 0.0);
     hand.click(at);
     hand.key(Key::Enter, Modifiers::NONE);
@@ -94,7 +94,7 @@ fn a_camera_at_map_coordinates_is_saved_bit_for_bit_and_follows_the_hand() {
         View::from_camera(document.pipeline().nodes.iter().find(|node| node.name == "view").unwrap()).unwrap()
     };
     let before = view(hand.editor.document());
-    let at = hand.editor.panels.picture.rect.unwrap().center();
+    let at = hand.named("picture picture");
     hand.drag(at, at + vec2(61.0, 17.0));
     let now = view(hand.editor.document());
     let distance = |view: &View| (view.eye - view.target).length();

@@ -24,7 +24,7 @@ fn full_window() -> Hand {
     until(&mut hand, "no small picture", |hand| hand.editor.scene().previews.contains_key("counts"));
     hand.command(Command::Section);
     until(&mut hand, "no section", |hand| matches!(hand.editor.scene().section, Some(Ok(_))));
-    let at = hand.editor.panels.picture.rect.unwrap().center();
+    let at = hand.named("picture picture");
     hand.click(at);
     until(&mut hand, "no probed values", |hand| hand.editor.scene().probed.is_some());
     let ctx = hand.ctx.clone();

@@ -29,10 +29,10 @@ fn the_file_of_a_parameter_is_chosen_in_a_list() {
     let mut hand = Hand::new(TEXT);
     std::fs::create_dir(hand.folder.path().join("pictures")).unwrap();
     std::fs::write(hand.folder.path().join("pictures/other.png"), "").unwrap();
-    let title = hand.editor.panels.graph.frame_of("file").unwrap().min + vec2(30.0, 8.0);
+    let title = hand.rect("node file").min + vec2(30.0, 8.0);
     hand.click(title);
     hand.frames(3);
-    hand.click_on("…");
+    hand.click_on("choose file.path");
     hand.click_on("🗀  pictures");
     hand.click_on("      other.png");
     hand.click_on("Choose");

@@ -6,15 +6,11 @@ fn node<'a>(hand: &'a Hand, name: &str) -> Option<&'a NodeEntry> {
 }
 
 fn port(hand: &Hand, node: &str, name: &str, is_input: bool) -> Pos2 {
-    hand.editor
-        .panels
-        .graph
-        .port_at(node, name, is_input)
-        .unwrap_or_else(|| panic!("{node}.{name} is not in view"))
+    hand.named(&format!("{} {node}.{name}", if is_input { "input" } else { "output" }))
 }
 
 fn title(hand: &Hand, node: &str) -> Pos2 {
-    hand.editor.panels.graph.frame_of(node).unwrap().min + vec2(30.0, 8.0)
+    hand.rect(&format!("node {node}")).min + vec2(30.0, 8.0)
 }
 
 #[test]
@@ -35,10 +31,10 @@ fn a_dragged_node_has_its_place_in_the_file_and_undo_takes_it_back() {
 fn ports_under_another_node_are_not_shown() {
     let mut hand = Hand::new(TEXT);
     let covered = port(&hand, "view", "camera", false);
-    assert!(hand.editor.panels.graph.shows_port_at(covered));
+    assert!(hand.sees("output view.camera"));
     let from = title(&hand, "picture");
     hand.drag(from, from + (covered - port(&hand, "picture", "camera", true)) + vec2(-40.0, 0.0));
-    assert!(!hand.editor.panels.graph.shows_port_at(covered));
+    assert!(!hand.sees("output view.camera"));
 }
 
 #[test]
@@ -48,7 +44,7 @@ fn a_wire_is_drawn_from_port_to_port_and_taken_off_again() {
     hand.drag(from, to);
     let feeds = |hand: &Hand| node(hand, "look").unwrap().inputs.iter().any(|link| link.port == "volume");
     assert!(feeds(&hand), "{}", hand.said());
-    let empty = hand.editor.panels.graph.frame_of("view").unwrap().max + vec2(60.0, 60.0);
+    let empty = hand.rect("node view").max + vec2(60.0, 60.0);
     let to = port(&hand, "look", "volume", true);
     hand.drag(to, empty);
     assert!(!feeds(&hand), "{}", hand.text());
@@ -67,7 +63,7 @@ fn what_does_not_fit_is_not_joined_and_the_reason_is_said() {
 #[test]
 fn a_wire_dropped_on_empty_space_offers_what_fits_and_joins_it() {
     let mut hand = Hand::new(TEXT);
-    let empty = hand.editor.panels.graph.frame_of("view").unwrap().max + vec2(40.0, 40.0);
+    let empty = hand.rect("node view").max + vec2(40.0, 40.0);
     let from = port(&hand, "gradient", "volume", false);
     hand.drag(from, empty);
     hand.typed("histogram");
@@ -81,7 +77,7 @@ fn a_wire_dropped_on_empty_space_offers_what_fits_and_joins_it() {
 #[test]
 fn nodes_are_added_selected_copied_and_deleted_by_keys() {
     let mut hand = Hand::new(TEXT);
-    let ground = hand.editor.panels.graph.frame_of("view").unwrap().max + vec2(40.0, 60.0);
+    let ground = hand.rect("node view").max + vec2(40.0, 60.0);
     hand.move_to(ground, Modifiers::NONE);
     hand.key(Key::Space, Modifiers::NONE);
     hand.typed("wavelet");
@@ -108,10 +104,7 @@ fn nodes_are_added_selected_copied_and_deleted_by_keys() {
 #[test]
 fn a_box_selects_and_a_click_on_the_ground_takes_it_back() {
     let mut hand = Hand::new(TEXT);
-    let (first, last) = (
-        hand.editor.panels.graph.frame_of("look").unwrap(),
-        hand.editor.panels.graph.frame_of("view").unwrap(),
-    );
+    let (first, last) = (hand.rect("node look"), hand.rect("node view"));
     hand.drag(last.max + vec2(30.0, 40.0), first.min - vec2(6.0, 6.0));
     let selected = hand.editor.selection.clone();
     assert!(selected.contains("look") && selected.contains("view"), "{selected:?}");
@@ -137,7 +130,7 @@ fn nodes_that_are_laid_out_do_not_cover_each_other() {
     }
     hand.frames(4);
     let names = ["grid", "gradient", "look", "counts", "view", "other", "picture", "file"];
-    let frames = names.map(|name| (name, hand.editor.panels.graph.frame_of(name).unwrap()));
+    let frames = names.map(|name| (name, hand.rect(&format!("node {name}"))));
     for (i, (name, frame)) in frames.iter().enumerate() {
         for (other, beside) in &frames[i + 1..] {
             assert!(!frame.intersects(*beside), "{name} {frame:?} and {other} {beside:?}");

@@ -53,17 +53,17 @@ fn a_frame_is_named_moved_with_what_it_holds_and_resized() {
 #[test]
 fn nodes_are_folded_and_keep_their_wires() {
     let mut hand = Hand::new(TEXT);
-    let before = hand.editor.panels.graph.frame_of("picture").unwrap();
+    let before = hand.rect("node picture");
     hand.editor.selection = ["picture", "view"].map(String::from).into();
     hand.key(Key::B, Modifiers::NONE);
     hand.frames(3);
-    let after = hand.editor.panels.graph.frame_of("picture").unwrap();
+    let after = hand.rect("node picture");
     assert!(after.height() < 0.6 * before.height(), "{before:?} {after:?}");
-    assert!(hand.editor.panels.graph.port_at("picture", "camera", true).is_none(), "the head alone");
+    assert!(!hand.sees("input picture.camera"), "the head alone");
     assert!(hand.text().contains("folded = true"), "{}", hand.text());
     hand.key(Key::B, Modifiers::NONE);
     hand.frames(3);
-    assert!(hand.editor.panels.graph.port_at("picture", "camera", true).is_some());
+    assert!(hand.sees("input picture.camera"));
     hand.key(Key::Z, Modifiers::COMMAND);
     hand.key(Key::Z, Modifiers::COMMAND);
     assert_eq!(hand.text(), TEXT);
@@ -73,7 +73,7 @@ fn nodes_are_folded_and_keep_their_wires() {
 fn far_away_nodes_show_their_names_alone_and_are_still_moved() {
     let mut hand = Hand::new(TEXT);
     assert_eq!(hand.texts("transfer_function").len(), 2, "ports have names");
-    let ground = hand.editor.panels.graph.frame_of("view").unwrap().max + vec2(40.0, 40.0);
+    let ground = hand.rect("node view").max + vec2(40.0, 40.0);
     hand.move_to(ground, Modifiers::NONE);
     let delta = vec2(0.0, -12.0);
     let unit = eframe::egui::MouseWheelUnit::Line;
@@ -83,7 +83,7 @@ fn far_away_nodes_show_their_names_alone_and_are_still_moved() {
     );
     hand.frames(30);
     assert_eq!(hand.texts("transfer_function").len(), 0);
-    let frame = hand.editor.panels.graph.frame_of("picture").unwrap();
+    let frame = hand.rect("node picture");
     let names = hand.texts("picture");
     assert!(names.iter().any(|at| frame.contains(*at)) && frame.width() < 90.0, "{frame:?} {names:?}");
     let before = hand.editor.document().position("picture");
@@ -96,16 +96,16 @@ fn a_node_has_a_remark_and_the_pipeline_a_title() {
     let mut hand = Hand::new(TEXT);
     hand.editor.selection = ["view".to_string()].into();
     hand.frames(3);
-    hand.click_on("a remark, shown in the node");
+    hand.click_on("remark of view");
     hand.typed("from the south");
     hand.key(Key::Enter, Modifiers::NONE);
     hand.frames(3);
     assert!(hand.text().contains("remark = \"from the south\""), "{}", hand.text());
-    let frame = hand.editor.panels.graph.frame_of("view").unwrap();
+    let frame = hand.rect("node view");
     assert!(hand.texts("from the south").iter().any(|at| frame.contains(*at)), "it stands in the node");
     hand.editor.selection.clear();
     hand.frames(2);
-    hand.click_on("none");
+    hand.click_on("title of the pipeline");
     hand.typed("A box");
     hand.key(Key::Enter, Modifiers::NONE);
     hand.frames(2);

@@ -3,8 +3,10 @@
 mod digits;
 mod earlier;
 mod files;
+mod first_steps;
 mod graph;
 mod ground;
+mod keyboard;
 mod parameters;
 mod picture;
 mod probe;
@@ -23,6 +25,7 @@ use eframe::egui::{
     Context, Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, Shape, TouchPhase, pos2, vec2,
 };
 use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
 use std::ops::{Deref, DerefMut};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -188,10 +191,28 @@ impl Hand {
         all.len() >= count
     }
 
-    /// Clicks at a text.
-    fn click_on(&mut self, text: &str) {
-        let at = self.texts(text).first().copied().unwrap_or_else(|| panic!("'{text}' is not in the window"));
-        self.click(at);
+    /// Places of what has a name: nodes, ports, handles, fields, buttons.
+    fn all_named(&self, name: &str) -> Vec<Rect> {
+        self.harness.query_all_by_label(name).map(|node| node.rect()).collect()
+    }
+
+    fn sees(&self, name: &str) -> bool {
+        !self.all_named(name).is_empty()
+    }
+
+    /// Place of what has a name.
+    fn rect(&self, name: &str) -> Rect {
+        let found = self.all_named(name).first().copied();
+        found.unwrap_or_else(|| panic!("'{name}' is not in the window: {:?}", self.harness))
+    }
+
+    fn named(&self, name: &str) -> Pos2 {
+        self.rect(name).center()
+    }
+
+    /// Clicks at what has a name.
+    fn click_on(&mut self, name: &str) {
+        self.click(self.named(name));
         self.frames(2);
     }
 

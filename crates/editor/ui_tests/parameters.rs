@@ -3,13 +3,12 @@ use std::sync::Arc;
 
 /// The value of a row; the panel shows it once its node is selected.
 fn row(hand: &Hand, key: &str) -> Rect {
-    let places = &hand.editor.panels.parameters.places;
-    *places.get(key).unwrap_or_else(|| panic!("{key} is not shown: {:?}", places.keys()))
+    hand.rect(key)
 }
 
 /// Selects a node.
 fn select(hand: &mut Hand, node: &str) {
-    let title = hand.editor.panels.graph.frame_of(node).unwrap().min + vec2(30.0, 8.0);
+    let title = hand.rect(&format!("node {node}")).min + vec2(30.0, 8.0);
     hand.click(title);
     hand.frames(3);
 }
@@ -42,10 +41,7 @@ fn a_number_is_typed_relative_to_the_data_and_what_is_wrong_is_said() {
     let mut hand = Hand::in_tall_window(TEXT);
     select(&mut hand, "look");
     let key = "look.widgets.0.centre";
-    let pencils = hand.texts("✏");
-    let line = row(&hand, key);
-    hand.click(*pencils.iter().find(|at| line.contains(**at)).expect("a pencil"));
-    hand.frames(2);
+    hand.click_on(&format!("type {key}"));
     hand.key(Key::A, Modifiers::COMMAND);
     hand.typed("p50, 10 percent");
     hand.key(Key::Enter, Modifiers::NONE);
@@ -153,7 +149,7 @@ fn a_wrong_number_stays_until_another_is_typed() {
     let at = field(&hand);
     hand.click(at);
     hand.frames(2);
-    let ground = hand.editor.panels.graph.frame_of("view").unwrap().max + vec2(60.0, 30.0);
+    let ground = hand.rect("node view").max + vec2(60.0, 30.0);
     hand.key(Key::Tab, Modifiers::NONE);
     hand.click(ground);
     assert_eq!(hand.text(), text, "a look at it changes nothing");

@@ -1,7 +1,7 @@
 use super::*;
 
 fn middle(hand: &Hand) -> Pos2 {
-    hand.editor.panels.picture.rect.unwrap().center()
+    hand.named("picture picture")
 }
 
 #[test]
@@ -85,9 +85,15 @@ fn views_by_name_with_all_of_the_data_are_those_of_the_camera_node() {
     let eye = "eye = [-28.0, -38.0, 24.0]\ntarget = [0.0, 0.0, 0.0]\n";
     let mut hand = Hand::new(TEXT);
     for (name, item, button, key, held) in [
-        ("isometric", "Isometric", "iso", Key::I, Modifiers::NONE),
-        ("-y", "From −y", "−y", Key::Y, Modifiers::SHIFT),
-        ("+z", "From +z", "+z", Key::Z, Modifiers::NONE),
+        (
+            "isometric",
+            "Isometric I",
+            "seen from the positive sides of x, y and z alike",
+            Key::I,
+            Modifiers::NONE,
+        ),
+        ("-y", "From −y Shift+Y", "seen from −y", Key::Y, Modifiers::SHIFT),
+        ("+z", "From +z Z", "seen from +z", Key::Z, Modifiers::NONE),
     ] {
         let words = format!("view = \"{name}\"\ninputs = {{ volume = \"grid\" }}\n");
         let stated = Hand::new(&TEXT.replace(eye, &words)).editor.view().unwrap();

@@ -16,7 +16,7 @@ fn last_widget(hand: &Hand) -> Vec<voltet_graph::Field> {
 #[test]
 fn a_box_in_the_picture_finds_the_values_on_its_rays() {
     let mut hand = Hand::new(TEXT);
-    let middle = hand.editor.panels.picture.rect.unwrap().center();
+    let middle = hand.named("picture picture");
     let corner = middle - vec2(20.0, 15.0);
     hand.drag_with(corner, middle + vec2(20.0, 15.0), PointerButton::Primary, Modifiers::ALT);
     until(&mut hand, "no answer comes", |hand| hand.editor.scene().probed.is_some());

@@ -34,6 +34,9 @@ fn work_that_was_left_behind_is_offered_and_taken_up() {
     next.editor.keep_in(place(&kept));
     next.frames(2);
     assert_ne!(next.text(), text, "it is offered, not taken");
+    let said = next.shown_beginning("A window ended without saving what was done in");
+    assert_eq!(said.len(), 1);
+    assert_eq!(next.shown(&|text| text.ends_with("scene.toml, just now.")), said, "and when it was");
     next.click_on("Open it");
     assert_eq!(next.text(), text);
     assert!(!next.editor.document().is_saved());

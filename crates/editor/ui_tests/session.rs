@@ -5,7 +5,7 @@ use voltet_graph::NoObserver;
 #[test]
 fn a_file_saved_here_runs_headless_to_the_picture_that_was_shown() {
     let mut hand = Hand::new(TEXT);
-    let at = hand.editor.panels.picture.rect.unwrap().center();
+    let at = hand.named("picture picture");
     hand.drag(at, at + vec2(30.0, 45.0));
     hand.settle();
     hand.key(Key::S, Modifiers::COMMAND);
@@ -206,5 +206,5 @@ fn a_file_that_is_no_toml_says_where_and_is_taken_over_once_it_is_mended() {
     hand.frames(2);
     hand.click_on("Reload");
     assert_eq!(hand.text(), TEXT);
-    assert!(hand.editor.panels.graph.frame_of("view").is_some());
+    assert!(hand.sees("node view"));
 }

@@ -27,7 +27,7 @@ fn a_widget_is_dragged_on_the_histogram_and_the_picture_follows() {
     with_distribution(&mut hand);
     let picture = |hand: &Hand| hand.editor.worker().shown(|shown| shown.pixels.clone().unwrap().picture);
     let before = picture(&hand);
-    let at = hand.editor.panels.transfer.place_of([150.0, 20.0]).unwrap();
+    let at = hand.named("centre of widget 1");
     hand.drag(at, at + vec2(40.0, -20.0));
     let after = centre(&hand);
     assert!(after[0] > 151.0 && after[1] > 20.1, "{after:?}");
@@ -44,7 +44,7 @@ fn a_widget_is_dragged_on_the_histogram_and_the_picture_follows() {
 fn arrows_nudge_and_the_modifiers_change_by_how_much() {
     let mut hand = Hand::new(TEXT);
     with_distribution(&mut hand);
-    let at = hand.editor.panels.transfer.place_of([150.0, 20.0]).unwrap();
+    let at = hand.named("centre of widget 1");
     hand.move_to(at, Modifiers::NONE);
     hand.key(Key::ArrowRight, Modifiers::NONE);
     let one = centre(&hand)[0] - 150.0;
@@ -62,7 +62,7 @@ fn arrows_nudge_and_the_modifiers_change_by_how_much() {
 fn the_wheel_zooms_one_axis_and_with_alt_the_other() {
     let mut hand = Hand::new(TEXT);
     with_distribution(&mut hand);
-    let at = hand.editor.panels.transfer.place_of([150.0, 20.0]).unwrap();
+    let at = hand.named("centre of widget 1");
     let wheel = |modifiers| Event::MouseWheel {
         unit: eframe::egui::MouseWheelUnit::Line,
         delta: vec2(0.0, 2.0),
@@ -86,7 +86,7 @@ fn the_wheel_zooms_one_axis_and_with_alt_the_other() {
 fn digits_store_and_recall_the_widgets() {
     let mut hand = Hand::new(TEXT);
     with_distribution(&mut hand);
-    let at = hand.editor.panels.transfer.place_of([150.0, 20.0]).unwrap();
+    let at = hand.named("centre of widget 1");
     hand.move_to(at, Modifiers::NONE);
     hand.key(Key::Num3, Modifiers::COMMAND);
     hand.drag(at, at + vec2(50.0, 0.0));

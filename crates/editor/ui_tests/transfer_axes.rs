@@ -19,7 +19,7 @@ fn what_is_taken_hold_of_lies_where_the_button_was_pressed() {
         modifiers: Modifiers::NONE,
     };
     // The last place lies on the picture above, which would be turned.
-    let picture = hand.editor.panels.picture.rect.unwrap().center();
+    let picture = hand.named("picture picture");
     let moved = Event::PointerMoved;
     let events =
         vec![moved(from), button(from, true), moved(picture), moved(to), button(to, false), moved(picture)];

@@ -104,7 +104,7 @@ fn keys_over_the_plane_are_for_widgets_and_elsewhere_for_nodes() {
         Some(vec![0])
     );
     assert!(hand.editor.document().pipeline().nodes.iter().any(|node| node.name == "look"));
-    let picture = hand.editor.panels.picture.rect.unwrap().center();
+    let picture = hand.named("picture picture");
     hand.move_to(picture, Modifiers::NONE);
     hand.frames(2);
     // By the keyboard alone, wherever the pointer is.
@@ -251,7 +251,7 @@ fn the_share_of_the_widget_in_hand_is_found() {
     let [own, all] = alone.cells.unwrap();
     assert!(own > 0 && own <= all, "{alone:?}");
     // Of two the same, one is what makes it denser.
-    let at = hand.editor.panels.picture.rect.unwrap().center() + vec2(0.0, 200.0);
+    let at = hand.named("picture picture") + vec2(0.0, 200.0);
     hand.move_to(at, Modifiers::NONE);
     hand.editor.edit(
         "two".into(),

@@ -26,7 +26,7 @@ fn studied(of: &StudyRequest, registry: &Registry, observer: &dyn Observer) -> R
     let document = Document::from_text(&of.path, of.text.clone(), &[], registry)?;
     document.refuse_missing_data()?;
     let folder = measured::beside(&of.path);
-    let outputs = study::written(&folder);
+    let outputs = study::files_to_overwrite(&folder);
     let outputs: Vec<_> = outputs.iter().map(|path| ("the study", path.as_path())).collect();
     document::refuse_conflicts([&document], false, &outputs).map_err(|failure| failure.error)?;
     measured::refuse_unwritable(&folder)?;

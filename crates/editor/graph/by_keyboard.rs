@@ -1,0 +1,69 @@
+//! The graph without a pointer: the node beside the selected one, and the view that follows it.
+
+use super::GraphView;
+use crate::scene::Scene;
+use eframe::egui::{Rect, Vec2, vec2};
+use voltet_document::links;
+
+/// Weight of a way aside, beside one in the direction of the key.
+const ASIDE: f32 = 2.0;
+
+/// Weight of a way to a node that is wired to the selected one.
+const WIRED: f32 = 0.3;
+
+impl GraphView {
+    /// The nearest node in a direction (x to the right, y down) from the selected one, those first that are wired to it; without a
+    /// selection, the one that is uppermost at the left.
+    pub fn beside<'a>(&self, scene: &Scene<'a>, way: [f32; 2]) -> Option<&'a str> {
+        let nodes = scene.document.pipeline().nodes.iter();
+        let places = nodes.map(|node| (node.name.as_str(), self.places.frame(scene, node).center()));
+        let way = Vec2::from(way);
+        let from = places.clone().find(|(name, _)| scene.selection.contains(*name));
+        let Some((own, from)) = from else {
+            let first = places.min_by(|a, b| (a.1.x + a.1.y).total_cmp(&(b.1.x + b.1.y)));
+            return first.map(|(name, _)| name);
+        };
+        let feeds = |from: &str, to: &str| {
+            let inputs = scene.entry(to).into_iter().flat_map(|entry| &entry.inputs);
+            let nodes = &scene.document.pipeline().nodes;
+            inputs.flat_map(links::sources).any(|source| links::source(source, nodes).0 == from)
+        };
+        let ahead = places.filter(|(name, _)| *name != own).filter_map(|(name, at)| {
+            let along = (at - from).dot(way);
+            let aside = (at - from - along * way).length();
+            let is_wired = feeds(own, name) || feeds(name, own);
+            // Of the others what lies in the wedge ahead, however far.
+            let is_ahead = along > 0.0 && (is_wired || aside <= ASIDE * along);
+            is_ahead.then_some((name, (along + ASIDE * aside) * if is_wired { WIRED } else { 1.0 }))
+        });
+        ahead.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(name, _)| name)
+    }
+
+    /// True if a node has the focus, so that the keys are for the graph.
+    pub fn has_focus(&self) -> bool {
+        self.focused.is_some()
+    }
+
+    /// Has a node brought into view in the next frame, if it is not there.
+    pub fn reveal(&mut self, node: &str) {
+        self.revealed = Some(node.to_string());
+    }
+
+    /// Moves the view until the node to be revealed is in it.
+    pub(super) fn show_revealed(&mut self, scene: &Scene) {
+        let Some(entry) = self.revealed.take().and_then(|name| scene.entry(&name)) else { return };
+        let frame = self.places.frame(scene, entry);
+        let corner = |x: f32, y: f32| self.to_window()([f64::from(x), f64::from(y)]);
+        let frame =
+            Rect::from_min_max(corner(frame.left(), frame.top()), corner(frame.right(), frame.bottom()));
+        let room = self.view.clip_rect.shrink(12.0);
+        let by = |low: f32, high: f32, from: f32, to: f32| (from - low).max((to - high).min(0.0));
+        let step = vec2(
+            by(frame.left(), frame.right(), room.left(), room.right()),
+            by(frame.top(), frame.bottom(), room.top(), room.bottom()),
+        );
+        if !room.contains_rect(frame) {
+            self.view.pan += step;
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! A node that is added: in a free place, with what it cannot do without, joined to what is selected.
+
+use super::package::Port;
+use super::places::{Places, usual_size};
+use crate::scene::Scene;
+use eframe::egui::{Rect, pos2};
+use voltet_core::Result;
+use voltet_document::{Document, Edit, Fitting, links};
+use voltet_graph::{DefaultValue, Field, Node, NodeEntry, ParameterType, PortType};
+
+/// Least distance to other nodes, and the step by which a free place is sought, points.
+const GAP: f32 = 14.0;
+const STEP: f32 = 30.0;
+
+/// Edits that add a node of a type near a place (document's points), one step. `held`: the wire that it is made for, and the port of the
+/// new node for that. Errors: the wire does not fit.
+pub(super) fn adding(
+    scene: &Scene,
+    places: &Places,
+    node: &'static Node,
+    near: [f64; 2],
+    held: Option<(&Port, Fitting)>,
+) -> Result<Vec<Edit>> {
+    let mut add = scene.document.adding(node, free_place(scene, places, node, near));
+    let Edit::AddNode { name, settings, .. } = &mut add else { return Ok(vec![add]) };
+    let name = name.clone();
+    *settings = first_settings(scene, node);
+    let mut with_it = scene.document.clone();
+    with_it.edit(&add)?;
+    let mut edits = vec![add];
+    if let Some((port, fitting)) = held {
+        let (own, held) = ((name.as_str(), fitting.port.name), (port.node.as_str(), port.declared.name));
+        let (from, to) = if port.is_input { (own, held) } else { (held, own) };
+        let join = with_it.join(scene.registry, from, to)?;
+        with_it.edit(&join)?;
+        edits.push(join);
+    }
+    join_to_others(scene, &mut with_it, node, &name, &mut edits);
+    Ok(edits)
+}
+
+/// Joins the inputs of a new node: to the selected node where that fits; a required one also where one node alone fits. Then its output to
+/// the selected node, where that lacks it.
+fn join_to_others(
+    scene: &Scene,
+    with_it: &mut Document,
+    node: &'static Node,
+    name: &str,
+    edits: &mut Vec<Edit>,
+) {
+    let selected = scene.selection.first().filter(|_| scene.selection.len() == 1);
+    let is_fed = |document: &Document, node: &str, port: &str| {
+        let entry = links::node(&document.pipeline().nodes, node);
+        entry.is_ok_and(|entry| entry.inputs.iter().any(|link| link.port == port))
+    };
+    let mut join = |document: &mut Document, from: (&str, &str), to: (&str, &str)| {
+        if let Ok(edit) = document.join(scene.registry, from, to)
+            && document.edit(&edit).is_ok()
+        {
+            edits.push(edit);
+        }
+    };
+    let mut uses_selected = false;
+    for input in node.all_inputs() {
+        if is_fed(with_it, name, input.name) {
+            continue;
+        }
+        let gives = |entry: &&NodeEntry| {
+            let outputs = scene.node_type(entry).map_or(&[][..], |node| node.outputs);
+            outputs.iter().any(|output| output.port_type.serves(input.port_type))
+        };
+        let mut fitting = scene.document.pipeline().nodes.iter().filter(gives);
+        let own = fitting.clone().find(|entry| !uses_selected && Some(&entry.name) == selected);
+        let is_required = node.inputs.iter().any(|port| port.name == input.name);
+        let is_view = input.port_type == PortType::Volume && is_camera(node);
+        let only = match (fitting.next(), fitting.next_back()) {
+            (Some(first), None) if is_required || is_view => Some(first),
+            // Any of the data shows where they lie; the last one is what is drawn.
+            (_, Some(last)) if is_view => Some(last),
+            _ => None,
+        };
+        uses_selected |= own.is_some();
+        let Some(from) = own.or(only) else { continue };
+        let outputs = scene.node_type(from).map_or(&[][..], |node| node.outputs);
+        if let Some(output) = outputs.iter().find(|output| output.port_type.serves(input.port_type)) {
+            join(with_it, (&from.name, output.name), (name, input.name));
+        }
+    }
+    let Some(entry) = selected.and_then(|selected| scene.entry(selected)) else { return };
+    let inputs = scene.node_type(entry).map_or(&[][..], |node| node.inputs);
+    for input in inputs.iter().filter(|input| !is_fed(scene.document, &entry.name, input.name)) {
+        if let Some(output) = node.outputs.iter().find(|output| output.port_type.serves(input.port_type)) {
+            join(with_it, (name, output.name), (&entry.name, input.name));
+        }
+    }
+}
+
+fn is_camera(node: &Node) -> bool {
+    node.outputs.iter().any(|port| port.port_type == PortType::Camera)
+}
+
+/// Settings of a new node: a view of all the data for a camera, the name of a file for a writer.
+fn first_settings(scene: &Scene, node: &Node) -> Vec<Field> {
+    if is_camera(node) && node.parameters.iter().any(|parameter| parameter.name == "view") {
+        return vec![Field::new("view", "isometric")];
+    }
+    let is_file = |parameter: &&voltet_graph::Parameter| {
+        matches!(parameter.parameter_type, ParameterType::OutputPath)
+            && matches!(parameter.default, DefaultValue::Required)
+    };
+    let Some(file) = node.parameters.iter().find(is_file) else { return Vec::new() };
+    let (stem, ending) = match node.inputs.first().map(|port| port.port_type) {
+        Some(PortType::Image) => ("picture", "png"),
+        Some(PortType::Grid | PortType::Volume) => ("grid", "vtu"),
+        Some(PortType::Report) => ("report", "json"),
+        _ => return Vec::new(),
+    };
+    let is_taken = |path: &str| {
+        let names = |entry: &NodeEntry| entry.setting(file.name).and_then(|value| value.text()) == Some(path);
+        scene.document.pipeline().nodes.iter().any(names) || scene.document.folder().join(path).exists()
+    };
+    let numbered = (2..).map(|number| format!("{stem}_{number}.{ending}"));
+    let path = std::iter::once(format!("{stem}.{ending}")).chain(numbered).find(|path| !is_taken(path));
+    path.map(|path| Field::new(file.name, path)).into_iter().collect()
+}
+
+/// A place near another where a node of a type lies on no other: the nearest of those to the right and down.
+fn free_place(scene: &Scene, places: &Places, node: &Node, near: [f64; 2]) -> [f64; 2] {
+    let taken: Vec<Rect> =
+        scene.document.pipeline().nodes.iter().map(|entry| places.frame(scene, entry).expand(GAP)).collect();
+    let size = usual_size(Some(node)).map(|side| side as f32).into();
+    let is_free = |[x, y]: [f32; 2]| {
+        let own = Rect::from_min_size(pos2(x, y), size);
+        !taken.iter().any(|frame| frame.intersects(own))
+    };
+    let near = near.map(|x| x as f32);
+    // Along diagonals, the nearer ones first.
+    let mut tried = (0..200).flat_map(|n| (0..=n).map(move |i| [n - i, i]));
+    let place = tried.find_map(|step: [i32; 2]| {
+        let at = [near[0] + STEP * step[0] as f32, near[1] + STEP * step[1] as f32];
+        is_free(at).then_some(at)
+    });
+    place.unwrap_or(near).map(f64::from)
+}

@@ -1,0 +1,226 @@
+//! What a person meets who has never seen the window.
+
+use super::*;
+use crate::scene::Command;
+use voltet_graph::NodeEntry;
+
+fn node<'a>(hand: &'a Hand, name: &str) -> &'a NodeEntry {
+    let nodes = &hand.editor.document().pipeline().nodes;
+    nodes.iter().find(|node| node.name == name).unwrap_or_else(|| panic!("no {name}: {}", hand.text()))
+}
+
+/// Adds a node by the menu at the pointer.
+fn add(hand: &mut Hand, name: &str) {
+    hand.key(Key::Space, Modifiers::NONE);
+    hand.typed(name);
+    hand.frames(2);
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(4);
+}
+
+/// Clicks with the right button at what has a name.
+fn right_click(hand: &mut Hand, name: &str) {
+    let at = hand.named(name);
+    right_click_at(hand, at);
+}
+
+fn right_click_at(hand: &mut Hand, at: Pos2) {
+    hand.move_to(at, Modifiers::NONE);
+    hand.button(true, PointerButton::Secondary, Modifiers::NONE);
+    hand.button(false, PointerButton::Secondary, Modifiers::NONE);
+    hand.frames(3);
+}
+
+#[test]
+fn a_new_camera_shows_all_of_the_data_and_a_new_writer_has_a_file_of_its_own() {
+    let mut hand = Hand::new(TEXT);
+    hand.editor.selection.clear();
+    hand.frames(2);
+    add(&mut hand, "camera");
+    assert_eq!(node(&hand, "camera").setting("view").and_then(|view| view.text()), Some("isometric"));
+    assert_eq!(node(&hand, "camera").inputs.len(), 1, "{}", hand.text());
+    hand.editor.selection = ["picture".to_string()].into();
+    hand.frames(2);
+    add(&mut hand, "image-writer");
+    let path =
+        |name: &str| node(&hand, name).setting("path").and_then(|path| path.text()).map(str::to_string);
+    assert_eq!(path("file").as_deref(), Some("picture.png"));
+    assert_eq!(path("image_writer").as_deref(), Some("picture_2.png"));
+    assert_eq!(node(&hand, "image_writer").inputs[0].source.text(), Some("picture"));
+    assert!(hand.editor.scene().faults.is_empty(), "{:?}", hand.editor.scene().faults);
+    assert_eq!(hand.steps(), 2, "a node with its wires and numbers is one step");
+}
+
+#[test]
+fn new_nodes_lie_beside_the_others() {
+    let mut hand = Hand::new(TEXT);
+    let ground = hand.rect("node view").max + vec2(20.0, 20.0);
+    hand.move_to(ground, Modifiers::NONE);
+    for _ in 0..3 {
+        add(&mut hand, "wavelet");
+    }
+    hand.command(Command::FitGraph);
+    hand.frames(5);
+    let names = ["grid", "gradient", "look", "view", "picture", "file", "wavelet", "wavelet_2", "wavelet_3"];
+    let frames = names.map(|name| (name, hand.rect(&format!("node {name}"))));
+    for (i, (name, frame)) in frames.iter().enumerate() {
+        for (other, beside) in &frames[i + 1..] {
+            assert!(!frame.intersects(*beside), "{name} {frame:?} and {other} {beside:?}");
+        }
+    }
+}
+
+#[test]
+fn an_input_of_a_transfer_function_offers_transfer_functions_first() {
+    let mut hand = Hand::new(&TEXT.replace("transfer_function = \"look\", ", ""));
+    let empty = hand.rect("node view").max + vec2(40.0, 40.0);
+    let from = hand.named("input picture.transfer_function");
+    hand.drag(from, empty);
+    hand.frames(2);
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(3);
+    let sources: Vec<_> =
+        node(&hand, "picture").inputs.iter().filter_map(|link| link.source.text()).collect();
+    assert!(sources.contains(&"transfer_function"), "{sources:?}");
+    assert_eq!(node(&hand, "transfer_function").node_type.text(), Some("transfer-function"));
+}
+
+#[test]
+fn without_widgets_the_plane_offers_one() {
+    let mut hand = Hand::new(TEXT);
+    transfer::with_distribution(&mut hand);
+    let at = hand.named("centre of widget 1");
+    hand.click(at);
+    hand.key(Key::Delete, Modifiers::NONE);
+    hand.frames(3);
+    assert!(!hand.sees("centre of widget 1"));
+    transfer::with_distribution(&mut hand);
+    hand.click_on("Add a widget at the peak");
+    hand.frames(2);
+    assert!(hand.sees("centre of widget 1"), "{}", hand.text());
+    // Through the densest place of the data light is left.
+    assert!(hand.text().contains("extinction = 0.1"), "{}", hand.text());
+}
+
+#[test]
+fn what_was_selected_last_is_deleted_wherever_the_pointer_is() {
+    let mut hand = Hand::new(TEXT);
+    transfer::with_distribution(&mut hand);
+    let widget = hand.named("centre of widget 1");
+    hand.click(widget);
+    // Over the parameters, the graph, the picture: it is still the widget.
+    let other = hand.named("node view");
+    hand.move_to(other, Modifiers::NONE);
+    hand.frames(2);
+    hand.key(Key::Delete, Modifiers::NONE);
+    hand.frames(2);
+    assert!(hand.text().contains("[nodes.look]") && !hand.text().contains("kind = \"gaussian\""));
+    hand.key(Key::Z, Modifiers::COMMAND);
+    assert_eq!(hand.text(), TEXT);
+    // A node, with the pointer over the plane.
+    hand.click_on("node view");
+    let plane = hand.named("plane of s and g");
+    hand.move_to(plane, Modifiers::NONE);
+    hand.frames(2);
+    hand.key(Key::Delete, Modifiers::NONE);
+    assert!(!hand.text().contains("[nodes.view]") && hand.text().contains("kind = \"gaussian\""));
+}
+
+#[test]
+fn the_right_button_has_a_menu_everywhere() {
+    let mut hand = Hand::new(TEXT);
+    transfer::with_distribution(&mut hand);
+    for (what, entry) in [
+        ("node view", "Duplicate"),
+        ("output gradient.volume", "Add a node that fits …"),
+        ("picture picture", "Isometric"),
+        ("centre of widget 1", "Take away"),
+    ] {
+        right_click(&mut hand, what);
+        assert!(hand.sees(entry), "{what}");
+        hand.key(Key::Escape, Modifiers::NONE);
+        hand.frames(2);
+        assert!(!hand.sees(entry), "{what}: Escape closes it");
+    }
+    assert_eq!(hand.text(), TEXT);
+    right_click(&mut hand, "node view");
+    hand.click_on("Delete");
+    assert!(!hand.text().contains("[nodes.view]"), "{}", hand.text());
+    hand.key(Key::Z, Modifiers::COMMAND);
+    // A wire, in its middle.
+    let (from, to) = (hand.named("output grid.grid"), hand.named("input gradient.grid"));
+    right_click_at(&mut hand, from + 0.5 * (to - from));
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(2);
+    assert!(!hand.text().contains("inputs = { grid = \"grid\" }"), "{}", hand.text());
+}
+
+#[test]
+fn escape_closes_sheets_one_after_the_other() {
+    let mut hand = Hand::new(TEXT);
+    for command in [Command::Costs, Command::Section, Command::Study, Command::Help] {
+        hand.command(command);
+    }
+    hand.frames(3);
+    let open = |hand: &Hand| {
+        let panels = &hand.editor.panels;
+        [panels.help, panels.study.open, panels.costs, panels.section.open]
+            .iter()
+            .filter(|open| **open)
+            .count()
+    };
+    for count in (0..4).rev() {
+        hand.key(Key::Escape, Modifiers::NONE);
+        assert_eq!(open(&hand), count);
+    }
+    hand.key(Key::X, Modifiers::NONE);
+    hand.command(Command::Quit);
+    hand.frames(2);
+    hand.key(Key::Escape, Modifiers::NONE);
+    hand.frames(2);
+    assert!(hand.editor.unsaved.is_none() && !hand.editor.ends());
+}
+
+#[test]
+fn panes_keep_their_shares_of_a_window_that_shrinks_and_grows() {
+    let mut hand = Hand::before_window(TEXT, [1600.0, 1000.0], &|_| {});
+    let sizes = |hand: &Hand| (hand.rect("picture picture").size(), hand.rect("plane of s and g").size());
+    let before = sizes(&hand);
+    hand.resize([700.0, 500.0], 1.0);
+    hand.frames(4);
+    let small = sizes(&hand);
+    assert!(small.0.x < 0.5 * before.0.x && small.1.y < 0.75 * before.1.y, "{before:?} {small:?}");
+    hand.resize([1600.0, 1000.0], 1.0);
+    hand.frames(4);
+    let after = sizes(&hand);
+    let near = |a: f32, b: f32| (a - b).abs() < 3.0;
+    assert!(near(before.0.x, after.0.x) && near(before.0.y, after.0.y), "{before:?} {after:?}");
+}
+
+#[test]
+fn a_file_that_cannot_be_opened_leaves_its_dialog_with_the_reason() {
+    let mut hand = Hand::with_file(TEXT, "wrong.vtu", "no data");
+    hand.command(Command::Open);
+    hand.frames(2);
+    hand.click_on("      wrong.vtu");
+    assert!(hand.sees("7 bytes · just now"));
+    hand.click_on("Open");
+    until(&mut hand, "the dialog is gone", |hand| hand.editor.file_dialog.is_some());
+    hand.frames(2);
+    let dialog = hand.editor.file_dialog.as_ref().unwrap();
+    assert!(dialog.fault.as_ref().is_some_and(|fault| fault.contains("no data here")), "{dialog:?}");
+    assert_eq!(hand.text(), TEXT);
+}
+
+#[test]
+fn a_fault_is_said_once_and_in_words_of_the_window() {
+    let mut hand = Hand::new(&TEXT.replace("eye = [-28.0, -38.0, 24.0]\n", ""));
+    hand.editor.selection = ["view".to_string()].into();
+    hand.frames(3);
+    let fault = "view: the camera has no 'eye'";
+    assert_eq!(hand.shown_beginning(fault).len(), 2, "at the parameters and over the picture");
+    assert!(hand.shown_beginning("view: ").iter().all(|at| hand.texts(fault).contains(at)));
+    hand.editor.selection.clear();
+    hand.frames(3);
+    assert_eq!(hand.shown_beginning(fault).len(), 2, "in the last line and over the picture");
+}

@@ -1,0 +1,101 @@
+//! The window without a mouse.
+
+use super::*;
+
+/// Adds a node by its name.
+fn add(hand: &mut Hand, name: &str) {
+    hand.key(Key::Space, Modifiers::NONE);
+    hand.typed(name);
+    hand.frames(2);
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(3);
+}
+
+/// A wire of the selected node by its words.
+fn wire(hand: &mut Hand, words: &str) {
+    hand.key(Key::J, Modifiers::NONE);
+    hand.frames(2);
+    hand.typed(words);
+    hand.frames(2);
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(3);
+}
+
+fn selected(hand: &Hand) -> Vec<&str> {
+    hand.editor.selection.iter().map(String::as_str).collect()
+}
+
+#[test]
+fn a_whole_round_is_done_by_the_keyboard_alone() {
+    let mut hand = Hand::new("[pipeline]\nformat = 1\n");
+    for name in ["wavelet", "gradient-magnitude", "transfer-function", "camera", "renderer"] {
+        add(&mut hand, name);
+    }
+    // Two nodes could give the volume: it is said which.
+    wire(&mut hand, "gradient_magnitude.volume renderer.volume");
+    add(&mut hand, "image-writer");
+    assert!(hand.editor.scene().faults.is_empty(), "{:?}\n{}", hand.editor.scene().faults, hand.text());
+    hand.key(Key::W, Modifiers::NONE);
+    transfer::with_distribution(&mut hand);
+    hand.key(Key::P, Modifiers::NONE);
+    hand.key(Key::W, Modifiers::NONE);
+    hand.settle();
+    assert!(hand.text().contains("kind = \"gaussian\""), "{}", hand.text());
+    // To the first node, and a number of it.
+    for _ in 0..80 {
+        if selected(&hand) == ["wavelet"] {
+            break;
+        }
+        hand.key(Key::Tab, Modifiers::NONE);
+        hand.frames(1);
+    }
+    assert_eq!(selected(&hand), ["wavelet"]);
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(4);
+    hand.key(Key::A, Modifiers::COMMAND);
+    hand.typed("9");
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(2);
+    assert!(hand.text().contains("resolution = [9, "), "{}", hand.text());
+    hand.key(Key::Escape, Modifiers::NONE);
+    hand.key(Key::S, Modifiers::COMMAND);
+    assert!(hand.editor.document().is_saved(), "{}", hand.said());
+    hand.key(Key::R, Modifiers::COMMAND);
+    until(&mut hand, "nothing is written", |hand| hand.said().starts_with("written in"));
+    assert!(hand.folder.path().join("picture.png").exists());
+}
+
+#[test]
+fn arrows_select_and_move_nodes_and_wires_are_taken_off() {
+    let mut hand = Hand::new(TEXT);
+    hand.editor.selection = ["grid".to_string()].into();
+    hand.frames(2);
+    hand.key(Key::ArrowRight, Modifiers::NONE);
+    assert_eq!(selected(&hand), ["gradient"]);
+    let before = hand.editor.document().position("gradient");
+    hand.key(Key::ArrowDown, Modifiers::SHIFT);
+    let after = hand.editor.document().position("gradient");
+    assert!(after[0] == before[0] && after[1] > before[1], "{before:?} {after:?}");
+    wire(&mut hand, "take off grid");
+    assert!(!hand.text().contains("grid = \"grid\""), "{}", hand.text());
+    hand.key(Key::Z, Modifiers::COMMAND);
+    hand.key(Key::Z, Modifiers::COMMAND);
+    assert_eq!(hand.text(), TEXT);
+}
+
+#[test]
+fn tab_goes_to_nodes_which_are_then_selected_and_adds_none() {
+    let mut hand = Hand::new(TEXT);
+    let mut seen = std::collections::BTreeSet::new();
+    for _ in 0..80 {
+        hand.key(Key::Tab, Modifiers::NONE);
+        hand.frames(1);
+        seen.extend(hand.editor.selection.iter().cloned());
+    }
+    assert!(
+        ["grid", "gradient", "look", "view", "picture", "file"].iter().all(|name| seen.contains(*name)),
+        "{seen:?}"
+    );
+    assert_eq!(hand.text(), TEXT);
+    assert!(!hand.sees("search"));
+}
