@@ -64,7 +64,7 @@ def main() -> int:
         ran(voltet, "run", "ball.toml")
         assert (elsewhere / "ball.png").read_bytes().startswith(b"\x89PNG")
         ran(voltet, "diff", "ball.png", "here.exr", "--limit", "0.01")
-        assert "hexahedr" in ran(voltet, "info", "ball.grid.vtu")
+        assert "tetrahedr" in ran(voltet, "info", "ball.grid.vtu")
         ran(voltet, "start", "ball.grid.vtu", "-o", "again.toml")
         ran(voltet, "run", "again.toml", "--size", "32x24")
         assert "_voltet" in ran(voltet, "completions", "bash")

@@ -7,6 +7,7 @@ mod command;
 mod declarations;
 mod error;
 mod filter;
+mod frames;
 mod grid;
 mod measurements;
 mod memory;

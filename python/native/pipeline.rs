@@ -2,6 +2,7 @@
 
 use crate::background::{run_long, run_with_side_work};
 use crate::error::{exception, guarded, is_forked, refuse_freeing};
+use crate::frames::{FrameEntry, FrameWords, entries, frames};
 use crate::grid::Grid;
 use crate::measurements::{Rendition, study_options};
 use crate::memory::{Lent, Piece, any_changed, array, handed_over, in_caller_order, is_changed};
@@ -321,6 +322,13 @@ impl Pipeline {
                 Ok((picture_axes(&subject.scene)?.to_string(), subject.warnings))
             })
         })
+    }
+
+    /// The frames of a series: label, step, time and changes of the pipeline.
+    fn frames<'py>(&self, py: Python<'py>, words: FrameWords<'py>) -> PyResult<Vec<FrameEntry<'py>>> {
+        let selection = words.selection(py)?;
+        let found = self.with(py, |state| frames(state, &selection))?;
+        entries(py, found)
     }
 
     /// Runs all of it, as `voltet run` does: pictures by node, and the report.

@@ -66,3 +66,31 @@ def test_the_source_tarball_is_the_same_from_the_same_commit(tmp_path):
     assert a == b and len(a) > 1_000_000
     done = subprocess.run([ROOT / "packaging/source.sh", "9.9.9"], capture_output=True, text=True)
     assert done.returncode == 2 and f"states the version {VERSION}, not 9.9.9" in done.stderr
+
+
+def test_published_crates_are_described_and_depend_on_published_ones():
+    workspace = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]
+    manifests = [tomllib.loads((ROOT / folder / "Cargo.toml").read_text()) for folder in [".", *workspace["members"]]]
+    published = {one["package"]["name"]: one for one in manifests if one["package"].get("publish", True)}
+    assert len(published) > 15
+    for name, manifest in published.items():
+        assert {"description", "license", "repository"} <= manifest["package"].keys(), name
+        others = {key for key in manifest.get("dependencies", {}) if key.split("-")[0] == "voltet"}
+        assert others <= published.keys(), f"{name} needs {others - published.keys()}, which nobody can have"
+        # With a version, those of its tests would have to be published before it.
+        for key, stated in manifest.get("dev-dependencies", {}).items():
+            shared = stated.get("workspace") and workspace["dependencies"][key]
+            version = stated.get("version") or isinstance(shared, dict) and "path" in shared and shared.get("version")
+            leads_back = key in published and name in needs(key, published)
+            assert not (version and leads_back), f"{name} tests with {key}, which needs it"
+
+
+def needs(name, manifests):
+    """Every crate of the workspace that one needs."""
+    found, open_names = set(), [name]
+    while open_names:
+        for key in manifests[open_names.pop()].get("dependencies", {}):
+            if key in manifests and key not in found:
+                found.add(key)
+                open_names.append(key)
+    return found

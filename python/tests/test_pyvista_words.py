@@ -1,7 +1,9 @@
 """PyVista's words of `add_volume`: those that mean something here work, others are refused with the reason."""
 
 import importlib.util
+import io
 import inspect
+import time
 
 import numpy as np
 import pytest
@@ -211,3 +213,34 @@ def test_opacity_and_unit_distance_beside_pyvistas():
         # PyVista's table cuts opacities off to eight bits, which is less than a level.
         assert abs(own - formula) <= 1.0, case
     assert bench.table() in (ROOT / "docs/src/how-to/migration.md").read_text()
+
+
+def test_frames_that_a_remote_view_sends_hold_the_volume():
+    # As trame's remote view makes them.
+    Image = pytest.importorskip("PIL.Image")
+    from vtkmodules.vtkWebCore import vtkWebApplication
+
+    p = plotter()
+    v = p.voltet.add_volume(cube(), "T", opacity=[0.9, 0.9], cmap=["black", "black"], show_scalar_bar=False, engine="cpu")
+    shown(p)
+    sender = vtkWebApplication()
+    sender.SetImageEncoding(0)
+
+    def sent():
+        # It encodes on threads, and gives the last frame that is ready.
+        sender.InvalidateCache(p.render_window)
+        sender.StillRender(p.render_window, 100)
+        for _ in range(500):
+            if not sender.GetHasImagesBeingProcessed(p.render_window):
+                break
+            time.sleep(0.01)
+        return np.array(Image.open(io.BytesIO(bytes(memoryview(sender.StillRender(p.render_window, 100))))).convert("RGB")).astype(int)
+
+    for azimuth in (0, 40):
+        p.camera.azimuth = azimuth
+        frame = sent()
+        assert v.error is None and frame.min() < 100
+        # JPEG of the best quality rounds, and greys have no colours that it leaves out.
+        assert np.abs(frame - p.screenshot(return_img=True)).max() <= 4
+    assert v.draws == 2
+    p.close()

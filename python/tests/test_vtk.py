@@ -513,7 +513,9 @@ def test_a_constant_field_is_said_to_be_blank_at_the_line_that_updates():
     r.SetSize(8, 8)
     with pytest.warns(voltet.VoltetWarning, match="the picture is empty") as told:
         r.Update()
-    assert [warning.filename for warning in told] == [__file__] and r.GetReport()["warnings"] == [str(told[0].message)]
+    # Old versions of VTK use what numpy deprecates.
+    (own,) = [warning for warning in told if warning.category is voltet.VoltetWarning]
+    assert own.filename == __file__ and r.GetReport()["warnings"] == [str(own.message)]
     # Made an error, it is one.
     import warnings
 

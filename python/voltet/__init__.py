@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from ._filters import Parameter as Parameter, gradient_filter as gradient_filter
     from ._grid import Grid as Grid
     from ._readers import grid_reader as grid_reader
+    from ._series import Frame as Frame
     from ._picture import Picture as Picture, Result as Result
     from ._node import Node as Node
     from ._pipeline import Pipeline as Pipeline
@@ -52,6 +53,7 @@ if "XDG_RUNTIME_DIR" not in _os.environ:
 
 # Loaded when asked for: `import voltet` alone loads neither numpy nor anything that needs it.
 _HOMES = {
+    "Frame": "_series",
     "Grid": "_grid",
     "Node": "_node",
     "Parameter": "_filters",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from os import PathLike, fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,6 +20,8 @@ from ._progress import Progress, followed
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.image import AxesImage
+
+    from ._series import Frame
 
 
 class Pipeline(Measured):
@@ -227,6 +229,50 @@ class Pipeline(Measured):
                 watched = []
         rgba, report = drawn
         return picture(rgba, Account(report))
+
+    def frames(
+        self,
+        node: str | None = None,
+        *,
+        steps: str | int | Iterable[int] | None = None,
+        times: str | float | Iterable[float] | None = None,
+        ranges: str | None = None,
+        files: Sequence[str | PathLike[str]] = (),
+        sweep: Mapping[str, Sequence[Any]] | None = None,
+        turns: int | None = None,
+        part: str | None = None,
+        progress: bool | None | Progress = None,
+    ) -> Iterator[Frame]:
+        """The pictures of a series, one after the other, as `voltet run` draws them with the options of these names. The pipeline is
+        between them as it was; what the pictures share is computed once.
+
+        Parameters
+        ----------
+        node : str
+            The node whose picture is drawn, where there are several.
+        steps : str or numbers
+            Steps of the time series that it reads: `"0:365:5"`, `"3,5,-1"`, `"all"`, `range(10)`.
+        times : str or numbers
+            The steps at or between times: `"0.1:0.5"`, or with a stride `"0:1:0.01"`.
+        ranges : "step", "sample" or "all"
+            The data that relative numbers and fitted views come from: each step, up to 8 steps of the series (default), all.
+        files : list of path
+            Data files that are read in place of the reader's own; `*` stands for any letters.
+        sweep : mapping of `node.parameter` to values
+            Values of parameters, each with each: `{"look.widgets.0.extinction": [1, 2, 4]}`.
+        turns : int
+            So many pictures on the camera's way (`orbit`, `keys`), as `--frames`.
+        part : str
+            A share of the pictures: `"2/8"`.
+
+        >>> import numpy as np, voltet
+        >>> pipeline = voltet.scene(np.random.rand(4, 4, 4), size=(16, 12), engine="cpu")
+        >>> [frame.label for frame in pipeline.frames(sweep={"look.unit_distance": [0.5, 1.0]})]
+        ['unit_distance = 0.5', 'unit_distance = 1.0']
+        """
+        from ._series import frames
+
+        return frames(self, node, steps, times, ranges, files, sweep, turns, part, progress)
 
     def render_until(
         self, ends: Any, node: str = "picture", progress: bool | None | Progress = None
