@@ -117,6 +117,23 @@ pub(super) fn missing_node(element: u64, node: u64) -> Error {
     error.got(node).expected("the number of a node of the file")
 }
 
+/// Numbers that one task looks at.
+const PART: usize = 1 << 14;
+
+/// Makes numbers of 1 to `count` such from 0 on. Errors: the place of the first that is none of these.
+pub(super) fn count_from_zero(numbers: &mut [u32], count: u64) -> std::result::Result<(), usize> {
+    let of_part = |part: &mut [u32]| {
+        part.iter_mut().fold(false, |is_wrong, number| {
+            *number = number.wrapping_sub(1);
+            is_wrong | (u64::from(*number) >= count)
+        })
+    };
+    match numbers.par_chunks_mut(PART).map(of_part).reduce(|| false, |a, b| a | b) {
+        false => Ok(()),
+        true => Err(numbers.iter().position(|&number| u64::from(number) >= count).unwrap_or(0)),
+    }
+}
+
 /// Tetrahedra by the points of all of them.
 pub(super) fn tetrahedra(corners: Vec<u32>) -> Cells {
     let copied = |(_, corners): (_, Vec<u32>)| corners.as_chunks().0.to_vec();
