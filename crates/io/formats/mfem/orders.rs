@@ -51,7 +51,7 @@ impl<'a> ContinuousLayout<'a> {
         ContinuousLayout { nodes, weights: weights(p), middles, count }
     }
 
-    /// The same places with values at even distances.
+    /// Layout of values that stand at even distances.
     pub fn with_even_points(self) -> Self {
         let p = self.weights.len() - 1;
         let points: Vec<f64> = (0..=p).map(|i| 2.0 * i as f64 / p as f64 - 1.0).collect();
