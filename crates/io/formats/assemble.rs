@@ -11,7 +11,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use voltet_core::grid::{
-    Array, Association, CellType, CellValues, Cells, Grid, Options, RawGrid, Scalar, code, structured_corners,
+    Array, Association, CellType, CellValues, Cells, Grid, Options, RawGrid, Scalar, code,
 };
 use voltet_core::parameters::SourceSpan;
 use voltet_core::progress::Progress;
@@ -532,24 +532,12 @@ fn ghosts(piece: &Piece, cells: &Cells, meter: &Meter) -> Result<Option<Vec<u8>>
     if let Some(hidden) = hidden.filter(|hidden| hidden.contains(&true)) {
         let ghost = ghost.get_or_insert_with(|| vec![0; cells.count()]);
         for (number, ghost) in ghost.iter_mut().enumerate() {
-            if corners(cells, number).any(|corner| hidden.get(corner as usize) == Some(&true)) {
+            if cells::corners(cells, number).any(|corner| hidden.get(corner as usize) == Some(&true)) {
                 *ghost |= HIDDEN_CELL;
             }
         }
     }
     Ok(ghost.filter(|ghost| ghost.iter().any(|&flags| flags != 0)))
-}
-
-/// The points of a cell; what is damaged is found out when the grid is built.
-pub(super) fn corners(cells: &Cells, number: usize) -> Box<dyn Iterator<Item = u32> + '_> {
-    match cells {
-        Cells::Tetrahedra(tetrahedra) => Box::new(tetrahedra[number].into_iter()),
-        Cells::Mixed(set) => {
-            let range = set.offsets[number] as usize..set.offsets[number + 1] as usize;
-            Box::new(set.connectivity.get(range).unwrap_or(&[]).iter().copied())
-        }
-        &Cells::Structured(dimensions) => Box::new(structured_corners(dimensions, number).into_iter()),
-    }
 }
 
 fn degrees(piece: &Piece, cells: &Cells, meter: &Meter) -> Result<Option<Vec<[u8; 3]>>> {

@@ -3,7 +3,7 @@
 use super::contents::{Geometry, Meter, Piece, Stored, StoredCells, StoredFaces};
 use super::lazy::GatheredCells;
 use rayon::prelude::*;
-use voltet_core::grid::{CellSet, CellType, Cells, Polyhedron, code};
+use voltet_core::grid::{CellSet, CellType, Cells, Polyhedron, code, structured_corners};
 use voltet_core::{Error, Result};
 
 /// Reads the cells of a piece.
@@ -65,6 +65,18 @@ pub(super) fn leave_out_further_points(cells: &mut Cells) -> Option<String> {
     *set = CellSet { polyhedra, ..trimmed.into_set() };
     let cells = voltet_core::counted(count, "cell");
     Some(format!("The points of {cells} beyond those that their type of cell has are left out."))
+}
+
+/// The points of a cell; what is damaged is found out when the grid is built.
+pub(super) fn corners(cells: &Cells, number: usize) -> Box<dyn Iterator<Item = u32> + '_> {
+    match cells {
+        Cells::Tetrahedra(tetrahedra) => Box::new(tetrahedra[number].into_iter()),
+        Cells::Mixed(set) => {
+            let range = set.offsets[number] as usize..set.offsets[number + 1] as usize;
+            Box::new(set.connectivity.get(range).unwrap_or(&[]).iter().copied())
+        }
+        &Cells::Structured(dimensions) => Box::new(structured_corners(dimensions, number).into_iter()),
+    }
 }
 
 fn types_of(cells: Cells) -> Vec<u8> {

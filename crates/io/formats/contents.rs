@@ -1,7 +1,6 @@
 //! The table of contents of a data set: what lies in which file, before anything is decoded.
 
 use super::codec::Codec;
-use super::decode::join;
 use super::hdf5_chunks::ChunkRows;
 use super::lattice::Lattice;
 use super::numbers::{ByteOrder, NumberType};
@@ -352,13 +351,6 @@ impl Stored {
             }
             _ => Ok(()),
         }
-    }
-
-    /// Three arrays of one number each as vectors.
-    pub fn joined(name: &str, planes: [Stored; 3]) -> Stored {
-        let (source, tuple_count) = (planes[0].source.clone(), planes[0].tuple_count.unwrap_or(0));
-        let compute: Compute = Arc::new(move |meter| join(&planes, meter));
-        Stored::of_f64(&source, name, 3, tuple_count, Encoding::Computed(compute))
     }
 
     /// Number of values that the headers promise.

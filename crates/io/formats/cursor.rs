@@ -2,10 +2,10 @@
 
 use super::contents::{Encoding, Meter, Stored};
 use super::decode::join;
+use super::lazy::count_from_zero;
 use super::numbers::{self, ByteOrder, NumberType, Target, convert};
 use super::source::Source;
 use super::text::{BLOCK, TextRange, is_space, line_ends, word_starts};
-use rayon::prelude::*;
 use std::sync::Arc;
 use voltet_core::progress::NoProgress;
 use voltet_core::{Error, Result};
@@ -355,17 +355,13 @@ impl Cursor {
     pub fn node_numbers(&mut self, count: u64, node_count: u64, what: &str) -> Result<Vec<u32>> {
         let start = self.clone();
         let mut numbers: Vec<u32> = self.numbers(NumberType::I32, count, "the number of a node")?;
-        let is_wrong = |number: u32| number == 0 || u64::from(number) > node_count;
-        let has_wrong = |part: &[u32]| part.iter().fold(false, |found, &number| found | is_wrong(number));
-        if numbers.par_chunks(BLOCK).any(has_wrong) {
+        if let Err(wrong) = count_from_zero(&mut numbers, node_count) {
             *self = start;
-            let wrong = numbers.iter().position(|&number| is_wrong(number)).unwrap_or(0);
             self.skip_numbers(wrong as u64, 4)?;
             let found: u32 = self.number(NumberType::I32, "the number of a node")?;
             let error = self.error(format!("{what} names a node that does not exist")).got(found);
             return Err(error.expected(format_args!("1 to {node_count}")));
         }
-        numbers.par_iter_mut().with_min_len(BLOCK).for_each(|number| *number -= 1);
         Ok(numbers)
     }
 

@@ -4,7 +4,7 @@
 //! and decodes, in parallel, block by block straight into the destination.
 
 use super::codec::{Base64Text, Codec};
-use super::contents::{Encoding, Meter, Stored, tuples};
+use super::contents::{Compute, Encoding, Meter, Stored, tuples};
 use super::hdf5_chunks::{ChunkBuffers, ChunkRows};
 use super::numbers::{ByteOrder, NumberType, Target, convert};
 use super::source::Source;
@@ -12,6 +12,7 @@ use super::text::{TextRange, is_space};
 use bytemuck::Pod;
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::Arc;
 use voltet_core::{Error, Result, counted};
 
 /// Values that one task decodes from data that is not cut into blocks: what they take is in the cache until they are converted.
@@ -191,6 +192,13 @@ impl Stored {
             // Others have no parts.
             _ => Ok(()),
         }
+    }
+
+    /// Three arrays of one number each as vectors.
+    pub fn joined(name: &str, planes: [Stored; 3]) -> Stored {
+        let (source, tuple_count) = (planes[0].source.clone(), planes[0].tuple_count.unwrap_or(0));
+        let compute: Compute = Arc::new(move |meter| join(&planes, meter));
+        Stored::of_f64(&source, name, 3, tuple_count, Encoding::Computed(compute))
     }
 
     /// Decodes rows of chunks in parallel.

@@ -210,7 +210,7 @@ impl DrawnParts {
             };
             if is_volume && piece.ghost.as_ref().is_none_or(|flags| is_drawn(flags[cell])) {
                 drawn.cells[cell] = true;
-                for corner in assemble::corners(&piece.cells, cell) {
+                for corner in cells::corners(&piece.cells, cell) {
                     if let Some(point) = drawn.points.get_mut(corner as usize) {
                         *point = true;
                     }

@@ -117,6 +117,23 @@ pub(super) fn missing_node(element: u64, node: u64) -> Error {
     error.got(node).expected("the number of a node of the file")
 }
 
+/// Numbers that one task looks at.
+const PART: usize = 1 << 14;
+
+/// Makes numbers of 1 to `count` such from 0 on. Errors: the place of the first that is none of these.
+pub(super) fn count_from_zero(numbers: &mut [u32], count: u64) -> std::result::Result<(), usize> {
+    let of_part = |part: &mut [u32]| {
+        part.iter_mut().fold(false, |is_wrong, number| {
+            *number = number.wrapping_sub(1);
+            is_wrong | (u64::from(*number) >= count)
+        })
+    };
+    match numbers.par_chunks_mut(PART).map(of_part).reduce(|| false, |a, b| a | b) {
+        false => Ok(()),
+        true => Err(numbers.iter().position(|&number| u64::from(number) >= count).unwrap_or(0)),
+    }
+}
+
 /// Tetrahedra by the points of all of them.
 pub(super) fn tetrahedra(corners: Vec<u32>) -> Cells {
     let copied = |(_, corners): (_, Vec<u32>)| corners.as_chunks().0.to_vec();
@@ -158,8 +175,28 @@ impl GatheredCells {
         self.add(voltet_core::grid::code::POLYHEDRON, corners);
     }
 
+    /// The cells of parts, one part after the other.
+    pub fn join(parts: Vec<GatheredCells>) -> Cells {
+        let corner_count = parts.iter().map(|part| part.0.connectivity.len()).sum();
+        if corner_count == 0 || !parts.iter().all(GatheredCells::are_tetrahedra) {
+            let mut all = GatheredCells::default();
+            parts.into_iter().for_each(|part| all.append(part));
+            return all.into_cells();
+        }
+        let mut corners = vec![0; corner_count];
+        let (mut rest, mut places) = (&mut corners[..], Vec::new());
+        for part in &parts {
+            let (own, after) = rest.split_at_mut(part.0.connectivity.len());
+            places.push(own);
+            rest = after;
+        }
+        let copies = places.into_par_iter().zip(&parts);
+        copies.for_each(|(to, part)| to.copy_from_slice(&part.0.connectivity));
+        tetrahedra(corners)
+    }
+
     /// Adds the cells of another.
-    pub fn append(&mut self, other: GatheredCells) {
+    fn append(&mut self, other: GatheredCells) {
         let (begin, first) = (self.0.connectivity.len() as u64, self.0.types.len() as u32);
         self.0.connectivity.extend_from_slice(&other.0.connectivity);
         self.0.offsets.extend(other.0.offsets[1..].iter().map(|end| begin + end));
@@ -170,14 +207,17 @@ impl GatheredCells {
 
     /// All of them; as tetrahedra where they are nothing else.
     pub fn into_cells(self) -> Cells {
-        let CellSet { types, connectivity, .. } = &self.0;
-        if types.is_empty()
-            || types.par_iter().any(|&code| code != TETRA)
-            || connectivity.len() != 4 * types.len()
-        {
+        if self.0.types.is_empty() || !self.are_tetrahedra() {
             return Cells::Mixed(self.0);
         }
         tetrahedra(self.0.connectivity)
+    }
+
+    /// True if none is anything else.
+    fn are_tetrahedra(&self) -> bool {
+        let CellSet { types, connectivity, .. } = &self.0;
+        let is_part = |part: &[u8]| part.iter().fold(true, |all, &code| all & (code == TETRA));
+        types.par_chunks(PART).all(is_part) && connectivity.len() == 4 * types.len()
     }
 
     /// All of them.

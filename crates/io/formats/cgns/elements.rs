@@ -6,7 +6,6 @@
 
 use crate::formats::contents::{Meter, Stored};
 use crate::formats::lazy::{self, GatheredCells};
-use rayon::prelude::*;
 use voltet_core::grid::{Cells, code};
 use voltet_core::{Error, Result, counted};
 
@@ -73,9 +72,6 @@ const ELEMENTS: &[ElementType] = &[
     element(27, "QUAD_12", 2, 12),
     element(28, "QUAD_16", 2, 16),
 ];
-
-/// Numbers that one task looks at.
-const PART: usize = 1 << 14;
 
 /// A run of elements.
 pub(super) struct Section {
@@ -183,12 +179,10 @@ fn nodes(section: &Section, element: &ElementType, meter: &Meter) -> Result<Vec<
 
 fn tetrahedra(section: &Section, cell_count: u64, meter: &Meter) -> Result<Cells> {
     let mut nodes = nodes(section, known(section, TETRA_4)?, meter)?;
-    let wrong =
-        nodes.par_chunks(PART).any(|part| part.iter().fold(false, |wrong, &node| wrong | (node == 0)));
-    if wrong {
+    // Numbers beyond the points are found when the grid is built.
+    if lazy::count_from_zero(&mut nodes, u32::MAX.into()).is_err() {
         point(section, 0)?;
     }
-    nodes.par_iter_mut().with_min_len(PART).for_each(|node| *node -= 1);
     let cells = lazy::tetrahedra(nodes);
     match cells.count() as u64 == cell_count {
         true => Ok(cells),

@@ -3,7 +3,7 @@
 use super::case::StepFile;
 use crate::formats::contents::structured_counts;
 use crate::formats::cursor::{Cursor, Place};
-use crate::formats::lazy::GatheredCells;
+use crate::formats::lazy::{GatheredCells, tetrahedra};
 use crate::formats::numbers::{ByteOrder, NumberType, Target};
 use crate::formats::source::Source;
 use glam::DVec3;
@@ -65,7 +65,7 @@ pub(super) struct GoldBlock {
 /// Positions of the points of a structured part.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum BlockForm {
-    /// Those of each point.
+    /// A position for each point.
     Curvilinear,
     /// Coordinates along each axis.
     Rectilinear,
@@ -314,6 +314,13 @@ impl GoldGeometry {
         let points = bytemuck::try_cast_vec(coordinates).unwrap_or_else(copied);
         if let Some(block) = part.block {
             return Ok((points, Cells::Structured(block.dimensions.map(|n| n as usize))));
+        }
+        let mut volumes = part.volumes();
+        if let (Some(GoldElements { kind: (4, code::TETRA), count, place, .. }), None) =
+            (volumes.next(), volumes.next())
+        {
+            let corners = count.saturating_mul(4);
+            return Ok((points, tetrahedra(self.at(*place).cursor.node_numbers(corners, n, "an element")?)));
         }
         let mut cells = GatheredCells::default();
         for own in part.volumes() {

@@ -21,6 +21,9 @@ pub(super) struct MeshPaths {
     pub part: Option<CollatedPart>,
 }
 
+/// Faces of a mesh that can be numbered beside a mark of one bit.
+const MAX_FACES: usize = (u32::MAX >> 1) as usize;
+
 /// Cells on both sides of faces, whose points were not read.
 pub(super) struct FaceOwners {
     owner: Vec<u32>,
@@ -63,6 +66,9 @@ impl FaceCells {
         if owner.len() != ends.len() {
             return Err(misfit("owners of faces", owner.len(), ends.len(), &mesh.owner));
         }
+        if owner.len() > MAX_FACES {
+            return Err(misfit("faces", owner.len(), format!("at most {MAX_FACES}"), &mesh.owner));
+        }
         Ok(FaceCells { points, ends, owner, neighbour, cell_count })
     }
 
@@ -89,11 +95,11 @@ impl FaceCells {
         (0..self.cell_count).for_each(|cell| begins[cell + 1] += begins[cell]);
         // The lowest bit says that the cell is the neighbour, whose face points inward.
         let mut next = begins.clone();
-        let mut of_cells = vec![0_u64; self.owner.len() + self.neighbour.len()];
+        let mut of_cells = vec![0_u32; self.owner.len() + self.neighbour.len()];
         for (cells, side) in [(&self.owner, 0), (&self.neighbour, 1)] {
             for (face, &cell) in cells.iter().enumerate() {
                 let place = &mut next[cell as usize];
-                of_cells[*place as usize] = (face as u64) << 1 | side;
+                of_cells[*place as usize] = (face as u32) << 1 | side;
                 *place += 1;
             }
         }
@@ -115,9 +121,7 @@ impl FaceCells {
         };
         let parts: Vec<GatheredCells> =
             (0..self.cell_count.div_ceil(PART)).into_par_iter().map(of_part).collect();
-        let mut gathered = GatheredCells::default();
-        parts.into_iter().for_each(|part| gathered.append(part));
-        gathered.into_cells()
+        GatheredCells::join(parts)
     }
 }
 

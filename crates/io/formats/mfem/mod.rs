@@ -145,7 +145,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     let spaces: Vec<(String, FieldSpace)> = parts.iter().flat_map(MfemPart::spaces).collect();
     for (name, space) in &spaces {
         match space {
-            FieldSpace::Continuous { order: order @ 3.. } => dataset.warnings.push(format!(
+            FieldSpace::Continuous { order: order @ 3.., .. } => dataset.warnings.push(format!(
                 "The order of {name} is {order}, of which the values at the nodes of the second order are read."
             )),
             FieldSpace::Discontinuous { order, .. } => dataset.warnings.push(format!(

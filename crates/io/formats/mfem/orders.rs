@@ -51,6 +51,13 @@ impl<'a> ContinuousLayout<'a> {
         ContinuousLayout { nodes, weights: weights(p), middles, count }
     }
 
+    /// Layout of values that stand at even distances.
+    pub fn with_even_points(self) -> Self {
+        let p = self.weights.len() - 1;
+        let points: Vec<f64> = (0..=p).map(|i| 2.0 * i as f64 / p as f64 - 1.0).collect();
+        ContinuousLayout { weights: middle_weights(&points), ..self }
+    }
+
     /// True if the values are those at the nodes, in their order.
     pub fn is_of_nodes(&self) -> bool {
         let order = self.weights.len() - 1;
@@ -174,12 +181,16 @@ pub(super) fn legendre_mean(n: usize) -> Vec<f64> {
 
 /// Weights in the middle of Lagrange's polynomials through the p + 1 points of Gauss and Lobatto.
 fn weights(p: usize) -> Vec<f64> {
-    let points = lobatto_points(p);
+    middle_weights(&lobatto_points(p))
+}
+
+/// Weights in the middle of Lagrange's polynomials through points from −1 to 1.
+fn middle_weights(points: &[f64]) -> Vec<f64> {
     let weight = |i: usize| {
         let others = points.iter().enumerate().filter(|other| other.0 != i);
         others.map(|(_, x)| -x / (points[i] - x)).product()
     };
-    (0..=p).map(weight).collect()
+    (0..points.len()).map(weight).collect()
 }
 
 #[cfg(test)]
@@ -214,6 +225,8 @@ mod tests {
         same(2, &[0.0, 1.0, 0.0]);
         // Points ±1/√5.
         same(3, &[-0.125, 0.625, 0.625, -0.125]);
+        let even = super::middle_weights(&[-1.0, -1.0 / 3.0, 1.0 / 3.0, 1.0]);
+        assert!(even.iter().zip([-0.0625, 0.5625, 0.5625, -0.0625]).all(|(a, b)| (a - b).abs() < 1e-15));
         // A polynomial of the order comes back: x^p and a constant have 0 and 1 in the middle.
         for p in 1..=12 {
             let sum: f64 = weights(p).iter().sum();

@@ -20,8 +20,8 @@ use voltet_core::{Error, Result};
 /// Spaces that are read.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum FieldSpace {
-    /// Continuous functions, by their values at points.
-    Continuous { order: u32 },
+    /// Continuous functions, by their values at points: of Gauss and Lobatto, or at even distances.
+    Continuous { order: u32, is_even: bool },
     /// A value in each element.
     Constant,
     /// A polynomial in each element, of which the mean over the reference element is read.
@@ -62,7 +62,7 @@ fn mean_weights(number: usize, order: u32, basis: Basis) -> Option<Vec<f64>> {
 impl FieldSpace {
     /// Order of the nodes at which values are.
     pub fn order(self) -> u32 {
-        if let FieldSpace::Continuous { order } = self { order } else { 1 }
+        if let FieldSpace::Continuous { order, .. } = self { order } else { 1 }
     }
 
     /// Place of the values that are read.
@@ -82,10 +82,11 @@ impl FieldSpace {
 
     /// The space of a name; `None` for others.
     fn of_name(name: &str) -> Option<FieldSpace> {
-        let continuous = |order| Some(FieldSpace::Continuous { order });
+        let continuous = |order| Some(FieldSpace::Continuous { order, is_even: false });
         match name {
             "Linear" => return continuous(1),
             "Quadratic" => return continuous(2),
+            "Cubic" => return Some(FieldSpace::Continuous { order: 3, is_even: true }),
             "Const2D" | "Const3D" => return Some(FieldSpace::Constant),
             _ => {}
         }
@@ -207,7 +208,9 @@ impl GridFunction {
             FieldSpace::Discontinuous { order, basis } => {
                 vec![means(elements, order, basis).map(|(_, weights)| weights.len()).sum()]
             }
-            FieldSpace::Continuous { order } => layouts(nodes, elements, order).map(|own| own.count).to_vec(),
+            FieldSpace::Continuous { order, is_even } => {
+                layouts(nodes, elements, order, is_even).map(|own| own.count).to_vec()
+            }
         };
         match places.iter().any(|&places| places.checked_mul(self.component_count) == Some(count)) {
             true => Ok(()),
@@ -250,7 +253,7 @@ impl GridFunction {
             };
             return Ok(own.into_iter().flat_map(tuple).collect());
         }
-        let FieldSpace::Continuous { order } = self.space else {
+        let FieldSpace::Continuous { order, is_even } = self.space else {
             let element_count = elements.types.len();
             if values.len() != n * element_count {
                 return Err(self.misfit(values.len(), element_count));
@@ -261,7 +264,7 @@ impl GridFunction {
                 false => (0..count).flat_map(tuple).map(|(cell, component)| value(cell, component)).collect(),
             });
         };
-        let layouts = layouts(nodes, elements, order);
+        let layouts = layouts(nodes, elements, order, is_even);
         let layout = layouts.iter().find(|layout| layout.count * n == values.len());
         let layout = layout.ok_or_else(|| self.misfit(values.len(), layouts[0].count))?;
         if is_in_order && layout.is_of_nodes() {
@@ -287,8 +290,16 @@ fn means(elements: &MfemElements, order: u32, basis: Basis) -> impl Iterator<Ite
 }
 
 /// Places of the values of an order, by either set of functions on pyramids.
-fn layouts<'a>(nodes: &'a MfemNodes, elements: &MfemElements, order: u32) -> [ContinuousLayout<'a>; 2] {
-    [false, true].map(|is_bergot| ContinuousLayout::new(nodes, elements, order, is_bergot))
+fn layouts<'a>(
+    nodes: &'a MfemNodes,
+    elements: &MfemElements,
+    order: u32,
+    is_even: bool,
+) -> [ContinuousLayout<'a>; 2] {
+    [false, true].map(|is_bergot| {
+        let layout = ContinuousLayout::new(nodes, elements, order, is_bergot);
+        if is_even { layout.with_even_points() } else { layout }
+    })
 }
 
 /// Passes over empty lines and comments.

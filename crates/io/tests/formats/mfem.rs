@@ -579,6 +579,22 @@ fn discontinuous_fields_are_means_in_cells() {
 }
 
 #[test]
+fn values_of_the_old_cubic_space_stand_at_even_distances() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mesh, solution) = (folder.path().join("a.mesh"), folder.path().join("a.gf"));
+    std::fs::write(&mesh, ONE.replacen("v1.2", "v1.0", 1).split("mfem_serial").next().unwrap()).unwrap();
+    // x² at the vertices, in the edges 01, 02, 03, 12, 13 and 23, and in the faces.
+    let ninths =
+        "0 9 0 0 1 4 0 0 0 0 4 1 4 1 0 0 1 0 1 1".split(' ').map(|word| word.parse::<f64>().unwrap() / 9.0);
+    let values: Vec<String> = ninths.map(|value| value.to_string()).collect();
+    std::fs::write(&solution, field("Cubic", 1, &values.join(" "))).unwrap();
+    let own = grid(&mesh, &request("a"));
+    let is_same = |(p, value): (&DVec3, &f64)| (value - p.x * p.x).abs() < 1e-14;
+    assert!(own.points.iter().zip(own.scalar.as_ref().unwrap().iter()).all(is_same), "{:?}", own.scalar);
+    assert!(own.points.iter().any(|p| p.x == 0.5));
+}
+
+#[test]
 fn a_root_file_takes_no_solution() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);

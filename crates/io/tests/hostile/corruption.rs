@@ -214,6 +214,22 @@ fn damaged_results_of_mfem_are_errors_or_other_grids() {
 }
 
 #[test]
+fn damaged_discontinuous_fields_of_mfem_are_errors_or_other_grids() {
+    let mesh = "MFEM mesh v1.0\n\ndimension\n3\n\nelements\n2\n1 5 0 1 2 3 4 5 6 7\n1 6 1 8 2 5 9 6\n\nboundary\n0\n\nvertices\n10\n3\n\
+        0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n2 0 0\n2 0 1\n";
+    let values = (0..14).map(|i| i.to_string()).collect::<Vec<_>>().join(" ");
+    let field = format!(
+        "FiniteElementSpace\nFiniteElementCollection: L2_T2_3D_P1\nVDim: 1\nOrdering: 0\n\n{values}\n"
+    );
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in [("a.mesh", mesh), ("a.gf", &field)] {
+        file(&folder, "a.mesh", mesh.as_bytes());
+        file(&folder, "a.gf", field.as_bytes());
+        corrupt_in(&folder, [name, "a.mesh"], "a", text.as_bytes(), case_count().max(200));
+    }
+}
+
+#[test]
 fn damaged_cases_of_openfoam_are_errors_or_other_grids() {
     let mesh = ["points", "faces", "owner", "neighbour", "cellZones"];
     let mesh = |ending: &str| mesh.map(|name| format!("constant/polyMesh/{name}{ending}"));
