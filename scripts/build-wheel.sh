@@ -13,7 +13,7 @@ if [ "$(uname -s)" = Linux ]; then
     target=(--target "$(uname -m)-unknown-linux-gnu" --zig --compatibility manylinux_2_28)
 fi
 PATH="$PWD/$tools/bin:$PATH" maturin build --locked --profile "${VOLTET_PROFILE:-release}" --strip --manifest-path python/Cargo.toml \
-    --out "$folder" "${target[@]}"
+    --out "$folder" ${target[@]+"${target[@]}"}
 wheel=$(ls -t "$folder"/voltet-*.whl | head -n 1)
 "$tools/bin/twine" check --strict "$wheel"
 "$tools/bin/abi3audit" --strict "$wheel"

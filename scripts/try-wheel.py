@@ -15,6 +15,7 @@ import time
 from pathlib import Path
 
 CODE = """
+import sys
 import numpy as np, voltet
 from pathlib import Path
 import voltet.nodes, voltet.widgets
@@ -26,7 +27,7 @@ assert picture.shape == (36, 48, 4) and 0 < picture[18, 24, 3] < 1, picture[18, 
 pipeline.save("ball.toml")
 picture.save("here.exr")
 folder = Path(voltet.__file__).parent
-assert "checkout" not in str(folder) and (folder / "py.typed").exists()
+assert folder.is_relative_to(sys.prefix) and (folder / "py.typed").exists()
 assert "smproxy" in (folder / "paraview_plugin/VoltetFilters.py").read_text()
 print(voltet.__version__)
 """

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: (Apache-2.0 OR MIT)
 
+from spack_repo.builtin.build_systems.cargo import CargoPackage
+
 from spack.package import *
 
 
@@ -32,15 +34,11 @@ class Voltet(CargoPackage):
     @property
     def build_args(self):
         features = ["cli"] + [name for name in ("gpu", "mpi", "editor") if self.spec.satisfies(f"+{name}")]
-        return ["--locked", "--package", "voltet", "--no-default-features", "--features", ",".join(features)]
+        return ["--locked", "--no-default-features", "--features", ",".join(features)]
 
     @property
     def check_args(self):
         return ["--locked", "--package", "voltet", "--lib"]
-
-    def install(self, spec, prefix):
-        mkdirp(prefix.bin)
-        install("target/release/voltet", prefix.bin)
 
     @run_after("install")
     def manual_and_completions(self):

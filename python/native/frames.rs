@@ -3,9 +3,8 @@
 use crate::error::{exception, guarded};
 use crate::value::{datum, object};
 use pyo3::prelude::*;
-use std::path::PathBuf;
 use std::str::FromStr;
-use voltet::series::files::files_named;
+use voltet::series::files::data_files;
 use voltet::series::selection::{FrameSelection, Ranges, Steps, Sweep};
 use voltet::series::{self, Frame};
 use voltet_core::{Error, Result};
@@ -30,10 +29,13 @@ impl FrameWords<'_> {
     /// The selection that the words state.
     pub fn selection(&self, py: Python<'_>) -> PyResult<FrameSelection> {
         let sweep = |(path, values): &(String, Vec<Bound<'_, PyAny>>)| {
-            let values = values.iter().map(datum).collect::<PyResult<_>>()?;
-            let wrong = || Error::usage("a sweep names no parameter").got(path).expected("node.parameter");
-            let (node, parameter) = path.split_once('.').ok_or_else(|| exception(py, &wrong()))?;
-            Ok(Sweep { node: node.into(), parameter: parameter.into(), values })
+            let values: Vec<_> = values.iter().map(datum).collect::<PyResult<_>>()?;
+            let (what, expected) = match values.is_empty() {
+                true => ("a sweep has no values", "one or more"),
+                false => ("a sweep names no parameter", "node.parameter"),
+            };
+            let wrong = || exception(py, &Error::usage(what).got(path).expected(expected));
+            Sweep::new(path, values).ok_or_else(wrong)
         };
         let sweeps = self.sweeps.iter().map(sweep).collect::<PyResult<_>>()?;
         guarded(py, || {
@@ -57,8 +59,7 @@ impl FrameWords<'_> {
                     return Err(error.expected("\"step\", \"sample\" or \"all\""));
                 }
             };
-            let data_files: Vec<PathBuf> =
-                self.files.iter().flat_map(|pattern| files_named(pattern)).collect();
+            let data_files = data_files(&self.files)?;
             let part = self.part.as_ref().map(|part| read("part", part)).transpose()?;
             Ok(FrameSelection { steps, ranges, data_files, sweeps, turn_count: self.turns, part })
         })

@@ -106,16 +106,27 @@ fn picture<'py>(py: Python<'py>, picture: &Picture) -> PyResult<Bound<'py, PyAny
 
 #[pymethods]
 impl Pipeline {
-    /// From a file, or a picture that carries one; from a text; or empty.
+    /// From a file, or a picture that carries one; from a text, of a file or picture (`is_picture`) where a path is given; or empty.
     #[new]
-    fn new(py: Python<'_>, path: Option<PathBuf>, text: Option<String>) -> PyResult<Pipeline> {
-        let state = guarded(py, || State::open(path, text));
+    #[pyo3(signature = (path, text, is_picture = false))]
+    fn new(
+        py: Python<'_>,
+        path: Option<PathBuf>,
+        text: Option<String>,
+        is_picture: bool,
+    ) -> PyResult<Pipeline> {
+        let state = guarded(py, || State::open(path, text, is_picture));
         Ok(Pipeline { state: ManuallyDrop::new(Mutex::new(state?)) })
     }
 
     /// The text.
     fn text(&self, py: Python<'_>) -> PyResult<String> {
         self.with(py, |state| Ok(state.document.text().to_string()))
+    }
+
+    /// True if it came from a picture that carries it.
+    fn is_picture(&self, py: Python<'_>) -> PyResult<bool> {
+        self.with(py, |state| Ok(state.picture.is_some()))
     }
 
     /// The file, or the picture that it came from.

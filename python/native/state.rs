@@ -14,8 +14,8 @@ use voltet_io::provenance::Provenance;
 /// A pipeline, and the results that its runs left.
 pub struct State {
     pub document: Document,
-    /// The picture that carries the text, in place of a file, with its provenance.
-    pub picture: Option<(PathBuf, Provenance)>,
+    /// The picture that carries the text, in place of a file, with its provenance where the picture is seen.
+    pub picture: Option<(PathBuf, Option<Provenance>)>,
     /// Nodes of the document as it was checked last.
     pub pipeline: Pipeline,
     /// Version of the registered filters.
@@ -23,24 +23,24 @@ pub struct State {
 }
 
 impl State {
-    /// From a file, or a picture that carries one; from a text; from a text that was opened from a file or picture, as another process
-    /// hands it over; or empty.
-    pub fn open(path: Option<PathBuf>, text: Option<String>) -> Result<State> {
+    /// From a file, or a picture that carries one; from a text; from a text that was opened from a file or, where `is_picture`, a
+    /// picture, as another process hands it over; or empty.
+    pub fn open(path: Option<PathBuf>, text: Option<String>, is_picture: bool) -> Result<State> {
         let empty = path.is_none() && text.is_none();
         let (document, picture) = match (path, text) {
             (Some(path), None) => {
                 let source = Source::read(&path)?;
                 match source.embedded {
-                    Some(carried) => (Document::from_text(source.text, None), Some((path, carried))),
+                    Some(carried) => (Document::from_text(source.text, None), Some((path, Some(carried)))),
                     None => (Document::open(&path)?, None),
                 }
             }
-            (Some(path), Some(text)) => {
-                // The file may be gone, or not be seen from here: the text is what counts.
+            // The file may be gone, or not be seen from here: the text is what counts.
+            (Some(path), Some(text)) if is_picture => {
                 let carried = Source::read(&path).ok().and_then(|source| source.embedded);
-                let picture = carried.map(|carried| (path.clone(), carried));
-                (Document::from_text(text, picture.is_none().then_some(path)), picture)
+                (Document::from_text(text, None), Some((path, carried)))
             }
+            (Some(path), Some(text)) => (Document::from_text(text, Some(path)), None),
             (None, Some(text)) => (Document::from_text(text, None), None),
             (None, None) => (Document::new(), None),
         };
@@ -180,7 +180,7 @@ impl State {
         }
         let path = self.path().unwrap_or(Path::new("a new pipeline")).to_path_buf();
         let (pipeline, carried) =
-            (self.document.pipeline().clone(), self.picture.as_ref().map(|p| p.1.clone()));
+            (self.document.pipeline().clone(), self.picture.as_ref().and_then(|p| p.1.clone()));
         let document = voltet::Document { path, text, pipeline, graph, carried };
         document.refuse_collisions()?;
         Ok(document)

@@ -278,6 +278,35 @@ def test_points_and_cells_in_each_others_place_and_meshes_give_the_right_call(cu
         voltet.Grid(cube["points"])
     with pytest.raises(voltet.ArgumentTypeError, match=r"found dict; expected Grid.from_mesh\(mesh\)"):
         voltet.Grid(cube)
+    # Arrays of PyVista have the attributes of their VTK objects.
+    pv = pytest.importorskip("pyvista")
+    mesh = pv.UnstructuredGrid({10: cube["tetrahedra"]}, cube["points"])
+    again = voltet.Grid(mesh.points, cells=mesh.cells, types=mesh.celltypes, point_data={"T": cube["point_data"]["T"]})
+    assert again.cell_count == len(cube["tetrahedra"])
     import inspect
 
     assert list(inspect.signature(voltet.Grid).parameters)[:2] == ["points", "tetrahedra"]
+
+
+def test_a_subclass_may_have_arguments_of_its_own(cube):
+    class Scaled(voltet.Grid):
+        def __init__(self, points, factor, **given):
+            super().__init__(factor * points, **given)
+
+    given = {name: value for name, value in cube.items() if name != "points"}
+    assert Scaled(cube["points"], 2.0, **given).bounds == ((0, 0, 0), (2, 2, 2))
+
+
+def test_a_mapping_and_a_grid_keep_what_they_state_of_the_whole(cube):
+    stated = {"constant_cells": True, "subdivision": 2, "watch": False}
+    cube["point_data"]["V"] = cube["points"][:, 2]
+    grid = voltet.Grid(**cube, **stated)
+    for mesh in ({**cube, **stated}, grid):
+        for more, scalar in (({}, "T"), ({"scalar": "V"}, "V")):
+            again = voltet.Grid.from_mesh(mesh, **more)
+            assert again._options == {"scalar": scalar, "subdivision": 2, "constant_cells": True, "warnings": []} and again._watch is False
+    assert voltet.Grid.from_mesh(grid) is grid and voltet.Grid.from_mesh(grid, watch=True)._watch is True
+    with pytest.raises(voltet.UsageError, match="the mapping has an argument that is not known: found point_dat;"):
+        voltet.Grid.from_mesh({**cube, "point_dat": {}})
+    with pytest.raises(voltet.UsageError, match="the mapping has no points"):
+        voltet.Grid.from_mesh({"tetrahedra": cube["tetrahedra"]})

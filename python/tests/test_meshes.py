@@ -117,6 +117,12 @@ def test_colour_maps_of_voltet_and_of_matplotlib():
     assert voltet.render(values, cmap="turbo", clim=("5 %", "p95"), **options).any()
 
 
+def test_a_field_that_is_the_same_everywhere_has_colours_of_matplotlibs():
+    pytest.importorskip("matplotlib")
+    drawn = voltet.render(np.full((3, 3, 3), 7.0), cmap="Reds", opacity="constant", extinction=2.0, size=(8, 8), engine="cpu")
+    assert drawn[4, 4, 3] > 0.5
+
+
 def test_a_scene_of_a_mesh_is_a_pipeline_file():
     values = np.linspace(0.0, 1.0, 27).reshape(3, 3, 3)
     text = str(voltet.scene(values, cmap="inferno_r", clim=(0.25, 0.75), extinction=0.5))
@@ -132,6 +138,10 @@ def test_what_is_no_mesh_and_what_is_stated_twice():
         (lambda: voltet.render(values, cmap="no such map"), "the colour map is not known: found 'no such map'"),
         (lambda: voltet.render(values, cmap="Reds", clim=("5 %", 1.0)), "relative to the data"),
         (lambda: voltet.render(values, cmap="Reds", opacity="peaks"), "opacity has no such shape"),
+        (lambda: voltet.render(values, cmap="Reds", opacity=[0, 0.2, 1]), "the opacity is no curve: found .0, 0.2, 1.; expected points"),
+        (lambda: voltet.render(values, opacity=0.5), "the opacity is no curve: found 0.5"),
+        (lambda: voltet.render(values, opacity=[[0.5, 0], [0.2, 1]]), "the opacity is no curve"),
+        (lambda: voltet.render(values, cmap="Reds", clim=(1.0, 0.0)), "'clim' is out of range"),
         (lambda: voltet.render(values, clim=3), "'clim' is no pair"),
         (lambda: voltet.render(values, cmap="viridis", widgets=LOOK), "stated twice: found 'widgets' and 'cmap'"),
     ):
@@ -155,3 +165,28 @@ def test_data_sets_of_xarray_without_volumes_say_what_is_missing():
     data["volumes"].values[5, 3] = -1
     with pytest.raises(voltet.UsageError, match="a volume of a number of points that is not known: found 3"):
         voltet.Grid.from_mesh(data)
+
+
+def test_polyhedra_of_meshio_are_drawn_and_volumes_of_unknown_types_are_named():
+    meshio = pytest.importorskip("meshio")
+    points, cells = hexahedra(3)
+    faces = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
+    polyhedra = [list(cell[faces]) for cell in cells[4:]]
+    blocks = [("polyhedron8", polyhedra), ("hexahedron", cells[:4]), ("tetra20", [list(range(20))])]
+    values = {"c": [np.arange(4.0, 8.0), np.arange(4.0), [9.0]]}
+    mesh = meshio.Mesh(points, blocks, point_data={"T": points[:, 0]}, cell_data=values)
+    grid = voltet.Grid.from_mesh(mesh, scalar="T")
+    assert grid.arrays["c"] == (0.0, 7.0)
+    assert grid.about["warnings"] == ["passed over, as their type is not known: cells of type tetra20"]
+    with pytest.warns(voltet.VoltetWarning, match="tetra20"):
+        assert opacity(mesh, "T") == pytest.approx(1 - np.exp(-2), abs=1e-5)
+
+
+def test_words_in_attributes_of_ugrid_hide_no_variable():
+    data = of_xarray()
+    data["mesh"].attrs["long_name"] = "grid of T and c in series"
+    assert set(voltet.Grid.from_mesh(data, scalar="T").arrays) == {"T", "c"}
+    with pytest.raises(voltet.UsageError, match=r"volume_node_connectivity of the mesh 'mesh' is no table: found dimensions \(volume\)"):
+        voltet.Grid.from_mesh(data.assign(volumes=data["volumes"][:, 0]))
+    with pytest.raises(voltet.UsageError, match=r"node_coordinates of the mesh 'mesh' are not along the nodes: found dimensions \(node\), \(other\)"):
+        voltet.Grid.from_mesh(data.assign_coords(y=(("other",), np.zeros(3))))

@@ -17,6 +17,7 @@ def test_recipes_name_the_version():
     assert f'version: "{VERSION}"' in conda
     spack = (ROOT / "packaging/spack/package.py").read_text()
     assert f'version("{VERSION}", tag="v{VERSION}")' in spack
+    assert f"\nversion: {VERSION}\n" in (ROOT / "CITATION.cff").read_text()
     rust = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]["rust-version"]
     assert f'depends_on("rust@{rust}:"' in spack
     compile(spack, "package.py", "exec")

@@ -2,6 +2,7 @@
 
 import pickle
 from multiprocessing import get_context
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -65,6 +66,13 @@ def test_a_picture_that_carries_its_pipeline_is_not_written_over(tmp_path):
     with pytest.raises(voltet.UsageError, match="no file yet"):
         pickle.loads(pickle.dumps(again))._native.save(None, [])
     assert again.render().shape == (12, 16, 4)
+    # Nor one that is not seen from the other process.
+    data = pickle.dumps(voltet.Pipeline.open(picture))
+    Path(picture).unlink()
+    again = pickle.loads(data)
+    with pytest.raises(voltet.UsageError, match="no file yet"):
+        again._native.save(None, [])
+    assert again.path == str(Path(picture)) and again.render().shape == (12, 16, 4)
 
 
 def test_results_keep_their_reports(cube):

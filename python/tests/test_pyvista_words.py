@@ -119,6 +119,7 @@ def test_a_lookup_table_states_colours_opacity_and_range():
     table = pv.LookupTable(cmap=["red", "blue"], n_values=2, scalar_range=(1.0, 9.0))
     table.apply_opacity([0.5, 0.5])
     plain = cube().voltet.render("T", camera=front(), cmap=table, **SIZE)
+    assert np.array_equal(cube().voltet.render("T", camera=front(), cmap=table, categories=3, **SIZE), plain)
     same = cube().voltet.render("T", camera=front(), cmap=["red", "blue"], n_colors=2, clim=(1, 9), opacity=[0.5, 0.5], **SIZE)
     assert np.allclose(plain, same, atol=4e-3)
     table.above_range_color = "lime"
@@ -194,6 +195,8 @@ def test_picking_gives_cells_and_values():
     found = v.pick(60, 45)
     assert found["cells"] and all(0 <= cell["at_entry"]["s"] <= 3 for cell in found["cells"])
     assert np.allclose(found["drawn"]["rgba"], v.picture[22, 30], atol=1e-5)
+    # The last pixel of the window, whatever its size was rounded to.
+    v.pick(119, 89)
     p.close()
 
 

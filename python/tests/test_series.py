@@ -50,6 +50,8 @@ def test_sweeps_and_turns_of_the_camera(series):
 def test_files_in_place_of_the_readers_own(series, tmp_path):
     frames = list(series.frames(files=[tmp_path / "step*.vti"]))
     assert len(frames) == 6 and frames[3].label == "step3"
+    one = list(series.frames(files=str(tmp_path / "step*.vti")))
+    assert [frame.label for frame in one] == [frame.label for frame in frames]
     alike = [frame.picture for frame in series.frames(steps="all")]
     assert all(np.array_equal(frame.picture, other) for frame, other in zip(frames, alike))
 
@@ -70,6 +72,9 @@ def test_wrong_selections_say_what_would_be_right(series):
         ({"ranges": "some"}, "'ranges' is no such word: found some"), ({"part": "3/2"}, "'part' is not understood: found 3/2"),
         ({"sweep": {"nothing": [1]}}, "a sweep names no parameter: found nothing; expected node.parameter"),
         ({"sweep": {"look.nothing": [1]}}, "nothing"), ({"steps": [None]}, "'steps' is no selection"), ({"steps": []}, "'steps' is no selection"),
+        ({"files": ["no_such_*.vtu"]}, "no file has such a name: found 'no_such_"), ({"turns": 0}, "'turns' is out of range: found 0"),
+        ({"turns": -1}, "'turns' is out of range: found -1"), ({"sweep": {"look.unit_distance": []}}, "a sweep has no values: found look.unit_distance"),
+        ({"sweep": {"look..a": [1]}}, "a sweep names no parameter"), ({"sweep": {"look.unit_distance": "12"}}, "the values of a sweep are no list: found '12'"),
     ):
         with pytest.raises(voltet.UsageError, match=match):
             list(series.frames(**words))

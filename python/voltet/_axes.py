@@ -11,6 +11,8 @@ from ._errors import usage
 from ._picture import encoded_srgb
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from matplotlib.axes import Axes
     from matplotlib.image import AxesImage
 
@@ -26,12 +28,15 @@ def imshow(
 ) -> AxesImage:
     """See `Pipeline.imshow`."""
     try:
-        import matplotlib.pyplot as pyplot
         from matplotlib.cm import ScalarMappable
-        from matplotlib.colors import ListedColormap, LogNorm, Normalize, SymLogNorm, to_rgb
+        from matplotlib.colors import FuncNorm, ListedColormap, LogNorm, Normalize, to_rgb
+
+        if ax is None:
+            import matplotlib.pyplot as pyplot
+
+            ax = pyplot.gca()
     except ImportError as error:
         raise usage("matplotlib is missing", error, "pip install matplotlib") from error
-    ax = pyplot.gca() if ax is None else ax
     picture = pipeline.render(node, progress)
     about = json.loads(pipeline._native.picture_axes(node))
     (x, y), (width, height) = about["middle"], about["size"]
@@ -47,12 +52,12 @@ def imshow(
     shown = ax.imshow(picture.srgb8(tuple(linear)), **options)
     names = [name for direction in (about["right"], about["up"]) if (name := _axis_name(direction))]
     if about["is_orthographic"] and len(names) == 2:
-        ax.set_xlabel(names[0])
-        ax.set_ylabel(names[1])
+        ax.set_xlabel(names[0].removeprefix("-"))
+        ax.set_ylabel(names[1].removeprefix("-"))
         # Coordinates of the grid, which may fall to the right.
         for name, axis in zip(names, (ax.xaxis, ax.yaxis)):
             if name.startswith("-"):
-                axis.set_major_formatter(lambda value, _: f"{-value:g}")
+                axis.set_major_formatter(lambda value, _: f"{-value:.10g}")
     else:
         # Positions of several depths fall together: lengths have no one scale, or no one axis.
         ax.set_xticks([])
@@ -62,11 +67,16 @@ def imshow(
         norm = {
             "linear": lambda: Normalize(low, high),
             "log": lambda: LogNorm(low, high),
-            "symlog": lambda: SymLogNorm(scale["linear_below"], vmin=low, vmax=high),
+            "symlog": lambda: FuncNorm(_symlog(scale["linear_below"]), low, high),
         }[scale["form"]]()
         colors = ListedColormap(encoded_srgb(np.asarray(scale["colors"])))
-        pyplot.colorbar(ScalarMappable(norm, colors), ax=ax, label=scale["name"])
+        ax.figure.colorbar(ScalarMappable(norm, colors), ax=ax, label=scale["name"])
     return shown
+
+
+def _symlog(below: float) -> tuple[Callable[[np.ndarray], np.ndarray], Callable[[np.ndarray], np.ndarray]]:
+    """Places along voltet's symmetric logarithm, sign(v) · log(1 + |v| / below), and the values at places."""
+    return lambda v: np.sign(v) * np.log1p(np.abs(v) / below), lambda p: np.sign(p) * below * np.expm1(np.abs(p))
 
 
 def _axis_name(direction: list[float]) -> str | None:

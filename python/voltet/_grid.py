@@ -15,6 +15,9 @@ from ._errors import argument_type, usage, whole
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+#: What is stated of a grid as a whole, whatever its pieces.
+_OF_ALL = ("scalar", "subdivision", "constant_cells", "watch")
+
 
 class Grid:
     """An unstructured grid of your arrays.
@@ -59,12 +62,16 @@ class Grid:
     """
 
     def __new__(cls, *arguments: Any, **named: Any) -> Grid:
-        # Python's own message for a second argument by position says nothing of the right call.
-        if len(arguments) > 1:
-            raise _by_position(arguments)
-        is_mesh = [hasattr(value, "GetClassName") or isinstance(value, Mapping) for value in arguments]
-        if any(is_mesh) or arguments and type(arguments[0]).__module__.partition(".")[0] in ("meshio", "xarray"):
-            raise argument_type("the points are no array", _kind(arguments[0]), "Grid.from_mesh(mesh), or Grid(points, tetrahedra=cells)")
+        # Subclasses may have arguments of their own.
+        if arguments and cls.__init__ is Grid.__init__:
+            # Python's own message for a second argument by position says nothing of the right call.
+            if len(arguments) > 1:
+                raise _by_position(arguments)
+            first = arguments[0]
+            is_mesh = hasattr(first, "GetClassName") or isinstance(first, Mapping) or package_of(first) in ("meshio", "xarray")
+            # PyVista's and VTK's arrays have the attributes of their VTK objects, too.
+            if is_mesh and not isinstance(first, np.ndarray):
+                raise argument_type("the points are no array", _kind(first), "Grid.from_mesh(mesh), or Grid(points, tetrahedra=cells)")
         return super().__new__(cls)
 
     def __init__(
@@ -104,15 +111,16 @@ class Grid:
         self._set([given], scalar=scalar, subdivision=subdivision, constant_cells=constant_cells, watch=watch)
 
     @classmethod
-    def from_mesh(cls, mesh: Any, *, scalar: str | None = None, watch: bool = True, **options: Any) -> Grid:
+    def from_mesh(cls, mesh: Any, *, scalar: str | None = None, watch: bool | None = None, **options: Any) -> Grid:
         """The grid of a mesh of another package.
 
         Parameters
         ----------
         mesh : mesh
             A PyVista or VTK data set (also a composite one), a `meshio.Mesh`, an `xarray.Dataset` of the UGRID conventions with a
-            topology of three dimensions, a mapping of the arguments of `Grid`, or an array of three dimensions: values at
-            points one unit apart, `values[i, j, k]` at (i, j, k).
+            topology of three dimensions, a mapping of the arguments of `Grid`, a `Grid`, or an array of three dimensions: values at
+            points one unit apart, `values[i, j, k]` at (i, j, k). What a mapping or `Grid` states of the arguments below holds where
+            they are left out.
         scalar : str
             The quantity that is drawn where the pipeline names none. Default: the mesh's active scalars, else the only one of one
             component.
@@ -123,12 +131,18 @@ class Grid:
         >>> voltet.Grid.from_mesh(np.zeros((3, 3, 3))).point_count
         27
         """
-        if isinstance(mesh, Grid) and scalar is None and not options:
-            return mesh
+        stated = {**options, **{name: value for name, value in (("scalar", scalar), ("watch", watch)) if value is not None}}
+        if isinstance(mesh, Grid):
+            return cls._of_pieces(mesh._pieces, **{**mesh._options, "watch": mesh._watch, **stated}) if stated else mesh
+        # A data set of xarray is a mapping, too.
+        if isinstance(mesh, Mapping) and package_of(mesh) != "xarray":
+            stated = {**{name: mesh[name] for name in _OF_ALL if name in mesh}, **stated}
+            piece = {name: value for name, value in mesh.items() if name not in _OF_ALL}
+            return cls.from_pieces([{"name": "the mapping", **piece}], **stated)
         from ._meshes import pieces_of
 
         pieces, active, notes = pieces_of(mesh)
-        return cls._of_pieces(pieces, scalar=scalar or active, watch=watch, warnings=notes, **options)
+        return cls._of_pieces(pieces, **{"scalar": active, "warnings": notes, **stated})
 
     @classmethod
     def from_pieces(
@@ -159,13 +173,12 @@ class Grid:
         >>> voltet.Grid.from_pieces(halves).point_count
         5
         """
-        of_all = {"self", "scalar", "subdivision", "constant_cells", "watch"}
-        known = {*signature(cls.__init__).parameters, "global_ids", "block", "name"} - of_all
+        known = {*signature(Grid.__init__).parameters, "global_ids", "block", "name"} - {"self", *_OF_ALL}
         given = [{"name": f"piece {number}", **piece} for number, piece in enumerate(pieces)]
         for piece in given:
-            if wrong := sorted(set(piece) - known):
+            if wrong := sorted(map(str, set(piece) - known)):
                 raise usage(f"{piece['name']} has an argument that is not known", wrong[0], ", ".join(sorted(known)))
-            if "points" not in piece:
+            if piece.get("points") is None:
                 raise usage(f"{piece['name']} has no points", None, "points and cells")
         return cls._of_pieces(given, scalar=scalar, subdivision=subdivision, constant_cells=constant_cells, watch=watch)
 
@@ -270,6 +283,11 @@ class Grid:
 Grid.__signature__ = signature(Grid.__init__).replace(  # type: ignore[attr-defined]
     parameters=list(signature(Grid.__init__).parameters.values())[1:]
 )
+
+
+def package_of(value: object) -> str:
+    """The package of the type of a value."""
+    return type(value).__module__.partition(".")[0]
 
 
 def _kind(value: object) -> str:

@@ -55,7 +55,6 @@ class Look:
         grid = self.grid()
         known = grid.about["arrays"][self.name]
         self.scalar = self._component(known["components"], component)
-        self._given_range = known["range"]
         table = cmap if isinstance(cmap, pv.LookupTable) else None
         if table is not None:
             # As PyVista does: it states all of it.
@@ -65,7 +64,7 @@ class Look:
             below_color = table.below_range_color if table.GetUseBelowRangeColor() else None
         self.range = known["range"] or self._range_of_magnitude()
         self.clim = _limits(clim, self.range, log_scale)
-        if categories:
+        if categories and table is None:
             n_colors = max(2, self._category_count() if categories is True else whole("categories", categories, 1, 65536))
         self._n_colors, self._opacity, self._log = whole("n_colors", n_colors, 2, 65536), opacity, bool(log_scale)
         self._cmap = _reversed(cmap) if flip_scalars and table is None else cmap

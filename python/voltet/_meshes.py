@@ -31,21 +31,19 @@ _UGRID = {4: 10, 5: 14, 6: 13, 8: 12}
 
 def pieces_of(mesh: Any) -> tuple[list[dict[str, Any]], str | None, list[str]]:
     """A mesh as pieces of a grid, the scalar that it marks, and what was left out, in sentences."""
-    from ._grid import Grid
+    from ._grid import Grid, package_of
 
     if isinstance(mesh, Grid):
         return mesh._pieces, mesh._options["scalar"], []
     if isinstance(mesh, np.ndarray):
         return [_of_array(mesh)], "values", []
-    package = type(mesh).__module__.partition(".")[0]
+    package = package_of(mesh)
     if package == "meshio":
         piece, notes = _of_meshio(mesh)
         return [piece], None, notes
     if package == "xarray":
         piece, notes = _of_ugrid(mesh)
         return [piece], None, notes
-    if isinstance(mesh, Mapping):
-        return [dict(mesh)], None, []
     if not hasattr(mesh, "GetClassName"):
         raise usage("this is no mesh", f"a {type(mesh).__module__}.{type(mesh).__qualname__}", EXPECTED)
     from . import _vtk_grid
@@ -90,16 +88,32 @@ def _rows(blocks: Sequence[tuple[int, NDArray[Any]]]) -> dict[str, NDArray[Any]]
 
 def _of_meshio(mesh: Any) -> tuple[dict[str, Any], list[str]]:
     """A meshio.Mesh: its volume cells."""
-    taken = [i for i, block in enumerate(mesh.cells) if block.type in _MESHIO and len(block.data)]
+    is_known = [block.type in _MESHIO or block.type.startswith("polyhedron") for block in mesh.cells]
+    taken = [i for i, block in enumerate(mesh.cells) if is_known[i] and len(block.data)]
+    passed = [block for block, known in zip(mesh.cells, is_known) if not known]
     notes = []
-    if passed := sorted({block.type for block in mesh.cells} - _MESHIO.keys()):
-        notes.append(f"passed over, as only volume cells are drawn: cells of type {', '.join(passed)}")
+    for has_volume, reason in ((False, "only volume cells are drawn"), (True, "their type is not known")):
+        if names := sorted({block.type for block in passed if (block.dim == 3) is has_volume}):
+            notes.append(f"passed over, as {reason}: cells of type {', '.join(names)}")
     if not taken:
-        raise usage("there is nothing to draw", ", ".join(passed) or "a mesh without cells", f"cells of type {', '.join(_MESHIO)}")
-    points = np.asarray(mesh.points)
+        found = ", ".join(sorted({block.type for block in passed})) or "a mesh without cells"
+        raise usage("there is nothing to draw", found, f"cells of type {', '.join(_MESHIO)}, polyhedron")
+    rows: list[tuple[int, NDArray[Any]]] = []
+    faces: list[int] = []
+    places: list[int] = []
+    for block in (mesh.cells[i] for i in taken):
+        if block.type in _MESHIO:
+            rows.append((_MESHIO[block.type], np.asarray(block.data)))
+            places += [-1] * len(block.data)
+            continue
+        for cell in block.data:
+            rows.append((42, np.unique(np.concatenate(cell))[None]))
+            places.append(len(faces))
+            faces += [len(cell), *(number for face in cell for number in (len(face), *face))]
     piece = {
-        **_rows([(_MESHIO[mesh.cells[i].type], np.asarray(mesh.cells[i].data)) for i in taken]),
-        "points": points,
+        **_rows(rows),
+        **({"faces": np.asarray(faces, np.int64), "face_locations": np.asarray(places, np.int64)} if faces else {}),
+        "points": np.asarray(mesh.points),
         "point_data": dict(mesh.point_data),
         "cell_data": {name: np.concatenate([np.asarray(values[i]) for i in taken]) for name, values in mesh.cell_data.items()},
     }
@@ -126,7 +140,13 @@ def _of_ugrid(data: Any) -> tuple[dict[str, Any], list[str]]:
     axes = named("node_coordinates")
     if len(axes) != 3:
         raise usage(f"the points of the mesh '{mesh}' are not three numbers each", f"{len(axes)} node_coordinates", "x, y and z")
+    if axes[0].ndim != 1 or any(axis.dims != axes[0].dims for axis in axes):
+        found = ", ".join(f"({', '.join(map(str, axis.dims))})" for axis in axes)
+        raise usage(f"the node_coordinates of the mesh '{mesh}' are not along the nodes", f"dimensions {found}", "one dimension, the same of all")
     (table,) = named("volume_node_connectivity")[:1]
+    if table.ndim != 2:
+        found = f"dimensions ({', '.join(map(str, table.dims))})"
+        raise usage(f"the volume_node_connectivity of the mesh '{mesh}' is no table", found, "two dimensions: volumes, and their points")
     points = np.stack([np.asarray(axis.values, float) for axis in axes], -1)
     # xarray makes floats with NaN of whole numbers with a fill value, unless it is told not to.
     numbers = np.asarray(table.values)
@@ -143,7 +163,8 @@ def _of_ugrid(data: Any) -> tuple[dict[str, Any], list[str]]:
     codes = np.zeros(9, np.uint8)
     codes[list(_UGRID)] = list(_UGRID.values())
     at_points, at_cells = axes[0].dims[0], table.dims[1 if about.get("volume_dimension") == table.dims[1] else 0]
-    own = {name for key in about for name in str(about[key]).split()} | {mesh}
+    # Other attributes hold names of dimensions, and words for people.
+    own = {name for key in about if key.endswith(("_connectivity", "_coordinates")) for name in str(about[key]).split()} | {mesh}
     values = {name: array for name, array in data.variables.items() if name not in own and array.dtype.kind in "fiub"}
     piece = {
         "points": points,

@@ -45,6 +45,8 @@ class Overlay:
         self.picture: Picture | None = None
         self.error: BaseException | None = None
         self.draws = 0
+        #: Width and height of the renderer that the last picture was drawn for, pixels.
+        self._window_size = (1, 1)
         #: Pixels of the picture per pixel of the window.
         self._scale = scale
         self._linear = linear
@@ -66,7 +68,12 @@ class Overlay:
         column from the left and row from the top of the renderer, pixels of the window. Opaque surfaces do not end the ray."""
         if self.picture is None:
             raise usage("nothing was drawn yet", None, "a frame: show() or render() of the plotter")
-        return self.pipeline.pixel(int(x * self._scale), int(y * self._scale), "picture")
+        # The pixel of the picture in which the middle of the window's lies.
+        width, height = self._window_size
+        rows, columns = self.picture.shape[:2]
+        column = min(max(int((x + 0.5) * columns / width), 0), columns - 1)
+        row = min(max(int((y + 0.5) * rows / height), 0), rows - 1)
+        return self.pipeline.pixel(column, row, "picture")
 
     def frame(self, renderer: Any) -> None:
         """Lays it over what the renderer has drawn; to be called when it has, while its window is current."""
@@ -102,7 +109,7 @@ class Overlay:
         seen = (self.pipeline.text, current, (width, height), None if ends is None else hash(ends.tobytes()))
         if seen != self._seen:
             picture = self.pipeline.render("picture") if ends is None else self.pipeline.render_until(ends, "picture")
-            self.picture = picture
+            self.picture, self._window_size = picture, (width, height)
             self.draws += 1
             self._pixels = _pixels(picture, (width, height), self._linear)
             self._seen = seen

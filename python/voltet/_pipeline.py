@@ -50,8 +50,8 @@ class Pipeline(Measured):
         if title is not None:
             self._native.set_title(title)
 
-    def _begin(self, path: str | None, text: str | None) -> None:
-        self._native = _native.Pipeline(path, text)
+    def _begin(self, path: str | None, text: str | None, is_picture: bool = False) -> None:
+        self._native = _native.Pipeline(path, text, is_picture)
         self._grids: dict[str, tuple[Grid, _native.Grid | None]] = {}
 
     @classmethod
@@ -65,12 +65,13 @@ class Pipeline(Measured):
         # Files are found from its folder, wherever the other process works.
         path = None if self.path is None else str(Path(self.path).absolute())
         grids = {name: grid for name, (grid, _) in self._grids.items() if name in self}
-        return {"path": path, "text": self.text, "title": self.title, "nodes": len(self), "grids": grids}
+        is_picture = self._native.is_picture()
+        return {"path": path, "is_picture": is_picture, "text": self.text, "title": self.title, "nodes": len(self), "grids": grids}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         # A text without nodes is no pipeline yet.
         path, text = (state["path"], state["text"]) if state["nodes"] else (None, None)
-        self._begin(path, text)
+        self._begin(path, text, state["is_picture"])
         if text is None:
             self.title = state["title"]
         for name, grid in state["grids"].items():
@@ -237,14 +238,14 @@ class Pipeline(Measured):
         steps: str | int | Iterable[int] | None = None,
         times: str | float | Iterable[float] | None = None,
         ranges: str | None = None,
-        files: Sequence[str | PathLike[str]] = (),
+        files: str | PathLike[str] | Iterable[str | PathLike[str]] = (),
         sweep: Mapping[str, Sequence[Any]] | None = None,
         turns: int | None = None,
         part: str | None = None,
         progress: bool | None | Progress = None,
     ) -> Iterator[Frame]:
-        """The pictures of a series, one after the other, as `voltet run` draws them with the options of these names. The pipeline is
-        between them as it was; what the pictures share is computed once.
+        """The pictures of a series, one after the other, as `voltet run` draws them with the options of these names (`files` is its
+        `--for`, `turns` its `--frames`). The pipeline is between them as it was; what the pictures share is computed once.
 
         Parameters
         ----------
@@ -256,7 +257,7 @@ class Pipeline(Measured):
             The steps at or between times: `"0.1:0.5"`, or with a stride `"0:1:0.01"`.
         ranges : "step", "sample" or "all"
             The data that relative numbers and fitted views come from: each step, up to 8 steps of the series (default), all.
-        files : list of path
+        files : path or list of path
             Data files that are read in place of the reader's own; `*` stands for any letters.
         sweep : mapping of `node.parameter` to values
             Values of parameters, each with each: `{"look.widgets.0.extinction": [1, 2, 4]}`.

@@ -100,7 +100,8 @@ def scene(
     warn(about["warnings"])
     words = {"cmap": cmap, "clim": clim, "opacity": opacity, "extinction": extinction}
     if widgets is None:
-        widgets = [colormap_widget(cmap, clim, opacity, 0.08 if extinction is None else float(extinction))]
+        known = about["arrays"].get(scalar, {}).get("range")
+        widgets = [colormap_widget(cmap, clim, opacity, 0.08 if extinction is None else float(extinction), known)]
     elif both := [word for word, value in words.items() if value is not None]:
         raise usage("the transfer function is stated twice", f"'widgets' and '{both[0]}'", "one of them")
     # By which numbers may be relative to the data.

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ._errors import usage
+from ._errors import usage, whole
 from ._picture import Picture
 from ._progress import Progress
 
@@ -35,20 +35,23 @@ def frames(
     steps: str | int | Iterable[int] | None,
     times: str | float | Iterable[float] | None,
     ranges: str | None,
-    files: Sequence[str | PathLike[str]],
+    files: str | PathLike[str] | Iterable[str | PathLike[str]],
     sweep: Mapping[str, Sequence[Any]] | None,
     turns: int | None,
     part: str | None,
     progress: bool | None | Progress,
 ) -> Iterator[Frame]:
     """See `Pipeline.frames`."""
+    for path, values in (sweep or {}).items():
+        if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
+            raise usage("the values of a sweep are no list", repr(values), "values that are drawn one after the other, as [1, 2, 4]", str(path))
     words = {
         "steps": _words("steps", steps),
         "times": _words("times", times),
         "ranges": ranges,
-        "files": [fspath(file) for file in files],
+        "files": [fspath(file) for file in ([files] if isinstance(files, (str, PathLike)) else files)],
         "sweeps": [(path, list(values)) for path, values in (sweep or {}).items()],
-        "turns": turns,
+        "turns": None if turns is None else whole("turns", turns, 1),
         "part": part,
     }
     pipeline._lend()

@@ -84,7 +84,8 @@ class GridAccessor:
         component : int
             The component of an array of several, from 0, in place of the magnitude.
         clim, cmap, opacity, n_colors, opacity_unit_distance, flip_scalars, categories, log_scale
-            As of `pyvista.Plotter.add_volume`. The colours are composited as they are, as VTK does.
+            As of `pyvista.Plotter.add_volume`. The colours are composited as they are, as VTK does. A `LookupTable` as cmap states
+            clim, opacity, number, order and scale of the colours and those beyond; these words have no effect beside it.
         above_color, below_color
             Colours of values beyond `clim`, with the opacity of its ends.
         shade, ambient, diffuse

@@ -3,6 +3,7 @@
 use std::cmp::Ordering;
 use std::ffi::OsStr;
 use std::path::{Component, Path, PathBuf};
+use voltet_core::{Error, Result};
 
 /// The files that a pattern names, in the order of the numbers in their names; the path itself where it has no `*` and no `?`.
 pub fn files_named(pattern: &str) -> Vec<PathBuf> {
@@ -18,6 +19,22 @@ pub fn files_named(pattern: &str) -> Vec<PathBuf> {
     found.retain(|path| path.exists() || !pattern.contains(['*', '?']));
     found.sort_by(|a, b| by_numbers(&a.to_string_lossy(), &b.to_string_lossy()));
     found
+}
+
+/// The files that patterns name, one pattern after the other. Error: one names none.
+pub fn data_files(patterns: &[String]) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for pattern in patterns {
+        let found = files_named(pattern);
+        if found.is_empty() {
+            let error = Error::usage("no file has such a name").got(format!("'{pattern}'"));
+            return Err(
+                error.expected("data files; * stands for any letters within the name of a file or folder")
+            );
+        }
+        files.extend(found);
+    }
+    Ok(files)
 }
 
 /// Short names of files, each its own: without the ending, else with it, else with as many of its folders as tell it from the others.

@@ -365,14 +365,18 @@ fn refuse_sweeps(graph: &Graph, sweeps: &[Sweep]) -> Result<()> {
         let is_reader = node.node.parameter(TIME_STEP).is_some();
         let accepted = match parameter.as_str() {
             _ if is_written => "{sweep} in the path, for the pictures of a sweep have names of their own",
-            "path" if is_reader => "--for FILES, which draws each of these files",
-            TIME_STEP if is_reader => "--steps STEPS, which draws each of these time steps",
-            TIME if is_reader => "--times TIMES, or --steps STEPS, which draw each of these time steps",
-            PHASE if moves(node) => "--frames COUNT, which moves the camera on its way",
+            "path" if is_reader => "--for FILES (Python: files=FILES), which draws each of these files",
+            TIME_STEP if is_reader => {
+                "--steps STEPS (Python: steps=STEPS), which draws each of these time steps"
+            }
+            TIME if is_reader => {
+                "--times TIMES, or --steps STEPS (Python: times=TIMES or steps=STEPS), which draw each of these time steps"
+            }
+            PHASE if moves(node) => "--frames COUNT (Python: turns=COUNT), which moves the camera on its way",
             _ => continue,
         };
         let error = Error::usage("this parameter is not swept, for each picture has a value of its own");
-        return Err(error.got(format!("--sweep {}.{parameter}", sweep.node)).expected(accepted));
+        return Err(error.got(format!("{}.{parameter}", sweep.node)).expected(accepted));
     }
     Ok(())
 }
@@ -411,11 +415,13 @@ fn turn(graph: &Graph, frames: &mut Vec<Frame>, count: Option<usize>) -> Result<
     let cameras: Vec<&GraphNode> = cameras.filter(|node| moves(node)).collect();
     if let Some(count) = count {
         if frames.len() > 1 {
-            let error = Error::usage("--frames is for what does not change but for the camera");
+            let error =
+                Error::usage("--frames (Python: turns) is for what does not change but for the camera");
             return Err(error.got(format!("{} frames", frames.len())).expected("one step, file and value"));
         }
         if cameras.is_empty() {
-            let error = Error::usage("--frames moves the camera on its way, and no camera has one");
+            let error =
+                Error::usage("--frames (Python: turns) moves the camera on its way, and no camera has one");
             return Err(error.expected("orbit = 360.0 or keys = […] at the camera"));
         }
         *frames = (0..count).flat_map(|_| frames.clone()).collect();

@@ -65,6 +65,15 @@ pub struct Sweep {
     pub values: Vec<ParameterValue>,
 }
 
+impl Sweep {
+    /// Values of `node.parameter`; `None` where that names no parameter, or there are no values.
+    pub fn new(path: &str, values: Vec<ParameterValue>) -> Option<Sweep> {
+        let (node, parameter) = path.split_once('.')?;
+        let is_sweep = !(node.is_empty() || parameter.split('.').any(str::is_empty) || values.is_empty());
+        is_sweep.then(|| Sweep { node: node.into(), parameter: parameter.into(), values })
+    }
+}
+
 impl FromStr for Sweep {
     type Err = String;
 
@@ -72,11 +81,8 @@ impl FromStr for Sweep {
         let form = "a sweep is node.param=[VALUE, VALUE, …], such as look.widgets.0.extinction=[1, 2, 4]";
         let read = || {
             let (path, values) = text.split_once('=')?;
-            let (node, parameter) = path.trim().split_once('.')?;
             let values = value(values.trim())?;
-            let values: Vec<ParameterValue> = values.list()?.iter().map(|part| part.datum.clone()).collect();
-            let is_sweep = !(node.is_empty() || parameter.split('.').any(str::is_empty) || values.is_empty());
-            is_sweep.then(|| Sweep { node: node.into(), parameter: parameter.into(), values })
+            Sweep::new(path.trim(), values.list()?.iter().map(|part| part.datum.clone()).collect())
         };
         read().ok_or_else(|| form.to_string())
     }

@@ -7,7 +7,7 @@ use crate::core::{Error, Result};
 use crate::document::{Document, LocatedError};
 use crate::graph::Registry;
 use crate::nodes::files::FileIdentity;
-use crate::series::files::files_named;
+use crate::series::files::data_files;
 use crate::series::selection::{FrameSelection, Steps};
 use crate::series::{self, Frame};
 use std::collections::{HashMap, HashSet};
@@ -39,21 +39,10 @@ pub(super) struct Frames {
 pub(super) fn selection(arguments: &Run) -> Result<FrameSelection> {
     let options = &arguments.frames;
     let by_number = options.steps.clone().map(Steps::Numbers);
-    let mut data_files = Vec::new();
-    for pattern in &options.data_files {
-        let found = files_named(pattern);
-        if found.is_empty() {
-            let error = Error::usage("no file has such a name").got(format!("--for '{pattern}'"));
-            return Err(
-                error.expected("data files; * stands for any letters within the name of a file or folder")
-            );
-        }
-        data_files.extend(found);
-    }
     Ok(FrameSelection {
         steps: by_number.or_else(|| options.times.clone().map(Steps::Times)),
         ranges: options.ranges,
-        data_files,
+        data_files: data_files(&options.data_files)?,
         sweeps: options.sweep.clone(),
         turn_count: options.frames.map(|count| count as usize),
         part: options.part,
