@@ -6,6 +6,7 @@
 
 use super::contents::Dataset;
 use super::cursor::Cursor;
+use super::named_files;
 use super::numbers::{self, NumberType, Target};
 use super::request::{Format, Request};
 use super::source::Source;
@@ -165,10 +166,12 @@ pub(super) fn files_named(path: &Path) -> Vec<PathBuf> {
     if !source.head(256).is_ok_and(|head| matches(&head, path, &Request::default())) {
         return Vec::new();
     }
-    let mut scan = Scan::new(&source);
-    // What is damaged is an error of the reading itself.
-    let _ = scan.lines();
-    scan.included
+    named_files::files_named(path, || {
+        let mut scan = Scan::new(&source);
+        // What is damaged is an error of the reading itself.
+        let is_whole = scan.lines().is_ok();
+        (scan.included, is_whole)
+    })
 }
 
 /// State of the pass that finds the keywords.

@@ -263,6 +263,13 @@ fn abaqus_includes_files_of_keywords_and_of_data() {
         assert_eq!((tetrahedra(&found), found.points.len()), (tetrahedra(&whole), 5), "{}", path.display());
         assert_eq!([files_beside(path).len(), files_read_beside(path, &mesh()).len()], [count; 2]);
     }
+    // What is remembered of them ends with a change of any, and of a missing one nothing is.
+    let nested = write("parts/nodes.inp", &format!("*NODE\n{nodes}{more}"));
+    assert_eq!(files_beside(&first).len(), 2);
+    std::fs::remove_file(&nested).unwrap();
+    assert!(files_beside(&first).len() < 2);
+    write("parts/nodes.inp", &format!("*NODE\n{nodes}*INCLUDE, INPUT=parts/more.inp\n"));
+    assert_eq!(files_beside(&first).len(), 3);
     let message = |path: &Path| read(path, &mesh(), &NoProgress).unwrap_err().to_string();
     write("parts/more.inp", "5,1,x,1\n");
     assert!([&first, &second].iter().all(|path| message(path).contains("more.inp:1")), "{}", message(&first));

@@ -138,7 +138,7 @@ fn a_mesh_beside_one_region_of_as_many_cells_is_its_own() {
     assert!(warnings.iter().any(|own| own.contains("as many cells")), "{warnings:?}");
     // Of its files only the sizes are read.
     let left = files_read_beside(to, &Request::default());
-    let is_own = |file: &&std::path::PathBuf| !file.to_string_lossy().contains("solid");
+    let is_own = |file: &&PathBuf| !file.to_string_lossy().contains("solid");
     let own: Vec<_> = left.iter().filter(is_own).collect();
     let sizes = ["constant/polyMesh/owner", "constant/polyMesh/points"].map(|name| to.join(name));
     assert!(left.len() < files.len() && own == sizes.iter().collect::<Vec<_>>(), "{left:?}");
