@@ -11,8 +11,10 @@ type Stamp = Option<(u64, SystemTime)>;
 /// Files with named ones that are remembered.
 const MAX_FILES: usize = 64;
 
-/// The files that each path names, and the stamps of the path and of these.
-static KNOWN: LazyLock<Mutex<HashMap<PathBuf, (Vec<PathBuf>, Vec<Stamp>)>>> = LazyLock::new(Mutex::default);
+/// The files that a path names, and the stamps of the path and of these.
+type Named = (Vec<PathBuf>, Vec<Stamp>);
+
+static KNOWN: LazyLock<Mutex<HashMap<PathBuf, Named>>> = LazyLock::new(Mutex::default);
 
 fn stamp(path: &Path) -> Stamp {
     let own = path.metadata().ok()?;
