@@ -3,6 +3,8 @@
 //! What is taken was measured (largest resident memory of a run) on grids of 28 thousand to 6 million tetrahedra and follows
 //! from the arrays that stand at the same time; `tests/program/memory.rs` holds the two against each other.
 
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 use voltet_core::grid::{Cells, code};
 
 /// A point: its position and one scalar.
@@ -74,10 +76,20 @@ impl GridSize {
     }
 }
 
-/// Bytes that this process may still take: what the system has left, and what limits on the process leave of it. `None` where
-/// the system does not tell.
+/// Time for which an answer of the system stands: a file of many pieces asks for each.
+const ANSWER_STANDS: Duration = Duration::from_millis(100);
+
+/// Bytes that this process may still take, as of at most 100 ms ago: what the system has left, and what limits on the process leave
+/// of it. `None` where the system does not tell.
 pub fn available() -> Option<u64> {
-    [system_available(), group(), address_space()].into_iter().flatten().min()
+    static LAST: Mutex<Option<(Instant, Option<u64>)>> = Mutex::new(None);
+    let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, answer)) = last.filter(|(at, _)| at.elapsed() < ANSWER_STANDS) {
+        return answer;
+    }
+    let answer = [system_available(), group(), address_space()].into_iter().flatten().min();
+    *last = Some((Instant::now(), answer));
+    answer
 }
 
 /// Memory that Linux has for new work without swapping.

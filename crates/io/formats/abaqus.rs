@@ -6,6 +6,7 @@
 
 use super::contents::Dataset;
 use super::cursor::Cursor;
+use super::named_files;
 use super::numbers::{self, NumberType, Target};
 use super::request::{Format, Request};
 use super::source::Source;
@@ -15,7 +16,7 @@ use super::tagged::{
 use super::text::{TextPiece, TextRange};
 use super::xml::{beside, open_named};
 use glam::{DQuat, DVec3};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::grid::code;
@@ -81,6 +82,16 @@ struct ElementLines {
     set: String,
 }
 
+/// Lines of a set of elements.
+struct SetLines {
+    part: usize,
+    name: Arc<str>,
+    /// True if a line has the first number, the last and the step.
+    is_range: bool,
+    lines: Cursor,
+    path: PathBuf,
+}
+
 /// A copy of a part in the assembly.
 struct Instance {
     part: usize,
@@ -128,6 +139,10 @@ impl Keyword {
 fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     let mut scan = Scan::new(&source);
     scan.lines()?;
+    for set in std::mem::take(&mut scan.set_lines) {
+        let path = set.path.clone();
+        scan.set(set).map_err(|error| error.in_file(path))?;
+    }
     let Scan { parts, mut mesh, file_bytes, .. } = scan;
     let place = |part: usize, name: &str| Instance {
         part,
@@ -151,10 +166,12 @@ pub(super) fn files_named(path: &Path) -> Vec<PathBuf> {
     if !source.head(256).is_ok_and(|head| matches(&head, path, &Request::default())) {
         return Vec::new();
     }
-    let mut scan = Scan::new(&source);
-    // What is damaged is an error of the reading itself.
-    let _ = scan.lines();
-    scan.included
+    named_files::files_named(path, || {
+        let mut scan = Scan::new(&source);
+        // What is damaged is an error of the reading itself.
+        let is_whole = scan.lines().is_ok();
+        (scan.included, is_whole)
+    })
 }
 
 /// State of the pass that finds the keywords.
@@ -168,8 +185,12 @@ struct Scan {
     path: PathBuf,
     included: Vec<PathBuf>,
     depth: usize,
-    /// Bytes of all files.
+    /// Bytes of all files, each once, and the paths of these.
     file_bytes: u64,
+    counted: HashSet<PathBuf>,
+    /// The last keyword, without its INPUT, where lines of data go on with it.
+    open: Option<Keyword>,
+    set_lines: Vec<SetLines>,
     /// Number of elements in all ranges so far.
     range_sum: u64,
     /// Numbers of runs of nodes and of elements whose end is known.
@@ -187,6 +208,9 @@ impl Scan {
             included: Vec::new(),
             depth: 0,
             file_bytes: source.len(),
+            counted: std::fs::canonicalize(source.path()).into_iter().collect(),
+            open: None,
+            set_lines: Vec::new(),
             range_sum: 0,
             ended: [0; 2],
             mesh: AbaqusMesh {
@@ -200,18 +224,13 @@ impl Scan {
 
     /// Passes over the rest of the file.
     fn lines(&mut self) -> Result<()> {
-        let (mut begin, mut last) = (self.cursor.position(), None);
+        let mut begin = self.cursor.position();
         while let Some(line) = self.cursor.line()? {
             if line.trim_ascii_start().first() == Some(&b'*') {
                 let line = String::from_utf8_lossy(line).into_owned();
                 if let Some(keyword) = Keyword::of_line(&line) {
                     self.end_lines(begin);
-                    // An included file may begin with lines of data of the keyword before it.
-                    match keyword.name.as_str() {
-                        "INCLUDE" => self.include(&keyword, last.as_ref())?,
-                        _ => self.keyword(&keyword)?,
-                    }
-                    last = Some(keyword).filter(|own| WITH_LINES.contains(&own.name.as_str()));
+                    self.keyword(keyword)?;
                 }
             }
             begin = self.cursor.position();
@@ -231,39 +250,53 @@ impl Scan {
         self.ended = [self.mesh.nodes.len(), self.mesh.elements.len()];
     }
 
-    /// Goes on in a file that the keyword names, first with another keyword before its lines, then back here.
-    fn include(&mut self, keyword: &Keyword, first: Option<&Keyword>) -> Result<()> {
-        let name = keyword.parameter("INPUT");
-        if name.is_empty() {
+    /// Goes on in a file, then back here. Both may go on with lines of data of the keyword before.
+    fn include(&mut self, keyword: &str, file: &str) -> Result<()> {
+        if file.is_empty() {
             let error = self.cursor.error("a keyword does not say which file it includes");
-            return Err(error.got(format_args!("*{}", keyword.name)).expected("INPUT= and a file"));
+            return Err(error.got(format_args!("*{keyword}")).expected("INPUT= and a file"));
         }
         if self.depth == MAX_DEPTH || self.included.len() == MAX_FILES {
-            let error = self.cursor.error("the file includes too many others").got(format_args!("'{name}'"));
+            let error = self.cursor.error("the file includes too many others").got(format_args!("'{file}'"));
             return Err(error.expected(format_args!(
                 "at most {MAX_FILES}, {MAX_DEPTH} within one another, none within itself"
             )));
         }
         // As Abaqus and CalculiX do: names are relative to the first file's folder.
-        let path = beside(&self.path, name);
+        let path = beside(&self.path, file);
         let source = open_named(&self.path, &path, self.included.len())?;
-        self.file_bytes += source.len();
+        if self.counted.insert(std::fs::canonicalize(&path).unwrap_or_else(|_| path.clone())) {
+            self.file_bytes += source.len();
+        }
         self.included.push(path.clone());
         let outer = std::mem::replace(&mut self.cursor, Cursor::new(&source));
         self.depth += 1;
-        let read = first.map_or(Ok(()), |first| self.keyword(first)).and_then(|()| self.lines());
+        let read = self.go_on().and_then(|()| self.lines());
         self.depth -= 1;
         self.cursor = outer;
-        read.map_err(|error| error.in_file(path))
+        read.map_err(|error| error.in_file(path))?;
+        self.go_on()
     }
 
-    fn keyword(&mut self, keyword: &Keyword) -> Result<()> {
+    /// Takes the lines from here on as those of the last keyword, if it has such.
+    fn go_on(&mut self) -> Result<()> {
+        self.open.clone().map_or(Ok(()), |open| self.contents(&open))
+    }
+
+    fn keyword(&mut self, mut keyword: Keyword) -> Result<()> {
+        let file = keyword.parameters.remove("INPUT");
+        if keyword.name == "INCLUDE" {
+            return self.include(&keyword.name, &file.unwrap_or_default());
+        }
+        self.open = Some(keyword.clone()).filter(|own| WITH_LINES.contains(&own.name.as_str()));
+        match file.filter(|_| self.open.is_some()) {
+            Some(file) => self.include(&keyword.name, &file),
+            None => self.contents(&keyword),
+        }
+    }
+
+    fn contents(&mut self, keyword: &Keyword) -> Result<()> {
         match keyword.name.as_str() {
-            name if WITH_LINES.contains(&name) && keyword.parameters.contains_key("INPUT") => {
-                let mut own = keyword.clone();
-                own.parameters.remove("INPUT");
-                self.include(keyword, Some(&own))
-            }
             "NGEN" | "ELGEN" | "NFILL" | "NCOPY" | "ELCOPY" | "SYSTEM" => {
                 let error = self.cursor.error("a keyword that makes parts of the mesh is not read");
                 Err(error.got(format_args!("*{}", keyword.name)).expected("nodes and elements one by one"))
@@ -277,7 +310,16 @@ impl Scan {
                 Ok(())
             }
             "ELEMENT" => self.elements(keyword),
-            "ELSET" => self.set(keyword),
+            "ELSET" if keyword.parameter("INSTANCE").is_empty() => {
+                self.set_lines.push(SetLines {
+                    part: self.part,
+                    name: keyword.parameter("ELSET").into(),
+                    is_range: keyword.parameters.contains_key("GENERATE"),
+                    path: self.cursor.rest().path().to_owned(),
+                    lines: self.cursor.clone(),
+                });
+                Ok(())
+            }
             "PART" => {
                 self.parts.push(keyword.parameter("NAME").to_owned());
                 self.part = self.parts.len();
@@ -310,18 +352,13 @@ impl Scan {
         Ok(())
     }
 
-    /// Keeps the elements of a set within a part.
-    fn set(&mut self, keyword: &Keyword) -> Result<()> {
-        let name: Arc<str> = keyword.parameter("ELSET").into();
-        if !keyword.parameter("INSTANCE").is_empty() {
-            return Ok(());
-        }
-        let is_range = keyword.parameters.contains_key("GENERATE");
-        let mut lines = self.cursor.clone();
+    /// Keeps the elements of a set within a part. All files were passed over before: their size is the limit.
+    fn set(&mut self, set: SetLines) -> Result<()> {
+        let SetLines { part, name, is_range, mut lines, .. } = set;
         while let Some(line) = data_line(&mut lines)? {
             // Names of other sets stand among numbers.
             let numbers: Vec<u64> = line.split(',').filter_map(|word| word.trim().parse().ok()).collect();
-            match numbers[..] {
+            let elements = match numbers[..] {
                 [first, last, ..] if is_range => {
                     let step = numbers.get(2).copied().unwrap_or(1).max(1);
                     let count = last.saturating_sub(first) / step;
@@ -334,16 +371,15 @@ impl Scan {
                         let error = lines.error("a set holds more elements than the file").got(line);
                         return Err(error.expected("the first, the last, the step"));
                     }
-                    (first..=last).step_by(step as usize).for_each(|element| self.add_to_set(element, &name));
+                    (first..=last).step_by(step as usize).collect()
                 }
-                _ => numbers.iter().for_each(|&element| self.add_to_set(element, &name)),
+                _ => numbers,
+            };
+            for element in elements {
+                self.mesh.sets.entry((part, element)).or_insert_with(|| name.clone());
             }
         }
         Ok(())
-    }
-
-    fn add_to_set(&mut self, element: u64, name: &Arc<str>) {
-        self.mesh.sets.entry((self.part, element)).or_insert_with(|| name.clone());
     }
 
     /// A translation, then a rotation: two points of its axis and degrees.

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use voltet_core::grid::Association;
 use voltet_core::progress::refuse_beyond_memory;
 use voltet_core::{Error, Result, counted};
@@ -117,7 +118,7 @@ struct FlagOptions {
 pub(super) fn add(dataset: &mut Dataset, patches: Vec<Patch>, is_whole: bool) -> Result<()> {
     let all: u64 =
         patches.iter().map(|patch| patch.cells.iter().product::<u64>()).fold(0, u64::saturating_add);
-    // Two marks of each.
+    // A mark of each, and before it the flags of a patch.
     refuse_beyond_memory(&HeaderProgress, || counted(all, "cell"), all.saturating_mul(2))?;
     let (placed, axes) = place(&patches)?;
     let finer = FinerPatches::new(&placed);
@@ -205,7 +206,12 @@ struct FinerPatches<'a> {
     patches: Vec<&'a LatticePatch>,
     /// Each size, the end of its patches, and the greatest extent of one along z.
     sizes: Vec<(u32, usize, u32)>,
+    /// Cells of which a finer patch covers a part, so far.
+    parts: AtomicU64,
 }
+
+/// Bytes of such a cell: its entry in a map and the first boxes of its list.
+const BYTES_PER_COVERED_PART: u64 = 160;
 
 impl<'a> FinerPatches<'a> {
     fn new(all: &'a [LatticePatch]) -> FinerPatches<'a> {
@@ -219,22 +225,23 @@ impl<'a> FinerPatches<'a> {
                 None => sizes.push((patch.size, end, extent)),
             }
         }
-        FinerPatches { patches, sizes }
+        FinerPatches { patches, sizes, parts: AtomicU64::new(0) }
     }
 
     /// For each cell of a patch: true where finer patches lie over it; empty where none does.
     ///
-    /// Errors: a finer patch begins or ends within a cell of which others do not cover the rest.
+    /// Errors: a finer patch begins or ends within a cell of which others do not cover the rest; memory would end.
     fn over(&self, own: &LatticePatch) -> Result<Vec<bool>> {
         let cells: [usize; 3] =
             std::array::from_fn(|axis| ((own.end[axis] - own.low[axis]) / own.size) as usize);
         let mut covered = Vec::new();
         // Cells of which a finer patch covers a part, and what it covers.
         let mut parts: HashMap<[usize; 3], Vec<LatticeRange>> = HashMap::new();
-        let mut first = 0;
-        for &(size, end, extent) in self.sizes.iter().take_while(|(size, ..)| *size < own.size) {
+        // The coarsest first: what lies under one is covered once.
+        let finer = self.sizes.partition_point(|(size, ..)| *size < own.size);
+        for (index, &(size, end, extent)) in self.sizes[..finer].iter().enumerate().rev() {
+            let first = index.checked_sub(1).map_or(0, |before| self.sizes[before].1);
             let same = &self.patches[first..end];
-            first = end;
             debug_assert!(same.iter().all(|patch| patch.size == size));
             let from = same.partition_point(|finer| {
                 u64::from(finer.low[2]) + u64::from(extent) <= u64::from(own.low[2])
@@ -255,13 +262,31 @@ impl<'a> FinerPatches<'a> {
                 let [outer, inner] = [[outer(0), outer(1), outer(2)], [inner(0), inner(1), inner(2)]];
                 fill(&mut covered, cells, inner.clone());
                 if outer != inner {
+                    let count = |ranges: &[Range<usize>; 3]| ranges.iter().map(Range::len).product::<usize>();
+                    let shell = (count(&outer) - count(&inner)) as u64;
+                    let all = self.parts.fetch_add(shell, Ordering::Relaxed).saturating_add(shell);
+                    refuse_beyond_memory(
+                        &HeaderProgress,
+                        || format!("the look at {} that finer patches cover in part", counted(all, "cell")),
+                        all.saturating_mul(BYTES_PER_COVERED_PART),
+                    )?;
                     let [x, y, z] = outer;
                     let row = |[j, k]: [usize; 2]| x.clone().map(move |i| [i, j, k]);
                     let rows = z.flat_map(|k| y.clone().map(move |j| [j, k]));
                     let is_part = |cell: &[usize; 3]| !(0..3).all(|axis| inner[axis].contains(&cell[axis]));
-                    rows.flat_map(row)
-                        .filter(is_part)
-                        .for_each(|cell| parts.entry(cell).or_default().push([low, end]));
+                    for cell in rows.flat_map(row).filter(is_part) {
+                        let at = cell.map(|at| at as u32 * own.size);
+                        let low: [u32; 3] = std::array::from_fn(|axis| low[axis].max(at[axis]));
+                        let end: [u32; 3] = std::array::from_fn(|axis| end[axis].min(at[axis] + own.size));
+                        let holds = |[first, last]: &LatticeRange| {
+                            (0..3).all(|axis| first[axis] <= low[axis] && end[axis] <= last[axis])
+                        };
+                        let is_whole = covered[cell[0] + cells[0] * (cell[1] + cells[1] * cell[2])];
+                        let boxes = (!is_whole).then(|| parts.entry(cell).or_default());
+                        if let Some(boxes) = boxes.filter(|boxes| !boxes.iter().any(holds)) {
+                            boxes.push([low, end]);
+                        }
+                    }
                 }
             }
         }

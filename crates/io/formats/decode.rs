@@ -244,16 +244,25 @@ impl Stored {
 /// Values of arrays of the same length as tuples, each with one of every array.
 pub(super) fn join<T: Target>(planes: &[Stored], meter: &Meter) -> Result<Vec<T>> {
     let n = planes.len();
-    let found: Vec<Decodable> = planes.iter().map(|plane| plane.find(meter)).collect::<Result<_>>()?;
+    let found: Vec<Decodable> = planes
+        .iter()
+        .map(|plane| plane.find(meter).map_err(|error| error.at_item(&plane.name)))
+        .collect::<Result<_>>()?;
     let misfit = || Error::run("the components of an array have different lengths");
     let counts = planes.iter().zip(&found).map(|(plane, found)| {
         // Plain parts begin anywhere.
         let is_plain = matches!(found, Decodable::Plain(_));
-        Ok(plane.parts(found)?.filter(|_| is_plain).map(|own| own.0))
+        Ok(plane
+            .parts(found)
+            .map_err(|error| error.at_item(&plane.name))?
+            .filter(|_| is_plain)
+            .map(|own| own.0))
     });
     let counts: Option<Vec<usize>> = counts.collect::<Result<_>>()?;
     let Some(counts) = counts else {
-        let load = |(plane, found): (&Stored, Decodable)| plane.load_found(found, meter);
+        let load = |(plane, found): (&Stored, Decodable)| {
+            plane.load_found(found, meter).map_err(|error| error.at_item(&plane.name))
+        };
         let columns: Vec<Vec<T>> = planes.iter().zip(found).map(load).collect::<Result<_>>()?;
         let count = columns.first().map_or(0, Vec::len);
         if columns.iter().any(|column| column.len() != count) {
@@ -275,7 +284,9 @@ pub(super) fn join<T: Target>(planes: &[Stored], meter: &Meter) -> Result<Vec<T>
     let of_part = |(buffers, column): &mut (Buffers, Vec<T>), (part, to): (usize, &mut [T])| {
         for (component, (plane, found)) in planes.iter().zip(&found).enumerate() {
             column.resize(to.len() / n, T::default());
-            plane.decode_part(found, part * PART, column, buffers, meter)?;
+            plane
+                .decode_part(found, part * PART, column, buffers, meter)
+                .map_err(|error| error.at_item(&plane.name))?;
             put(column, to, component, n);
         }
         Ok::<(), Error>(())

@@ -57,6 +57,7 @@ mod lattice;
 mod lazy;
 mod legacy;
 mod mfem;
+mod named_files;
 mod nastran;
 mod netcdf;
 mod numbers;

@@ -485,7 +485,7 @@ fn part_head(file: &mut GoldFile, number: u64, name: String, has_ids: bool) -> R
             let count = structured_counts(dimensions)?.0;
             let number_count = match form {
                 BlockForm::Curvilinear => count.saturating_mul(3),
-                BlockForm::Rectilinear => dimensions.iter().sum(),
+                BlockForm::Rectilinear => dimensions.into_iter().fold(0, u64::saturating_add),
                 BlockForm::Uniform => 6,
             };
             (count, number_count, Some(GoldBlock { dimensions, form }))

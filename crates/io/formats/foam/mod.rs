@@ -464,13 +464,14 @@ pub(super) fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf
     let meshes = request
         .filter(|_| regions.len() > 1)
         .and_then(|request| CaseMeshes::open(&parts, &regions, time_of(request)?, request).ok());
-    let is_read = |number: &usize| meshes.as_ref().is_none_or(|meshes| meshes.reads(*number));
-    let read: Vec<&String> = (0..regions.len()).filter(is_read).map(|number| &regions[number]).collect();
-    for (part, region) in parts.iter().flat_map(|part| read.iter().map(move |region| (part, *region))) {
+    let is_read = |number| meshes.as_ref().is_none_or(|meshes| meshes.reads(number));
+    let is_read: Vec<bool> = (0..regions.len()).map(is_read).collect();
+    let of_part = |part| regions.iter().zip(&is_read).map(move |(region, &is_read)| (part, region, is_read));
+    for (part, region, is_read) in parts.iter().flat_map(of_part) {
         let times: Vec<f64> = part.times.iter().map(|step| step.0).collect();
         let index = request.filter(|_| !times.is_empty()).and_then(|request| request.step_index(&times).ok());
         let time = index.map(|index| times[index]);
-        let of_time = part.times.iter().filter(|step| time.is_none_or(|time| time == step.0));
+        let of_time = part.times.iter().filter(|step| is_read && time.is_none_or(|time| time == step.0));
         let folders = of_time.map(|step| part.folder.join(&step.1).join(region));
         for folder in folders {
             files.extend(
@@ -482,12 +483,11 @@ pub(super) fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf
             None => times.into_iter().chain([f64::INFINITY]).collect(),
         };
         for mesh in times.into_iter().filter_map(|time| part.mesh(region, time).ok()) {
-            files.extend(
-                [mesh.points, mesh.faces, mesh.owner, mesh.neighbour]
-                    .into_iter()
-                    .chain(mesh.zones)
-                    .chain(mesh.boundary),
-            );
+            // The size of every mesh and its zones are read.
+            files.extend([mesh.points, mesh.owner].into_iter().chain(mesh.zones));
+            if is_read {
+                files.extend([mesh.faces, mesh.neighbour].into_iter().chain(mesh.boundary));
+            }
         }
     }
     files.sort();

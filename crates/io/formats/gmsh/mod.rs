@@ -39,11 +39,13 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     let mut cursor = Cursor::new(&source);
     cursor.text_line("$MeshFormat")?;
     let mut file = header(&mut cursor, &source)?;
-    let mut names = Vec::new();
+    let (mut names, mut without_dimension) = Default::default();
     let mut views = Vec::new();
     while let Some((name, section)) = next_section(&mut cursor)? {
         match name.as_str() {
-            "PhysicalNames" => names = physical_names(&mut file.cursor(&section, false))?,
+            "PhysicalNames" => {
+                (names, without_dimension) = physical_names(&mut file.cursor(&section, false))?;
+            }
             "Entities" | "PartitionedEntities" if file.version >= 4.0 => {
                 let is_partitioned = name == "PartitionedEntities";
                 entities(&mut file.cursor(&section, true), is_partitioned, &mut file.group_of_volume)?;
@@ -59,7 +61,16 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
         }
     }
     let node_count = file.node_count()?;
-    let of_groups = file.find_groups(&names)?;
+    let mut of_groups = file.find_groups(&names)?;
+    let named = names.len();
+    let mut counts_of_names = of_groups.iter();
+    names.retain(|name| {
+        let is_empty = counts_of_names.next().is_none_or(|own| own.cells == 0);
+        !(is_empty && without_dimension.contains_key(&name.0))
+    });
+    if names.len() < named {
+        of_groups = file.find_groups(&names)?;
+    }
     let blocks = block_names(&file.groups, &names);
     file.is_selected = selected(&blocks, request)?;
     file.is_selected.resize(file.groups.len(), true);
@@ -123,18 +134,32 @@ fn next_section(cursor: &mut Cursor) -> Result<Option<(String, MeshSection)>> {
     Ok(None)
 }
 
-/// Physical groups of volumes and their names.
-fn physical_names(cursor: &mut Cursor) -> Result<Vec<(i64, String)>> {
-    let mut names = Vec::new();
+/// Numbers of physical groups and their names.
+type GroupNames = Vec<(i64, String)>;
+
+/// Physical groups of volumes and their names; how often a number stands without a dimension: the group may be of something else.
+fn physical_names(cursor: &mut Cursor) -> Result<(GroupNames, HashMap<i64, usize>)> {
+    let (mut names, mut without_dimension) = (Vec::new(), HashMap::new());
     let count: u64 = cursor.number(NumberType::U64, "the number of names")?;
     cursor.line()?;
     for _ in 0..count {
         let line = cursor.text_line("a dimension, a number and a name")?;
-        // Before version 2.1 no dimension stood before the number; groups of volumes may be among them.
-        let (numbers, name) = line.split_once('"').unwrap_or((&line, ""));
+        // Some writers leave the quotes out.
+        let second = || {
+            let after = |text: &str| text.split_once(char::is_whitespace).map(|words| words.1.len());
+            let rest = after(&line)?;
+            after(&line[line.len() - rest..]).map(|name| line.len() - name)
+        };
+        let (numbers, name) = line.split_at(line.find('"').or_else(second).unwrap_or(0));
+        let name = || name.trim().trim_matches('"').to_owned();
         let numbers: Option<Vec<i64>> = numbers.split_whitespace().map(|word| word.parse().ok()).collect();
         match numbers.as_deref() {
-            Some([group] | [3, group]) => names.push((*group, name.trim_end_matches('"').to_owned())),
+            Some([3, group]) => names.push((*group, name())),
+            // Before version 2.1 no dimension stood before the number.
+            Some([group]) => {
+                *without_dimension.entry(*group).or_insert(0) += 1;
+                names.push((*group, name()));
+            }
             Some([0..3, _]) => {}
             _ => {
                 let error = cursor.error("a physical name is damaged").got(format_args!("'{line}'"));
@@ -142,7 +167,8 @@ fn physical_names(cursor: &mut Cursor) -> Result<Vec<(i64, String)>> {
             }
         }
     }
-    Ok(names)
+    names.retain(|own| without_dimension.get(&own.0).is_none_or(|&count| count == 1));
+    Ok((names, without_dimension))
 }
 
 /// Physical groups of the volumes, the first of each.

@@ -142,6 +142,13 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
         }
         parts.push(part);
     }
+    // A field that is not read in the cells of one process is left out in all.
+    let is_in_all =
+        |name: &&String| parts.iter().all(|part| part.fields.iter().any(|field| field.name == **name));
+    let kept: Vec<String> = files.fields.iter().map(|field| &field.0).filter(is_in_all).cloned().collect();
+    for part in &mut parts {
+        part.fields.retain(|field| kept.contains(&field.name));
+    }
     let spaces: Vec<(String, FieldSpace)> = parts.iter().flat_map(MfemPart::spaces).collect();
     for (name, space) in &spaces {
         match space {

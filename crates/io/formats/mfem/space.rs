@@ -314,7 +314,7 @@ pub(super) fn skip_comments(cursor: &mut Cursor) -> Result<()> {
 pub(super) fn refusal(name: &str, space: &str) -> Error {
     let error = Error::run(format!("the finite element space of {name} is not read")).got(space);
     error.expected(
-        "H1, or L2, in tetrahedra and prisms of the order 0 or 1 (by MFEM's ProjectGridFunction, or as .vtu by its ParaViewDataCollection)",
+        "H1; L2 of the order 0; in hexahedra L2, L2_T1 and L2_T2; in tetrahedra and prisms these of the order 1, and L2_T2 (by MFEM's ProjectGridFunction, or as .vtu by its ParaViewDataCollection)",
     )
 }
 

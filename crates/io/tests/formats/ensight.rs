@@ -220,6 +220,12 @@ fn blocks_of_every_form_have_the_same_points() {
             let found = read(&case, &request("f"), &NoProgress).unwrap_err().to_string();
             assert!(found.contains(words), "{found}");
         }
+        if big_endian.is_none() {
+            let large = start().line("block rectilinear").line("18446744073709551615 1 1").floats(&x);
+            file(&folder, "a.geo", &large.bytes);
+            let found = read(&case, &request("f"), &NoProgress).unwrap_err().to_string();
+            assert!(found.contains("a.geo"), "{found}");
+        }
     }
 }
 

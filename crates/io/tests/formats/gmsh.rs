@@ -187,21 +187,27 @@ fn names_of_groups_may_have_no_dimension_and_no_space() {
     let folder = tempfile::tempdir().unwrap();
     let names = |text: &str| {
         let mesh = format!(
-            "$MeshFormat\n2.0 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n{text}\n$EndPhysicalNames\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n\
-             3 0 1 0\n4 0 0 1\n5 1 1 1\n$EndNodes\n$Elements\n2\n1 4 2 9 9 1 2 3 4\n2 4 2 7 7 2 3 4 5\n$EndElements\n"
+            "$MeshFormat\n2.0 0 8\n$EndMeshFormat\n$PhysicalNames\n{}\n{text}\n$EndPhysicalNames\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n\
+             3 0 1 0\n4 0 0 1\n5 1 1 1\n$EndNodes\n$Elements\n2\n1 4 2 9 9 1 2 3 4\n2 4 2 7 7 2 3 4 5\n$EndElements\n",
+            text.lines().count()
         );
         let path = file(&folder, "a.msh", mesh.as_bytes());
         inspect(&path, &Request::default(), &NoProgress)
             .map(|own| own.blocks.into_iter().map(|block| block.name).collect::<Vec<_>>())
     };
-    for text in [
-        "9\"the body\"\n 7 \"air\"",
-        "3 9\"the body\"\n3 7 \"air\"",
-        "2 9 \"no\"\n3 9 \"the body\"\n3 7 \"air\"",
+    let both = ["the body", "air"];
+    for (text, expected) in [
+        ("9\"the body\"\n 7 \"air\"", both),
+        ("3 9\"the body\"\n3 7 \"air\"", both),
+        ("2 9 \"no\"\n3 9 \"the body\"\n3 7 \"air\"", both),
+        ("3 9 the body\n3 7 air", both),
+        // Groups of something else: no volume has the number, or it is not known which name is theirs.
+        ("5 \"skin\"\n9 \"the body\"\n7 \"air\"", both),
+        ("7 \"skin\"\n9 \"the body\"\n7 \"air\"", ["the body", "7"]),
     ] {
-        let found = names(text);
-        assert_eq!(found.unwrap()[..1], ["the body"], "{text}");
+        assert_eq!(names(text).unwrap(), expected, "{text}");
     }
+    assert!(names("3 9\n3 7 air").unwrap_err().to_string().contains("physical name"));
     let found = names("3 9 4 \"the body\"\n3 7 \"air\"").unwrap_err().to_string();
     assert!(found.contains("physical name") && found.contains("a.msh:6"), "{found}");
 }

@@ -109,6 +109,22 @@ fn points_of_cells_beyond_those_of_their_type_are_left_out() {
     assert!(plain.origin.warnings.is_empty());
     let short = of("9", "3 0 1 2").unwrap_err().to_string();
     assert!(short.contains("wrong number of points") && short.contains("found 3"), "{short}");
+    // So it is where offsets divide the points of cells that are all of one type.
+    let array = |kind: &str, name: &str, numbers: &str| {
+        format!("<DataArray type='{kind}' Name='{name}' format='ascii'>{numbers}</DataArray>")
+    };
+    let text = format!(
+        "<VTKFile type='UnstructuredGrid'><UnstructuredGrid><Piece NumberOfPoints='6' NumberOfCells='2'><PointData>{}</PointData><Points>{}</Points>\
+         <Cells>{}{}{}</Cells></Piece></UnstructuredGrid></VTKFile>",
+        array("Float32", "f", "0 1 2 3 4 5"),
+        array("Float32", "x' NumberOfComponents='3", "0 0 0 1 0 0 0 1 0 0 0 1 1 1 1 2 2 2"),
+        array("Int32", "connectivity", "0 1 2 3 4 4 1 2 3 4"),
+        array("Int32", "offsets", "6 10"),
+        array("UInt8", "types", "10 10"),
+    );
+    let divided = read(&file(&folder, "a.vtu", text.as_bytes()), &Request::default(), &NoProgress).unwrap();
+    assert_eq!((&divided.tetrahedra, &divided.points), (&plain.tetrahedra, &plain.points));
+    assert_eq!(divided.origin.warnings, further.origin.warnings);
 }
 
 #[test]

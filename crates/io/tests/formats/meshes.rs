@@ -263,12 +263,55 @@ fn abaqus_includes_files_of_keywords_and_of_data() {
         assert_eq!((tetrahedra(&found), found.points.len()), (tetrahedra(&whole), 5), "{}", path.display());
         assert_eq!([files_beside(path).len(), files_read_beside(path, &mesh()).len()], [count; 2]);
     }
+    // What is remembered of them ends with a change of any, and of a missing one nothing is.
+    let nested = write("parts/nodes.inp", &format!("*NODE\n{nodes}{more}"));
+    assert_eq!(files_beside(&first).len(), 2);
+    std::fs::remove_file(&nested).unwrap();
+    assert!(files_beside(&first).len() < 2);
+    write("parts/nodes.inp", &format!("*NODE\n{nodes}*INCLUDE, INPUT=parts/more.inp\n"));
+    assert_eq!(files_beside(&first).len(), 3);
     let message = |path: &Path| read(path, &mesh(), &NoProgress).unwrap_err().to_string();
     write("parts/more.inp", "5,1,x,1\n");
     assert!([&first, &second].iter().all(|path| message(path).contains("more.inp:1")), "{}", message(&first));
     write("elements.txt", "1,1,2,3,4\n2,2,3,4\n");
     write("parts/more.inp", more);
     assert!(message(&second).contains("elements.txt:2"), "{}", message(&second));
+}
+
+#[test]
+fn abaqus_goes_on_after_an_included_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| file(&folder, name, text.as_bytes());
+    let (nodes, keyword) = ("1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,1,1\n", "*ELEMENT, TYPE=C3D4");
+    let (element, other) = ("1,1,2,3,4\n", "2,2,3,4,5\n");
+    let whole = format!("*NODE\n{nodes}{keyword}\n{element}{other}");
+    let whole = tetrahedra(&grid(&write("whole.inp", &whole), &mesh()));
+    write("element.txt", element);
+    write("other.txt", other);
+    write("nested.txt", &format!("{element}*INCLUDE, INPUT=other.txt\n"));
+    write("before.txt", &format!("*INCLUDE, INPUT=element.txt\n{other}"));
+    let include = |name: &str| format!("*INCLUDE, INPUT={name}\n");
+    for lines in [
+        format!("\n{}{other}", include("element.txt")),
+        format!("\n{}{}", include("element.txt"), include("other.txt")),
+        format!("\n{}", include("nested.txt")),
+        format!("\n{}", include("before.txt")),
+        format!(", INPUT=element.txt\n{other}"),
+        format!(", INPUT=element.txt\n{}", include("other.txt")),
+    ] {
+        let found = grid(&write("a.inp", &format!("*NODE\n{nodes}{keyword}{lines}")), &mesh());
+        assert_eq!(tetrahedra(&found), whole, "{lines}");
+    }
+    // The limit on sets is by all files, each once.
+    let elements: String = (1..200).map(|number| format!("{number},1,2,3,4\n")).collect();
+    write("mesh.inp", &format!("*NODE\n{nodes}{keyword}\n{elements}"));
+    let set = |last: u32| format!("*ELSET, ELSET=all, GENERATE\n1,{last},1\n");
+    let path = write("b.inp", &format!("{}*INCLUDE, INPUT=mesh.inp\n", set(199)));
+    assert_eq!(inspect(&path, &mesh(), &NoProgress).unwrap().blocks[0].name, "all");
+    write("c.txt", &format!("** {}\n", "x".repeat(4000)));
+    let path = write("c.inp", &format!("*NODE\n{nodes}{}{}", set(3000), include("c.txt").repeat(20)));
+    let found = read(&path, &mesh(), &NoProgress).unwrap_err().to_string();
+    assert!(found.contains("more elements than the file") && found.contains("c.inp:8"), "{found}");
 }
 
 /// Systems of every kind, defined by nodes and points of others.

@@ -377,8 +377,8 @@ fn mistakes_say_what_and_where() {
     }
     for (from, to, words) in [
         ("H1_3D_P1", "RT_3D_P1", ["space of 'a'", "RT_3D_P1"]),
-        ("H1_3D_P1", "H1Pos_3D_P2", ["H1Pos_3D_P2", "H1, or L2"]),
-        ("H1_3D_P1", "L2_3D_P2", ["L2_3D_P2", "order 0 or 1"]),
+        ("H1_3D_P1", "H1Pos_3D_P2", ["H1Pos_3D_P2", "H1; L2 of the order 0"]),
+        ("H1_3D_P1", "L2_3D_P2", ["L2_3D_P2", "in tetrahedra and prisms these of the order 1"]),
         ("H1_3D_P1", "L2_3D_P1", ["do not fit", "found 5; expected 8"]),
         ("H1_3D_P1", "H1_3D_P2", ["a.gf", "expected 14"]),
         ("H1_3D_P1", "L2_3D_P0", ["do not fit", "found 5; expected 2"]),
@@ -467,6 +467,26 @@ fn domains_are_files_of_their_own() {
     assert_eq!(grid(&root, &request("f")).points.len(), 4);
     std::fs::write(&root, root_text("2", "mesh.%06d", "g.%06d")).unwrap();
     assert_eq!(files_beside(&root).len(), 4);
+}
+
+#[test]
+fn a_field_that_one_process_leaves_out_is_left_out_of_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    std::fs::write(path("a.mfem_root"), root_text("2", "mesh.%06d", "f.%06d")).unwrap();
+    let cube = ONE.replace("1 4 0 1 2 3", "1 5 0 1 2 3 4 5 6 7").replace(
+        "4\n3\n0 0 0\n1 0 0\n0 1 0\n0 0 1",
+        "8\n3\n0 0 2\n1 0 2\n1 1 2\n0 1 2\n0 0 3\n1 0 3\n1 1 3\n0 1 3",
+    );
+    for (number, mesh, count) in [(0, cube.as_str(), 27), (1, ONE, 10)] {
+        std::fs::write(path(&format!("mesh.00000{number}")), mesh).unwrap();
+        let values = field("L2_T1_3D_P2", 1, &"1\n".repeat(count));
+        std::fs::write(path(&format!("f.00000{number}")), values).unwrap();
+    }
+    let summary = inspect(&path("a.mfem_root"), &Request::default(), &NoProgress).unwrap();
+    assert_eq!(summary.quantities().map(|own| &*own.head.name).collect::<Vec<_>>(), ["attribute"]);
+    let warnings = &summary.warnings;
+    assert!(warnings.len() == 1 && warnings[0].contains("'f' is left out"), "{warnings:?}");
 }
 
 #[test]
