@@ -53,6 +53,7 @@
 mod cli;
 mod document;
 mod facade;
+pub mod launcher;
 #[cfg(feature = "mpi")]
 pub mod mpi_ranks;
 pub mod series;

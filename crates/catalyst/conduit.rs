@@ -255,15 +255,34 @@ impl<'a> Node<'a> {
     /// # Errors
     /// - a node that is no text in UTF-8.
     pub fn text(&self) -> Result<String> {
-        let (id, bytes) = self.leaf()?;
+        let id = self.kind();
         if id != TEXT {
             return Err(self.wrong("is no text", kind_of(id), "a text"));
         }
+        let (_, bytes) = self.leaf()?;
         // SAFETY: so many bytes are there.
         let bytes: Vec<u8> = (0..bytes.count).map(|place| unsafe { bytes.read(place) }).collect();
         let end = bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
         String::from_utf8(bytes[..end].to_vec())
             .map_err(|error| self.wrong("is no UTF-8", error.utf8_error(), "text in UTF-8"))
+    }
+
+    /// Texts: those of its children, or its own.
+    ///
+    /// # Errors
+    /// - numbers, or a child that is no text.
+    pub fn texts(&self) -> Result<Vec<String>> {
+        match self.kind() {
+            TEXT => Ok(vec![self.text()?]),
+            id if id < FIRST_LEAF => self.children().iter().map(Node::text).collect(),
+            id => Err(self.wrong("is no list of texts", kind_of(id), "a list of texts")),
+        }
+    }
+
+    /// Conduit's number of its kind.
+    fn kind(&self) -> Index {
+        // SAFETY: the node lives, and its datatype with it.
+        unsafe { (self.functions.datatype_id)((self.functions.node_dtype)(self.pointer)) }
     }
 
     /// The text of a leaf below it.

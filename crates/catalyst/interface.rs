@@ -11,6 +11,7 @@ use std::any::Any;
 use std::ffi::{c_int, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
+use voltet::launcher::launched_count;
 use voltet_core::error::ErrorKind;
 use voltet_core::{Error, Result};
 use voltet_graph::ranks::{OneRank, Ranks};
@@ -59,7 +60,7 @@ fn guarded(name: &str, work: impl FnOnce(&mut Option<Simulation>) -> Result<()>)
         Ok(Ok(())) => return DONE,
         // Its own process shows it.
         Ok(Err(error)) if lockstep::is_of_other(&error) => return FAILED,
-        Ok(Err(error)) => (if error.kind == ErrorKind::Usage { WRONG } else { FAILED }, error.to_string()),
+        Ok(Err(error)) => (status_of(&error), error.to_string()),
         Err(panic) => {
             drop_after_panic(&mut simulation);
             (PANIC, voltet::panic_message(&*panic as &(dyn Any + Send)))
@@ -69,6 +70,15 @@ fn guarded(name: &str, work: impl FnOnce(&mut Option<Simulation>) -> Result<()>)
     let place = ranks.map(|ranks| format!("rank {} of {}: ", ranks.rank(), ranks.count()));
     eprintln!("voltet: {}{name}: {text}", place.unwrap_or_default());
     status
+}
+
+/// The status of a failure.
+fn status_of(error: &Error) -> c_int {
+    match error.kind {
+        _ if lockstep::is_panic(error) => PANIC,
+        ErrorKind::Usage => WRONG,
+        _ => FAILED,
+    }
 }
 
 /// Half-done work is dropped, if it can be.
@@ -93,27 +103,42 @@ pub unsafe extern "C" fn catalyst_initialize_voltet(parameters: *const c_void) -
 }
 
 /// The processes of the communicator `catalyst/mpi_comm`, by its number in Fortran; without one those of MPI's world.
+///
+/// # Errors
+/// - a communicator that is none;
+/// - several processes, and MPI has not been started.
 #[cfg(feature = "mpi")]
 fn processes(parameters: &Node) -> Result<Arc<dyn Ranks>> {
-    let number = parameters.get("catalyst/mpi_comm").map(|node| node.number()).transpose()?;
-    let ranks = voltet::mpi_ranks::MpiRanks::of_program(number.map(|number| number as i32))?;
-    Ok(ranks.map_or(Arc::new(OneRank) as Arc<dyn Ranks>, |ranks| Arc::new(ranks)))
+    let number = |node: Node| {
+        let number = node.number()?;
+        let whole = Some(number as i32).filter(|whole| f64::from(*whole) == number);
+        whole.ok_or_else(|| node.wrong("is no communicator", number, "MPI_Comm_c2f(communicator)"))
+    };
+    let number = parameters.get("catalyst/mpi_comm").map(number).transpose()?;
+    if let Some(ranks) = voltet::mpi_ranks::MpiRanks::of_program(number)? {
+        return Ok(Arc::new(ranks));
+    }
+    let found = match (number, launched_count()) {
+        (Some(_), _) => "catalyst/mpi_comm".to_string(),
+        (None, Some(count @ 2..)) => format!("{count} processes"),
+        _ => return Ok(Arc::new(OneRank)),
+    };
+    let error = Error::usage("MPI has not been started").got(found);
+    Err(error.expected("catalyst_initialize after MPI_Init"))
 }
 
-/// Variables by which launchers of MPI tell a process how many there are.
-#[cfg(not(feature = "mpi"))]
-const COUNTS: [&str; 2] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE"];
-
 /// The only process: each of several would write the same files.
+///
+/// # Errors
+/// - several processes.
 #[cfg(not(feature = "mpi"))]
 fn processes(_parameters: &Node) -> Result<Arc<dyn Ranks>> {
-    let count = COUNTS.iter().find_map(|name| std::env::var(name).ok()?.parse::<usize>().ok());
-    match count {
+    match launched_count() {
         Some(count @ 2..) => {
             let error =
                 Error::usage("the library was built without MPI, and the simulation has several processes");
             let accepted = "one built by: scripts/install-catalyst.sh FOLDER --features mpi";
-            Err(error.got(count).expected(accepted))
+            Err(error.got(format!("{count} processes")).expected(accepted))
         }
         _ => Ok(Arc::new(OneRank)),
     }

@@ -1,5 +1,6 @@
 //! Processes that fail together: each message says first that its sender goes on, so that no process waits for one that has failed.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::{Error, Result};
@@ -15,6 +16,23 @@ const OTHER_FAILED: &str = "another process failed";
 /// True if an error is that of another process, which shows it.
 pub fn is_of_other(error: &Error) -> bool {
     error.what == OTHER_FAILED
+}
+
+/// Begin of the errors for a mistake of voltet, as of [`voltet::panic_message`].
+const MISTAKE: &str = "this is a mistake of voltet itself";
+
+/// True if an error is that of a panic.
+pub fn is_panic(error: &Error) -> bool {
+    error.what.starts_with(MISTAKE)
+}
+
+/// Outcome of work, of which a panic is an error: other processes wait for it.
+///
+/// # Errors
+/// - those of the work.
+pub fn caught<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
+    let outcome = catch_unwind(AssertUnwindSafe(work));
+    outcome.unwrap_or_else(|panic| Err(Error::run(voltet::panic_message(panic.as_ref()))))
 }
 
 /// The processes of a simulation. Between [`Lockstep::agree`] and the next one all of them exchange equally often, or one fails.
@@ -39,16 +57,38 @@ impl Lockstep {
     /// - that of the work;
     /// - another process failed.
     pub fn agree<T>(&self, outcome: Result<T>) -> Result<T> {
+        self.agree_on(outcome, |_| String::new())
+    }
+
+    /// Like [`Lockstep::agree`], for work that has to come to the same on all processes. `lines`: what it comes to, in lines.
+    ///
+    /// # Errors
+    /// - as of [`Lockstep::agree`];
+    /// - another process came to something else: the same error on all, with the first line that differs.
+    pub fn agree_on<T>(&self, outcome: Result<T>, lines: impl Fn(&T) -> String) -> Result<T> {
         if self.count() == 1 {
             return outcome;
         }
         if self.is_broken.swap(false, Ordering::Relaxed) {
             return outcome.and(Err(self.other_failed()));
         }
-        let byte = if outcome.is_ok() { GOES_ON } else { HAS_FAILED };
-        let others = self.exchange_flags(vec![vec![byte]; self.count()]);
+        let message = match &outcome {
+            Ok(value) => [&[GOES_ON], lines(value).as_bytes()].concat(),
+            Err(_) => vec![HAS_FAILED],
+        };
+        let received = self.exchange_flags(vec![message; self.count()]);
         self.is_broken.store(false, Ordering::Relaxed);
-        outcome.and_then(|value| others.map(|_| value))
+        let (value, received) = (outcome?, received?);
+        let Some(other) = received.iter().position(|message| *message != received[0]) else {
+            return Ok(value);
+        };
+        let [first, second] = [0, other].map(|rank| String::from_utf8_lossy(&received[rank]));
+        let mut both = (first.lines().map(Some).chain(std::iter::repeat(None)))
+            .zip(second.lines().map(Some).chain(std::iter::repeat(None)));
+        let (first, second) = both.find(|(a, b)| a != b || a.is_none()).unwrap_or_default();
+        let [first, second] = [first, second].map(|line| line.unwrap_or("nothing more"));
+        let error = Error::usage("the processes state different steps, pipelines or channels");
+        Err(error.got(format!("rank 0: {first}; rank {other}: {second}")).expected("the same on all"))
     }
 
     fn other_failed(&self) -> Error {
@@ -88,5 +128,17 @@ impl Ranks for Lockstep {
         }
         let flagged = |bytes: Vec<u8>| [&[GOES_ON], &bytes[..]].concat();
         self.exchange_flags(to_each.into_iter().map(flagged).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_is_an_error_that_is_told_from_others() {
+        let panic = caught(|| -> Result<()> { panic!("seven of {}", 6) }).unwrap_err();
+        assert!(is_panic(&panic) && panic.what.contains("seven of 6"), "{panic}");
+        assert!(!is_panic(&caught(|| -> Result<()> { Err(Error::run("no")) }).unwrap_err()));
     }
 }

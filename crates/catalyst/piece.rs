@@ -1,8 +1,10 @@
 //! The piece of one process of a grid that several hold together, with cells of the others around it.
 //!
-//! Of every process all others get the keys of its points in the boxes of others (24 bytes a point, 8 with global ids), then the cells
-//! near the points that it shares.
+//! Of every process all others get the keys of its points in the boxes of others (24 bytes a point; with global ids 8 bytes of each of its
+//! points), then the cells near the points that it shares. So each holds these of all processes for a time, which is what limits their
+//! number.
 
+use crate::mesh::Mesh;
 use glam::DVec3;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -16,14 +18,28 @@ use voltet_graph::ranks::Ranks;
 /// Note on a domain that all processes get: its block, its box, its number of cells, and whether it has ghosts and global ids.
 type Outline = (usize, Option<[DVec3; 2]>, u64, bool, bool);
 
+/// Numbers the blocks of all processes by their names, in the order of these. All processes call it together.
+///
+/// # Errors
+/// - another process ended, or the network failed.
+pub fn number_blocks(mesh: &mut Mesh, ranks: &dyn Ranks) -> Result<()> {
+    let mut names = gather(&mesh.blocks, ranks)?.concat();
+    names.sort_unstable();
+    names.dedup();
+    let number = |name: &String| names.partition_point(|other| other < name);
+    mesh.pieces.iter_mut().for_each(|piece| piece.block = number(&mesh.blocks[piece.block]));
+    mesh.blocks = names;
+    Ok(())
+}
+
 /// Builds the piece of this process: `None` where its domains have no cells. `layers`: rings of cells of others that nodes may look at. All
 /// processes call it together.
 ///
 /// # Errors
-/// - no process has a domain;
+/// - no process has a domain with the fields;
 /// - domains that contradict each other.
-pub fn build(own: Vec<RawGrid>, layers: usize, options: &Options, ranks: &dyn Ranks) -> Result<Option<Grid>> {
-    let own: Vec<RawGrid> = own.into_iter().filter(|piece| piece.cells.count() > 0).collect();
+pub fn build(mesh: Mesh, layers: usize, options: &Options, ranks: &dyn Ranks) -> Result<Option<Grid>> {
+    let own: Vec<RawGrid> = mesh.pieces.into_iter().filter(|piece| piece.cells.count() > 0).collect();
     let outline = |piece: &RawGrid| -> Outline {
         let bounds = extent::bounds(&piece.points);
         let count = piece.cells.count() as u64;
@@ -33,7 +49,8 @@ pub fn build(own: Vec<RawGrid>, layers: usize, options: &Options, ranks: &dyn Ra
     let first: usize = of_ranks[..ranks.rank()].iter().map(Vec::len).sum();
     let outlines: Vec<Outline> = of_ranks.concat();
     if outlines.is_empty() {
-        return Err(Error::usage("no process has a domain of the mesh").expected("cells on one of them"));
+        let nothing = Error::usage("no process has a domain of the mesh").expected("cells on one of them");
+        return Err(mesh.refusal.unwrap_or(nothing));
     }
     let has_ghosts = outlines.iter().any(|own| own.3);
     let boxes: Vec<_> = outlines.iter().map(|own| (own.0, own.1)).collect();

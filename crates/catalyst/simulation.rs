@@ -1,14 +1,15 @@
 //! The pipelines of a simulation, and its steps: in each the meshes of the channels take the place of the files that the pipelines read.
 
 use crate::conduit::{Loan, Node};
-use crate::lockstep::Lockstep;
+use crate::lockstep::{Lockstep, caught, is_of_other, is_panic};
 use crate::mesh::{self, FieldSelection};
 use crate::piece;
 use std::collections::{BTreeMap, BTreeSet};
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
 use std::sync::Arc;
-use voltet::series::file_names;
-use voltet::series::names::{MarkValues, Varying};
+use voltet::nodes::files::is_stream;
+use voltet::series::names::{self, MarkValues, Varying};
+use voltet::series::{file_names, written};
 use voltet::{Pipeline, RunStatus, build_grid, run_in_background, unnamed_scalar};
 use voltet_core::grid::{CellValues, Grid, Options};
 use voltet_core::{Error, Result};
@@ -37,8 +38,12 @@ struct Script {
     layers: usize,
     /// Warnings that were printed.
     warnings: BTreeSet<String>,
-    /// Channel of each source that has one, in the order of the sources; `None` before the first step.
-    channels: Option<Vec<Option<String>>>,
+    /// Channel of each source that has one, in the order of the sources.
+    channels: Vec<Option<String>>,
+    /// The arguments and the text of the pipeline, which are the same on all processes.
+    stated: String,
+    /// The last file of each name with marks, and its step.
+    files: BTreeMap<String, (String, Step)>,
 }
 
 /// A node that reads or makes a grid.
@@ -51,6 +56,7 @@ struct GridSource {
 }
 
 /// Step of the simulation.
+#[derive(Debug, Clone, PartialEq)]
 struct Step {
     number: usize,
     time: Option<f64>,
@@ -60,7 +66,9 @@ impl Simulation {
     /// Loads the pipelines below `catalyst/scripts`. `ranks`: the processes of the simulation, all of which call it together.
     ///
     /// # Errors
-    /// - no pipeline, or one that is wrong.
+    /// - no pipeline, or one that is wrong;
+    /// - two pipelines that write one file;
+    /// - other pipelines on another process.
     pub fn initialize(parameters: &Node, ranks: Arc<dyn Ranks>) -> Result<Simulation> {
         let ranks = Arc::new(Lockstep::new(ranks));
         let load = || {
@@ -71,9 +79,14 @@ impl Simulation {
                 let accepted = "catalyst/scripts/NAME = \"scene.toml\"";
                 return Err(node.wrong("names no pipeline", "nothing", accepted));
             }
+            refuse_conflicts(&scripts)?;
             Ok(scripts)
         };
-        let scripts = ranks.agree(load())?;
+        let lines = |scripts: &Vec<Script>| {
+            let each = scripts.iter().map(|script| format!("script {}\n{}", script.name, script.stated));
+            each.collect::<Vec<_>>().join("\n")
+        };
+        let scripts = ranks.agree_on(caught(load), lines)?;
         Ok(Simulation { scripts, step_count: 0, ranks })
     }
 
@@ -86,37 +99,55 @@ impl Simulation {
     ///
     /// # Errors
     /// - a mesh or field that is wrong, with its channel and path;
+    /// - another step, pipelines or channels on another process;
     /// - those of the pipelines. All are run; the first error is given, others are printed.
     pub fn execute(&mut self, parameters: &Node) -> Result<()> {
         let count = self.step_count;
         self.step_count += 1;
         let ranks = self.ranks.clone();
-        let (step, channels, due) = ranks.agree(self.begin(parameters, count))?;
+        let is_only = self.scripts.len() == 1;
+        let begun = caught(|| self.begin(parameters, count));
+        let (step, channels, due) = ranks.agree_on(begun, |(step, _, due)| {
+            let channels = |script: &Script| script.channels.iter().flatten().cloned().collect::<Vec<_>>();
+            let each = due.iter().map(|own| format!("{}: channels {}", own.name, channels(own).join(", ")));
+            [step.to_string()].into_iter().chain(each).collect::<Vec<_>>().join("\n")
+        })?;
         let loan: Loan = Arc::new(());
         let mut grids = Grids::build(&due, &channels, &loan, &ranks)?;
-        let mut failure = None;
+        let mut failure: Option<Error> = None;
         for script in due {
-            let outcome = ranks.agree(script.draw(&step, &grids));
+            let outcome = ranks.agree(caught(|| script.draw(&step, &grids)));
             script.warn(ranks.rank() == 0);
-            match (outcome, &failure) {
-                (Ok(()), _) => {}
-                (Err(error), None) => failure = Some(error),
-                (Err(error), Some(_)) => eprintln!("voltet: {}: {error}", script.name),
+            let Err(mut error) = outcome else { continue };
+            // What is half done on one process is not taken for done on another.
+            if is_panic(&error) || ranks.count() > 1 {
+                script.pipeline.reset();
+            }
+            if failure.is_some() && !is_of_other(&error) {
+                eprintln!("voltet: {}: {error}", script.name);
+            } else if failure.is_none() {
+                if !is_only && !is_of_other(&error) && !is_panic(&error) {
+                    error.what = format!("{}: {}", script.name, error.what);
+                }
+                failure = Some(error);
             }
         }
         grids.clear();
         // The simulation changes its memory now.
+        let mut returned = Ok(());
         if Arc::strong_count(&loan) > 1 {
-            return Err(Error::run("an array of the simulation is still in use after the step"));
+            self.scripts.iter_mut().for_each(|script| script.pipeline.reset());
+            returned = Err(Error::run("an array of the simulation was still in use after the step"));
         }
-        failure.map_or(Ok(()), Err)
+        let returned = ranks.agree(returned);
+        failure.map_or(returned, Err)
     }
 
     /// Reads a step, its channels, and finds the pipelines that are due, with their channels. `count`: number of steps before.
     fn begin<'n>(&mut self, parameters: &Node<'n>, count: usize) -> Result<BegunStep<'_, 'n>> {
         let (step, ranks) = (Step::read(parameters, count)?, self.ranks.clone());
         let channels = parameters.require("catalyst/channels")?.children();
-        let chosen = chosen_scripts(parameters)?;
+        let chosen = self.chosen(parameters)?;
         let is_due = |script: &&mut Script| {
             step.number.is_multiple_of(script.interval)
                 && chosen.as_ref().is_none_or(|names| names.contains(&script.name))
@@ -127,16 +158,40 @@ impl Simulation {
         }
         Ok((step, channels, due))
     }
+
+    /// Names of the scripts that a step is for; `None`: all.
+    fn chosen(&self, parameters: &Node) -> Result<Option<Vec<String>>> {
+        let Some(node) = parameters.get("catalyst/state/pipelines") else { return Ok(None) };
+        let names = node.texts()?;
+        match names.iter().find(|name| self.scripts.iter().all(|script| script.name != **name)) {
+            Some(unknown) => {
+                let known: Vec<&str> = self.scripts.iter().map(|script| script.name.as_str()).collect();
+                Err(node.wrong("names no script", format!("'{unknown}'"), known.join(", ")))
+            }
+            None => Ok(Some(names)),
+        }
+    }
+}
+
+/// Refuses two pipelines that write one file.
+fn refuse_conflicts(scripts: &[Script]) -> Result<()> {
+    let mut writers: BTreeMap<PathBuf, &str> = BTreeMap::new();
+    for script in scripts {
+        for (node, named) in written(&script.graph).filter(|(_, named)| !is_stream(&named.path)) {
+            let path = script.graph.folder.join(&named.path);
+            let Some(other) = writers.insert(path, &script.name) else { continue };
+            let error = Error::usage("two pipelines write one file");
+            let found = format!("'{}' of {other} and of {}", named.path, script.name);
+            let accepted =
+                format!("a file of its own for each, as by the argument {}.{}=…", node.name, named.parameter);
+            return Err(error.got(found).expected(accepted));
+        }
+    }
+    Ok(())
 }
 
 /// A step, its channels, and the pipelines that are due.
 type BegunStep<'s, 'n> = (Step, Vec<Node<'n>>, Vec<&'s mut Script>);
-
-/// Names of the scripts that a step is for; `None`: all.
-fn chosen_scripts(parameters: &Node) -> Result<Option<Vec<String>>> {
-    let Some(node) = parameters.get("catalyst/state/pipelines") else { return Ok(None) };
-    node.children().iter().map(Node::text).collect::<Result<Vec<_>>>().map(Some)
-}
 
 impl Step {
     /// Number and time of a step; its number is `count` where the simulation states none.
@@ -151,21 +206,29 @@ impl Step {
     }
 }
 
+impl std::fmt::Display for Step {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "step {}", self.number)?;
+        self.time.map_or(Ok(()), |time| write!(f, ", time {time}"))
+    }
+}
+
 impl Script {
     /// Loads a pipeline: a file's path, or `filename` with `args`.
     fn load(node: &Node, ranks: &Arc<Lockstep>) -> Result<Script> {
         let (path, arguments) = match node.get("filename") {
-            Some(path) => (path.text()?, node.get("args").map(|list| list.children()).unwrap_or_default()),
-            None => (node.text()?, Vec::new()),
+            Some(path) => (path.text()?, node.get("args")),
+            None => (node.text()?, None),
         };
+        let texts = arguments.as_ref().map(Node::texts).transpose()?.unwrap_or_default();
         let mut pipeline = Pipeline::open(&path)?.with_ranks(ranks.clone());
         let mut interval = 1;
-        for argument in arguments {
-            let text = argument.text()?;
+        let list = arguments.as_ref().unwrap_or(node);
+        for text in &texts {
             match text.strip_prefix("every=").map(str::parse::<usize>) {
                 Some(Ok(number @ 1..)) => interval = number,
-                Some(_) => return Err(argument.wrong("is no interval", text, "every=N with N from 1")),
-                None => pipeline.set(&text).map_err(|error| error.at_item(argument.path()))?,
+                Some(_) => return Err(list.wrong("states no interval", text, "every=N with N from 1")),
+                None => pipeline.set(text).map_err(|error| error.at_item(list.path()))?,
             }
         }
         let graph = pipeline.whole_graph()?;
@@ -183,21 +246,23 @@ impl Script {
         }
         let filters = graph.nodes.iter().filter(|node| node.method.is_some()).count();
         let layers = MEAN_LAYERS + filters * GRADIENT_LAYERS;
-        let (name, warnings, channels) = (node.name().into(), BTreeSet::new(), None);
-        Ok(Script { name, graph, pipeline, sources, interval, layers, warnings, channels })
+        let stated = format!("every={interval}\n{}", pipeline.text());
+        let (name, warnings, files) = (node.name().into(), BTreeSet::new(), BTreeMap::new());
+        let channels = vec![None; sources.len()];
+        Ok(Script { name, graph, pipeline, sources, interval, layers, warnings, channels, stated, files })
     }
 
     /// Finds the channel of each source: that of the same name, or of one source and one channel each the other's.
     fn assign(&mut self, channels: &[Node], ranks: &Lockstep) -> Result<()> {
-        if self.channels.is_some() {
-            return Ok(());
-        }
         let has = |name: &str| channels.iter().any(|channel| channel.name() == name);
         let named = |source: &GridSource| Some(source.node.clone()).filter(|name| has(name));
         let found: Vec<Option<String>> = match (&self.sources[..], channels) {
             ([_], [only]) => vec![Some(only.name().into())],
             (sources, _) => sources.iter().map(named).collect(),
         };
+        // A channel of the steps before is missed, others may be new.
+        let known = self.channels.iter().cloned();
+        let found: Vec<_> = known.zip(found).map(|(known, found)| known.or(found)).collect();
         if found.iter().all(Option::is_none) {
             let list = |names: Vec<&str>| names.join(", ");
             let nodes = list(self.sources.iter().map(|source| source.node.as_str()).collect());
@@ -211,14 +276,13 @@ impl Script {
             let what = format!("the pipeline '{}' takes several channels of several processes", self.name);
             return Err(Error::usage(what).got(fed.join(", ")).expected("a pipeline for each channel"));
         }
-        self.channels = Some(found);
+        self.channels = found;
         Ok(())
     }
 
     /// The sources that have a channel, each with its name.
     fn fed(&self) -> impl Iterator<Item = (&GridSource, &str)> {
-        let channels = self.channels.iter().flatten();
-        let both = self.sources.iter().zip(channels);
+        let both = self.sources.iter().zip(&self.channels);
         both.filter_map(|(source, channel)| Some((source, channel.as_deref()?)))
     }
 
@@ -231,6 +295,23 @@ impl Script {
         }
     }
 
+    /// Notes the files that a step writes.
+    ///
+    /// # Errors
+    /// - one that the step before has written.
+    fn note_files(&mut self, step: &Step, marks: &MarkValues) -> Result<()> {
+        for (node, named) in written(&self.graph).filter(|(_, named)| !is_stream(&named.path)) {
+            let path = names::path_of(&named.path, marks, &[Varying::Step])?;
+            let known = self.files.insert(named.path, (path.clone(), step.clone()));
+            if let Some((_, other)) = known.filter(|(known, other)| *known == path && other != step) {
+                let error = Error::usage("two steps would be written to one file");
+                let error = error.got(format!("'{path}' of {other} and of {step}")).at_node(&node.name);
+                return Err(error.expected("{step} in its name, or {time} with more decimals"));
+            }
+        }
+        Ok(())
+    }
+
     /// Draws the pictures of a step, and lets go of the grids.
     fn draw(&mut self, step: &Step, grids: &Grids) -> Result<()> {
         let marks =
@@ -240,6 +321,7 @@ impl Script {
             .map(|(source, channel)| Ok((source.node.clone(), grids.get(source, channel)?.clone())))
             .collect::<Result<_>>()?;
         let changes = file_names(&self.graph, &marks, &[Varying::Step])?;
+        self.note_files(step, &marks)?;
         self.pipeline.apply(&changes)?;
         let pipeline = &mut self.pipeline;
         let outcome = caught(|| {
@@ -314,15 +396,19 @@ impl Grids {
                     let error = Error::usage(format!("catalyst/channels/{name} is missing in this step"));
                     error.got(names.join(", ")).expected("the channels of the steps before")
                 })?;
-                Ok((channel, mesh::pieces(channel, &selection, loan)?))
+                Ok((channel, mesh::read(channel, &selection, loan)?))
             };
-            let (channel, pieces) = ranks.agree(caught(find))?;
-            let build = || match ranks.count() {
-                1 if pieces.is_empty() => {
-                    Err(channel.require("data")?.wrong("holds no domain", "nothing", "a mesh"))
+            let (channel, mut mesh) = ranks.agree(caught(find))?;
+            let build = || {
+                piece::number_blocks(&mut mesh, ranks)?;
+                match ranks.count() {
+                    1 if mesh.pieces.is_empty() => {
+                        let nothing = channel.require("data")?.wrong("holds no domain", "nothing", "a mesh");
+                        Err(mesh.refusal.unwrap_or(nothing))
+                    }
+                    1 => Ok(GivenGrid::Whole(Arc::new(build_grid(mesh.pieces, None, &options)?))),
+                    _ => Ok(GivenGrid::Piece(piece::build(mesh, layers, &options, ranks)?.map(Arc::new))),
                 }
-                1 => Ok(GivenGrid::Whole(Arc::new(build_grid(pieces, None, &options)?))),
-                _ => Ok(GivenGrid::Piece(piece::build(pieces, layers, &options, ranks)?.map(Arc::new))),
             };
             let grid = ranks.agree(caught(build)).map_err(|error| error.at_item(channel.path()))?;
             grids.0.insert((name, is_constant), grid);
@@ -347,12 +433,6 @@ impl Grids {
     fn clear(&mut self) {
         self.0.clear();
     }
-}
-
-/// Outcome of work, of which a panic is an error: other processes wait for it.
-fn caught<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
-    let outcome = catch_unwind(AssertUnwindSafe(work));
-    outcome.unwrap_or_else(|panic| Err(Error::run(voltet::panic_message(panic.as_ref()))))
 }
 
 fn key(source: &GridSource, channel: &str) -> (String, bool) {

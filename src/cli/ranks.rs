@@ -4,17 +4,11 @@
 use crate::cli::present::{hold_back, say};
 use crate::core::{Error, Result};
 use crate::graph::ranks::{OneRank, Ranks};
+use crate::launcher::launched_count;
 #[cfg(feature = "mpi")]
 use crate::mpi_ranks::{self, MpiRanks};
 use std::cell::Cell;
 use std::sync::Arc;
-
-/// Variables by which launchers tell a process how many there are: Open MPI's, that of MPICH and Intel MPI, and Slurm's, which starts
-/// programs without MPI, too.
-const COUNTS: &[&str] = match cfg!(feature = "mpi") {
-    true => &["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"],
-    false => &["OMPI_COMM_WORLD_SIZE", "PMI_SIZE"],
-};
 
 /// The processes of this run; MPI ends with it.
 pub struct Launch {
@@ -32,7 +26,7 @@ impl Launch {
     /// # Errors
     /// - several processes of a program that was built without MPI; an MPI that does not start.
     pub fn join(is_apart: bool) -> Result<Launch> {
-        let count = COUNTS.iter().find_map(|name| std::env::var(name).ok()?.parse::<usize>().ok());
+        let count = launched_count();
         let launch = match count {
             Some(2..) if !is_apart => Launch::of_several(count.unwrap_or_default())?,
             _ => Launch {

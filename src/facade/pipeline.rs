@@ -482,6 +482,11 @@ impl Pipeline {
         Some(format!("{:#}", whole_report(vec![self.record()?.to_json()])))
     }
 
+    /// The text that states the pipeline, with what was changed.
+    pub fn text(&self) -> String {
+        self.source.text()
+    }
+
     /// Warnings of the last run; `None` before there was one.
     pub fn warnings(&self) -> Option<&[String]> {
         self.last.as_ref().map(|report| report.warnings.as_slice())

@@ -477,7 +477,7 @@ pub fn file_names(graph: &Graph, marks: &MarkValues, varying: &[Varying]) -> Res
 }
 
 /// The files that nodes write, each with its node.
-fn written(graph: &Graph) -> impl Iterator<Item = (&GraphNode, NamedPath)> {
+pub fn written(graph: &Graph) -> impl Iterator<Item = (&GraphNode, NamedPath)> {
     graph.nodes.iter().flat_map(|node| {
         let written = node.parameters.paths().into_iter().filter(|named| named.written);
         written.map(move |named| (node, named))

@@ -60,6 +60,8 @@ pub(super) fn has_volume(domain: &Node, topology: &Node) -> Result<bool> {
     let kind = topology.require("type")?;
     match kind.text()?.as_str() {
         "points" => Ok(false),
+        // A surface in space has two counts.
+        "structured" if topology.get("elements/dims/k").is_none() => Ok(false),
         "uniform" | "rectilinear" | "structured" => {
             Ok(Coordinates::find(domain, topology)?.dimension()? == 3)
         }
@@ -73,6 +75,19 @@ pub(super) fn has_volume(domain: &Node, topology: &Node) -> Result<bool> {
             Err(kind.wrong("is unknown", format!("\"{other}\""), accepted))
         }
     }
+}
+
+/// Numbers of points and cells of a topology that states its counts alone; `None` of others.
+///
+/// # Errors
+/// - a count that is missing, wrong or too large.
+pub(super) fn stated_counts(domain: &Node, topology: &Node) -> Result<Option<[usize; 2]>> {
+    if !["uniform", "rectilinear"].contains(&topology.text_at("type")?.as_str()) {
+        return Ok(None);
+    }
+    let counts = Coordinates::find(domain, topology)?.counts()?;
+    let product = |counts: [usize; 3]| counts.iter().product();
+    Ok(counts.map(|counts| [product(counts), product(counts.map(|count| count.saturating_sub(1)))]))
 }
 
 /// Points and cells of a topology.

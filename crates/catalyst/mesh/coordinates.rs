@@ -54,7 +54,8 @@ impl<'a> Coordinates<'a> {
     /// Numbers of points along the axes of a set of lines; `None` of explicit points.
     ///
     /// # Errors
-    /// - a count that is missing or wrong.
+    /// - a count that is missing or wrong;
+    /// - more points than have numbers of 32 bits.
     pub fn counts(&self) -> Result<Option<[usize; 3]>> {
         let mut counts = [0; 3];
         for (count, (x, i)) in counts.iter_mut().zip(AXES) {
@@ -63,6 +64,11 @@ impl<'a> Coordinates<'a> {
                 "rectilinear" => self.node.require(&format!("values/{x}"))?.numbers()?.count,
                 _ => return Ok(None),
             };
+        }
+        let points = counts.iter().fold(1_usize, |product, &count| product.saturating_mul(count));
+        if u32::try_from(points).is_err() {
+            let found = format!("{} × {} × {} points", counts[0], counts[1], counts[2]);
+            return Err(self.node.wrong("has too many points", found, format!("at most {}", u32::MAX)));
         }
         Ok(Some(counts))
     }

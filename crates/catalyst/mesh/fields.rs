@@ -6,12 +6,14 @@ use std::collections::BTreeSet;
 use voltet_core::grid::{Array, RawGrid};
 use voltet_core::{Error, Result, SharedSlice, counted};
 
-/// Fields of cells that tell ghosts: VTK's flags, and Ascent's numbers, of which all but 0 are ghosts.
+/// Fields of cells that tell ghosts: VTK's flags, and Ascent's numbers: 0 of real cells, 1 of ghosts, others of cells without a meaning.
 const VTK_GHOSTS: &str = "vtkGhostType";
 const ASCENT_GHOSTS: &str = "ascent_ghosts";
 
 /// Bit of `vtkGhostType` at a cell of which another domain has the original.
 const DUPLICATE: u8 = 1;
+/// Bit of `vtkGhostType` at a cell that serves nothing.
+const HIDDEN: u8 = 32;
 
 /// Fields that pipelines use. Others are not looked at.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -72,6 +74,23 @@ fn fields<'a>(domain: &Node<'a>, topology: &str) -> Result<Vec<Node<'a>>> {
 /// Names of the fields of a topology.
 pub(super) fn names(domain: &Node, topology: &str) -> Result<Vec<String>> {
     Ok(fields(domain, topology)?.iter().map(|field| field.name().to_string()).collect())
+}
+
+/// Refuses selected fields of other lengths than a topology's, before its points are made. `counts`: its points and cells.
+pub(super) fn check_lengths(
+    domain: &Node,
+    topology: &str,
+    selection: &FieldSelection,
+    [points, cells]: [usize; 2],
+) -> Result<()> {
+    for field in fields(domain, topology)?.iter().filter(|field| selection.contains(field.name())) {
+        match field.get("association").map(|node| node.text()).transpose()?.as_deref() {
+            Some("vertex") => check_counts(&components(field)?, points, "vertex")?,
+            Some("element") => check_counts(&components(field)?, cells, "element")?,
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
 /// Adds the selected fields of a topology, ghost cells and global numbers of points to a piece.
@@ -146,11 +165,16 @@ fn metadata<'a>(domain: &Node<'a>, field: &str, key: &str) -> Option<Node<'a>> {
 fn ghosts(domain: &Node, field: &Node, count: usize) -> Result<Vec<u8>> {
     let numbers = values(field, 1, count, "element")?.remove(0);
     if field.name() == ASCENT_GHOSTS {
-        return numbers.to_whole("a whole number", |number| Some(if number == 0 { 0 } else { DUPLICATE }));
+        let flag = |number: i64| match number {
+            0 => 0,
+            1 => DUPLICATE,
+            _ => HIDDEN,
+        };
+        return Ok(whole_values(&numbers)?.into_iter().map(flag).collect());
     }
-    let whole = numbers.to_whole("a whole number", Some)?;
+    let whole = whole_values(&numbers)?;
     let replaced = |key: &str| match metadata(domain, field.name(), key) {
-        Some(node) => node.numbers()?.to_whole("a whole number", Some),
+        Some(node) => whole_values(&node.numbers()?),
         None => Ok(Vec::new()),
     };
     let (from, to) = (replaced("values_to_replace")?, replaced("replacement_values")?);
@@ -166,6 +190,21 @@ fn ghosts(domain: &Node, field: &Node, count: usize) -> Result<Vec<u8>> {
         })
     };
     whole.iter().enumerate().map(as_flags).collect()
+}
+
+/// Whole numbers, which may be stored as floats.
+fn whole_values(numbers: &Numbers) -> Result<Vec<i64>> {
+    if numbers.kind.is_whole() {
+        return numbers.to_whole("a whole number", Some);
+    }
+    let each = |(place, value): (usize, f64)| match value.fract() == 0.0 {
+        true => Ok(value as i64),
+        false => {
+            let error = Error::usage(format!("{}[{place}] is no whole number", numbers.path));
+            Err(error.got(value).expected("a whole number"))
+        }
+    };
+    numbers.to_f64().into_iter().enumerate().map(each).collect()
 }
 
 /// The components of a field's values.

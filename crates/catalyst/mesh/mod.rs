@@ -12,40 +12,42 @@ use cells::{Topology, topology};
 use voltet_core::grid::RawGrid;
 use voltet_core::{Error, Result};
 
-/// Pieces of the mesh of a channel, with the selected fields: none where the channel holds no domain. The parts of a `multimesh` become
-/// blocks, of which those without the fields are left out.
+/// The mesh of a channel on one process.
+#[derive(Default)]
+pub struct Mesh {
+    /// Its pieces, whose blocks are places in `blocks`.
+    pub pieces: Vec<RawGrid>,
+    /// Names of the parts of a `multimesh`, in the order of the channel; one without a name for a `mesh`.
+    pub blocks: Vec<String>,
+    /// Why a domain was left out that has no cells with volume and the fields: an error where no process has a piece.
+    pub refusal: Option<Error>,
+}
+
+/// The mesh of a channel, with the selected fields: without pieces where the channel holds no domain. The parts of a `multimesh` become
+/// blocks. Domains without the fields or without volume are left out.
 ///
 /// # Errors
 /// - a type of channel that is not read;
-/// - a node that the Blueprint demands and that is missing or wrong, with its path;
-/// - a domain that lacks a field.
-pub fn pieces(channel: &Node, selection: &FieldSelection, loan: &Loan) -> Result<Vec<RawGrid>> {
+/// - a node that the Blueprint demands and that is missing or wrong, with its path.
+pub fn read(channel: &Node, selection: &FieldSelection, loan: &Loan) -> Result<Mesh> {
     let (data, kind) = (channel.require("data")?, channel.require("type")?);
-    let mut pieces = Vec::new();
-    match kind.text()?.as_str() {
-        "mesh" => {
-            for domain in domains(&data)? {
-                pieces.extend(pieces_of_domain(&domain, selection, loan)?);
-            }
-        }
-        "multimesh" => {
-            let mut refusal = None;
-            for (block, mesh) in data.children().iter().enumerate() {
-                for domain in domains(mesh)? {
-                    match pieces_of_domain(&domain, selection, loan) {
-                        Ok(own) => pieces.extend(own.into_iter().map(|piece| RawGrid { block, ..piece })),
-                        Err(error) if lacks(&domain, selection)? => refusal = Some(error),
-                        Err(error) => return Err(error),
-                    }
-                }
-            }
-            if let Some(error) = refusal.filter(|_| pieces.is_empty()) {
-                return Err(error);
-            }
-        }
+    let meshes = match kind.text()?.as_str() {
+        "mesh" => vec![(String::new(), data)],
+        "multimesh" => data.children().into_iter().map(|mesh| (mesh.name().into(), mesh)).collect(),
         other => return Err(kind.wrong("is not read", format!("\"{other}\""), "\"mesh\" or \"multimesh\"")),
+    };
+    let mut own = Mesh::default();
+    for (block, (name, mesh)) in meshes.into_iter().enumerate() {
+        own.blocks.push(name);
+        for domain in domains(&mesh)? {
+            match pieces_of_domain(&domain, selection, loan) {
+                Ok(pieces) => own.pieces.extend(pieces.into_iter().map(|piece| RawGrid { block, ..piece })),
+                Err(error) if lacks(&domain, selection)? => own.refusal = Some(error),
+                Err(error) => return Err(error),
+            }
+        }
     }
-    Ok(pieces)
+    Ok(own)
 }
 
 /// The domains of a mesh: itself, or its children.
@@ -82,6 +84,9 @@ fn pieces_of_domain(domain: &Node, selection: &FieldSelection, loan: &Loan) -> R
         if let Some(field) = selection.missing(domain, node.name())? {
             missing = Some((node, field));
             continue;
+        }
+        if let Some(counts) = cells::stated_counts(domain, &node)? {
+            fields::check_lengths(domain, node.name(), selection, counts)?;
         }
         let Topology { points, cells } = topology(domain, &node, loan)?;
         let mut piece = RawGrid::new(points, cells);

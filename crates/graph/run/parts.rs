@@ -303,14 +303,25 @@ pub(super) fn gather_notes(notes: &mut BTreeMap<usize, Diagnostics>, ranks: &dyn
     for bytes in ranks.exchange(to_each)?.iter().filter(|bytes| !bytes.is_empty()) {
         let others: BTreeMap<usize, OtherNotes> = serde_json::from_slice(bytes).map_err(broken)?;
         for (place, (counts, warnings)) in others {
-            // A name that this process does not count by lives as long as the run, as those in the program do.
-            let counts = counts.into_iter().map(|(name, count)| (&*name.leak(), count)).collect();
+            let counts = counts.into_iter().map(|(name, count)| (lasting(name), count)).collect();
             let mut other = Diagnostics::default();
             (other.counts, other.warnings) = (counts, warnings);
             notes.entry(place).or_default().add_part(other);
         }
     }
     Ok(())
+}
+
+/// A name of a count that lives as long as those in the program do; one memory for all runs.
+fn lasting(name: String) -> &'static str {
+    static NAMES: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
+    let mut names = NAMES.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(known) = names.get(name.as_str()) {
+        return known;
+    }
+    let name: &'static str = name.leak();
+    names.insert(name);
+    name
 }
 
 /// The outputs of a node that runs for parts, in a run in which it does not run for the whole.
@@ -334,6 +345,12 @@ mod tests {
         assert_eq!(grouped(&[9, 1, 1, 9], 0..4, 6), [vec![0], vec![1, 2], vec![3]]);
         assert_eq!(grouped(&[0, 0, 5], 0..3, 6), [vec![0, 1, 2]]);
         assert_eq!(grouped(&[9, 3, 3, 9], 1..3, 6), [vec![1, 2]]);
+    }
+
+    #[test]
+    fn names_of_counts_are_kept_once() {
+        let [first, again] = [(); 2].map(|()| lasting("cells".into()));
+        assert!(std::ptr::eq(first, again) && first == "cells");
     }
 
     /// One of so many processes.

@@ -317,7 +317,7 @@ fn ghost_cells_are_left_out() {
     let ghosts = |tree: Tree, name: &str| field(cubes(tree), name, "element");
     let vtk = |tree: Tree| ghosts(tree, "vtkGhostType").array("fields/vtkGhostType/values", vec![0, 1_u8]);
     let ascent =
-        |tree: Tree| ghosts(tree, "ascent_ghosts").array("fields/ascent_ghosts/values", vec![0, 2_i32]);
+        |tree: Tree| ghosts(tree, "ascent_ghosts").array("fields/ascent_ghosts/values", vec![0, 1_i32]);
     let named = |tree: Tree| {
         let tree = ghosts(tree, "mine").array("fields/mine/values", vec![5, 9_i32]);
         let tree = tree.text("metadata/vtk_fields/mine/attribute_type", "Ghosts");
@@ -327,6 +327,17 @@ fn ghost_cells_are_left_out() {
     assert_same(&drawn(PIPELINE, vtk).unwrap(), &expected);
     assert_same(&drawn(PIPELINE, ascent).unwrap(), &expected);
     assert_same(&drawn(PIPELINE, named).unwrap(), &expected);
+    // A cell without a meaning serves no mean, whatever its value; its flag may be a float.
+    let wild = vec![0.5, 1e9_f64];
+    let grid = hexahedra().ghost_cells(vec![0, 32]).unwrap().cell_data("T", wild.clone()).unwrap();
+    let pipeline = PIPELINE.replace("[0.5, 1.0]", "[0.5, 0.0]");
+    let garbage = |tree: Tree| {
+        let tree = field(unstructured(explicit(tree), "hex"), "T", "element");
+        let tree = tree.array("topologies/mesh/elements/connectivity", HEXAHEDRA.to_vec());
+        let tree = field(tree.array("fields/T/values", wild.clone()), "ascent_ghosts", "element");
+        tree.array("fields/ascent_ghosts/values", vec![0.0, 2.0_f64])
+    };
+    assert_same(&drawn(&pipeline, garbage).unwrap(), &truth(&pipeline, grid));
 }
 
 #[test]
@@ -338,6 +349,11 @@ fn surfaces_and_fields_that_nothing_uses_are_not_looked_at() {
             tree.text("topologies/skin/type", "unstructured").text("topologies/skin/coordset", "coords");
         let tree = tree.text("topologies/skin/elements/shape", "quad");
         let tree = tree.array("topologies/skin/elements/connectivity", vec![0, 1, 4, 3_i32]);
+        let tree =
+            tree.text("topologies/sheet/type", "structured").text("topologies/sheet/coordset", "coords");
+        let tree = ["i", "j"]
+            .iter()
+            .fold(tree, |tree, axis| tree.int64(&format!("topologies/sheet/elements/dims/{axis}"), 1));
         let tree = tree.text("fields/load/association", "element").text("fields/load/topology", "skin");
         tree.array("fields/load/values", vec![1.0_f64])
     };

@@ -37,7 +37,8 @@ fn the_solvers_are_drawn_while_they_run() {
     for source in ["examples/catalyst_cpp/heat.cpp", "examples/catalyst_fortran/heat.f90"] {
         let folder = folder(PIPELINE);
         let own = folder.path();
-        let Some(program) = program(own, source) else { return };
+        // Without one compiler the other's pictures are looked at.
+        let Some(program) = program(own, source) else { continue };
         let scene = own.join("scene.toml");
         let words = [installed(own).to_str().unwrap().to_string(), scene.to_str().unwrap().to_string()];
         let output = run(&program, &words.each_ref().map(String::as_str));
@@ -68,6 +69,23 @@ fn a_mistake_ends_the_example_with_one_message() {
     assert!(said.ends_with("catalyst_initialize: status 100\n") && said.lines().count() == 2, "{said}");
 }
 
+/// One of several processes that a launcher has started, and no MPI that runs: each would write the same files.
+#[test]
+fn a_launched_process_without_mpi_is_refused() {
+    let folder = folder(PIPELINE);
+    let own = folder.path();
+    let Some(program) = program(own, "examples/catalyst_cpp/heat.cpp") else { return };
+    let output = Command::new(program)
+        .args([installed(own), own.join("scene.toml")])
+        .env("OMPI_COMM_WORLD_SIZE", "4")
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let what = if cfg!(feature = "mpi") { "MPI has not been started" } else { "built without MPI" };
+    assert!(said.contains(what) && said.contains("found 4 processes"), "{said}");
+    assert_eq!(output.status.code(), Some(1), "{said}");
+}
+
 /// The example under `mpirun`: the picture of several processes is that of one.
 #[cfg(feature = "mpi")]
 #[test]
@@ -96,11 +114,14 @@ fn several_processes_of_mpi_draw_the_picture_of_one() {
             .output()
             .unwrap();
         assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
-        let output = Command::new("mpirun")
-            .args(["--oversubscribe", "-n", &count.to_string()])
+        // `MPIRUN` names that of another MPI.
+        let launcher = std::env::var_os("MPIRUN").unwrap_or_else(|| "mpirun".into());
+        let output = Command::new(launcher)
+            .args(["-n", &count.to_string()])
             .arg(&heat)
             .args([installed(own), own.join("scene.toml")])
             .arg("10")
+            .env("OMPI_MCA_rmaps_base_oversubscribe", "1")
             .env("OMPI_ALLOW_RUN_AS_ROOT", "1")
             .env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
             .output()
@@ -108,6 +129,7 @@ fn several_processes_of_mpi_draw_the_picture_of_one() {
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         pictures.push(picture(&own.join("010.exr")));
     }
+    assert!(pictures[0].rgba.iter().any(|pixel| pixel[3] > 0.05), "something is seen");
     for (count, found) in pictures.iter().enumerate() {
         let both = found.rgba.iter().flatten().zip(pictures[0].rgba.iter().flatten());
         let largest = both.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);

@@ -6,6 +6,7 @@ use crate::steps::two_grids;
 use crate::tree::Tree;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
+use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 use voltet_graph::ranks::{OneRank, Ranks};
 
@@ -119,9 +120,7 @@ fn several_processes_draw_the_picture_of_one() {
         if count == 1 {
             assert_same(&found, &expected);
         }
-        let difference =
-            |(a, b): (&[f32; 4], &[f32; 4])| (0..4).map(|k| (a[k] - b[k]).abs()).fold(0.0, f32::max);
-        let largest = found.rgba.iter().zip(&expected.rgba).map(difference).fold(0.0, f32::max);
+        let largest = largest_difference(&found, &expected);
         println!("{count} processes: largest difference {largest:e}");
         assert!(largest <= GRAZING, "{count} processes: {largest}");
         assert_same(&picture(&folder.path().join("001.exr")), &found);
@@ -130,6 +129,17 @@ fn several_processes_draw_the_picture_of_one() {
 
 #[test]
 fn a_failure_of_one_process_ends_the_step_of_all() {
+    let apart = [0, 1, 2].map(|rank| {
+        let own = folder(&PIPELINE.replace("{step:03}", "sub/{step:03}"));
+        let sub = own.path().join("sub");
+        // The first one has a file in the folder's place.
+        if rank == 0 {
+            std::fs::write(sub, "").unwrap()
+        } else {
+            std::fs::create_dir(sub).unwrap()
+        };
+        own
+    });
     let folder = folder(PIPELINE);
     let errors = on_ranks(3, |ranks| {
         let rank = ranks.rank();
@@ -143,10 +153,7 @@ fn a_failure_of_one_process_ends_the_step_of_all() {
         });
         let first = wrong.execute(&mut simulation).unwrap_err().to_string();
         // A file that the first process alone cannot write, when the others draw already.
-        let tree = Tree::new()
-            .text("catalyst/scripts/a/filename", folder.path().join("scene.toml").to_str().unwrap());
-        let nowhere = if rank == 0 { "file.path=no/folder/a.exr" } else { "file.path=a.exr" };
-        let mut failing = tree.append("catalyst/scripts/a/args", nowhere).simulation(ranks.clone()).unwrap();
+        let mut failing = start(apart[rank].path()).simulation(ranks.clone()).unwrap();
         let second = step(1, |tree| describe(tree, &own)).execute(&mut failing).unwrap_err().to_string();
         step(2, |tree| describe(tree, &own)).execute(&mut simulation).unwrap();
         [first, second]
@@ -180,4 +187,91 @@ fn a_pipeline_of_several_processes_takes_one_channel() {
         both.execute(&mut simulation).unwrap_err().to_string()
     });
     assert!(errors.iter().all(|error| error.contains("several channels of several processes")), "{errors:?}");
+}
+
+/// Largest difference of a channel of two pictures.
+fn largest_difference(one: &Picture, other: &Picture) -> f32 {
+    let both = one.rgba.as_flattened().iter().zip(other.rgba.as_flattened());
+    both.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+}
+
+/// The picture of a step whose ranks describe their meshes; in that of one process all meshes are there.
+fn picture_of(
+    pipeline: &str,
+    count: usize,
+    describe: impl Fn(Tree, std::ops::Range<usize>) -> Tree + Sync,
+) -> [Picture; 2] {
+    let [alone, together] = [folder(pipeline), folder(pipeline)];
+    let mut simulation = start(alone.path()).simulation(Arc::new(OneRank)).unwrap();
+    step(0, |tree| describe(tree, 0..count)).execute(&mut simulation).unwrap();
+    on_ranks(count, |ranks| {
+        let rank = ranks.rank();
+        let mut simulation = start(together.path()).simulation(ranks).unwrap();
+        step(0, |tree| describe(tree, rank..rank + 1)).execute(&mut simulation).unwrap();
+    });
+    let pictures = [alone, together].map(|folder| picture(&folder.path().join("000.exr")));
+    assert!(pictures[0].rgba.iter().any(|pixel| pixel[3] > 0.1), "something is seen");
+    pictures
+}
+
+#[test]
+fn a_block_is_its_name_on_every_process() {
+    // The numbers of the picture are stated: a part has no others.
+    let data = "catalyst/channels/grid/data";
+    let [alone, together] = picture_of(PIPELINE, 2, |tree, ranks| {
+        let tree = tree.within("").text("catalyst/channels/grid/type", "multimesh");
+        ranks.fold(tree, |tree, rank| match rank {
+            0 => {
+                let tree = slab(tree.within(&format!("{data}/fluid/domain_0")), [0, 3]);
+                slab(tree.within(&format!("{data}/solid/domain_0")), [3, 5])
+            }
+            _ => slab(tree.within(&format!("{data}/solid/domain_1")), [5, 8]),
+        })
+    });
+    let largest = largest_difference(&alone, &together);
+    assert!(largest <= GRAZING, "{largest}");
+}
+
+#[test]
+fn a_process_whose_domains_lack_the_field_has_no_part() {
+    let [alone, together] = picture_of(PIPELINE, 2, |tree, ranks| {
+        ranks.fold(tree.within(""), |tree, rank| {
+            let at = format!("catalyst/channels/grid/data/domain_{rank}");
+            let tree = slab(tree.within(&at), [4 * rank, 4 * rank + 4]);
+            if rank == 1 { tree.text("fields/T/topology", "skin") } else { tree }
+        })
+    });
+    let largest = largest_difference(&alone, &together);
+    assert!(largest <= GRAZING, "{largest}");
+}
+
+#[test]
+fn processes_that_state_different_things_are_refused_together() {
+    let folder = folder(PIPELINE);
+    let started = |ranks: Arc<dyn Ranks>, unit: usize| {
+        let path = folder.path().join("scene.toml");
+        let tree = Tree::new().text("catalyst/scripts/a/filename", path.to_str().unwrap());
+        let tree = tree.append("catalyst/scripts/a/args", "every=10");
+        tree.append("catalyst/scripts/a/args", &format!("look.unit_distance={unit}.5")).simulation(ranks)
+    };
+    let errors = on_ranks(2, |ranks| {
+        let (rank, own) = (ranks.rank(), domains(ranks.rank(), 2));
+        let first = started(ranks.clone(), 1 + rank).err().unwrap().to_string();
+        let mut simulation = started(ranks, 1).unwrap();
+        let at = |number: usize| step(number as i64, |tree| describe(tree, &own));
+        let second = at(10 + rank).execute(&mut simulation).unwrap_err().to_string();
+        at(20).execute(&mut simulation).unwrap();
+        [first, second]
+    });
+    for [first, second] in errors {
+        let what = "the processes state different steps, pipelines or channels";
+        assert!(
+            first.contains(what)
+                && first.contains("rank 0: unit_distance = 1.5; rank 1: unit_distance = 2.5"),
+            "{first}"
+        );
+        let steps = "rank 0: step 10, time 2.5; rank 1: step 11, time 2.75";
+        assert!(second.contains(what) && second.contains(steps), "{second}");
+    }
+    assert!(folder.path().join("020.exr").exists());
 }

@@ -66,6 +66,26 @@ fn lengths_that_disagree_are_named() {
 }
 
 #[test]
+fn counts_that_no_memory_holds_are_refused_before_points_are_made() {
+    let uniform = |tree: Tree, count: i64| {
+        let tree = tree.text("coordsets/coords/type", "uniform");
+        let tree = ["i", "j", "k"]
+            .iter()
+            .fold(tree, |tree, axis| tree.int64(&format!("coordsets/coords/dims/{axis}"), count));
+        let tree = tree.text("topologies/mesh/type", "uniform").text("topologies/mesh/coordset", "coords");
+        let tree = tree.text("fields/T/association", "vertex").text("fields/T/topology", "mesh");
+        tree.array("fields/T/values", temperatures())
+    };
+    refused(&["coordsets/coords has too many points", "expected at most 4294967295"], |tree| {
+        uniform(tree, 8_000_000_000_000_000)
+    });
+    // 100 GB of points.
+    refused(&["fields/T/values has the wrong number of values", "found 12; expected 4251528000"], |tree| {
+        uniform(tree, 1620)
+    });
+}
+
+#[test]
 fn numbers_out_of_range_are_named() {
     let with = |number: i32| {
         let mut connectivity = HEXAHEDRA.map(|point| point as i32);
@@ -142,6 +162,17 @@ fn pipelines_that_are_wrong_are_refused_at_once() {
         refusal(tree.append("catalyst/scripts/a/args", text))
     };
     assert!(argument("every=0").contains("every=N with N from 1"));
+    // One argument is a list of one.
+    let path = one.path().join("scene.toml");
+    let named = || Tree::new().text("catalyst/scripts/a/filename", path.to_str().unwrap());
+    let alone = refusal(named().text("catalyst/scripts/a/args", "look.unit=3"));
+    assert!(alone.contains("unit_distance"), "{alone}");
+    let numbers = refusal(named().int64("catalyst/scripts/a/args", 3));
+    assert!(numbers.contains("scripts/a/args is no list of texts: found numbers"), "{numbers}");
+    let object = refusal(Tree::new().text("catalyst/scripts/a/file", path.to_str().unwrap()));
+    assert!(object.contains("scripts/a is no text: found an object; expected a text"), "{object}");
+    let twice = refusal(named().text("catalyst/scripts/b", path.to_str().unwrap()));
+    assert!(twice.contains("two pipelines write one file: found '{step:03}.exr' of a and of b"), "{twice}");
     let unknown = argument("look.unit=3");
     assert!(unknown.contains("unit_distance") && unknown.contains("catalyst/scripts/a/args"), "{unknown}");
     let blocks = folder(&PIPELINE.replace("scalar =", "blocks = [\"a\"]\nscalar ="));
@@ -162,4 +193,27 @@ fn a_channel_that_goes_away_is_named_and_the_simulation_goes_on() {
     let names: Vec<bool> =
         ["000.exr", "001.exr", "002.exr", "003.exr"].map(|name| folder.path().join(name).exists()).into();
     assert_eq!(names, [true, false, false, true]);
+}
+
+#[test]
+fn names_of_pipelines_that_there_are_not_are_refused() {
+    let folder = folder(PIPELINE);
+    let mut simulation = start(folder.path()).simulation(Arc::new(OneRank)).unwrap();
+    // One name is a list of one.
+    let other = step(0, cubes).text("catalyst/state/pipelines", "pictures");
+    let error = other.execute(&mut simulation).unwrap_err().to_string();
+    assert!(error.contains("names no script: found 'pictures'; expected picture"), "{error}");
+    assert!(!folder.path().join("000.exr").exists());
+}
+
+#[test]
+fn a_step_does_not_overwrite_the_picture_of_another() {
+    let folder = folder(&PIPELINE.replace("{step:03}", "at_{time:.1}"));
+    let mut simulation = start(folder.path()).simulation(Arc::new(OneRank)).unwrap();
+    step(0, cubes).execute(&mut simulation).unwrap();
+    step(0, cubes).execute(&mut simulation).unwrap();
+    let close = step(1, cubes).float64("catalyst/state/time", 0.001);
+    let error = close.execute(&mut simulation).unwrap_err().to_string();
+    assert!(error.contains("'at_0.0.exr' of step 0, time 0 and of step 1, time 0.001"), "{error}");
+    step(2, cubes).execute(&mut simulation).unwrap();
 }

@@ -53,6 +53,9 @@ fn channels_feed_the_nodes_of_their_names() {
     let unnamed = Tree::new().text("catalyst/channels/mesh/type", "mesh");
     let error = unnamed.execute(&mut simulation).unwrap_err().to_string();
     assert!(error.contains("channels mesh; nodes grid, rest"), "{error}");
+    // A channel that comes later feeds its node, too; before, the node's file is missed.
+    let error = step(0, cubes).execute(&mut simulation).unwrap_err().to_string();
+    assert!(error.contains("mesh.vtu"), "{error}");
     let tree = step(1, cubes).text("catalyst/channels/rest/type", "mesh");
     cubes(tree.within("catalyst/channels/rest/data")).execute(&mut simulation).unwrap();
     assert_eq!(names(folder.path()), ["001.exr", "other_1.exr", "scene.toml"]);
@@ -126,7 +129,7 @@ fn what_lies_side_by_side_in_64_bits_is_borrowed() {
     let loan: catalyst_voltet::conduit::Loan = Arc::new(());
     let channel = tree.node();
     let channel = channel.require("catalyst/channels/grid").unwrap();
-    let pieces = catalyst_voltet::mesh::pieces(&channel, &selection, &loan).unwrap();
+    let pieces = catalyst_voltet::mesh::read(&channel, &selection, &loan).unwrap().pieces;
     let [piece] = &pieces[..] else { panic!("{} pieces", pieces.len()) };
     assert!(piece.points.is_lent() && piece.point_arrays["T"].values.is_lent());
     let voltet_core::grid::Cells::Tetrahedra(tetrahedra) = &piece.cells else { panic!("no tetrahedra") };
