@@ -14,7 +14,7 @@ use voltet_graph::{
     SavedWork, Steps, TimeSeries, Value,
 };
 use voltet_io::formats::{
-    self, Association, CellValues, Options, Request, SelectedArrays, TimeStep, existing_file,
+    self, Association, CellValues, Options, PieceBorders, Request, SelectedArrays, TimeStep, existing_file,
 };
 use voltet_io::memory::GridSize;
 
@@ -220,14 +220,9 @@ pub(crate) fn run(call: &mut RunContext, chosen: Option<SelectedArrays>) -> Resu
 
 /// The grid of a part; none where it has no cells that are drawn.
 fn read_part(call: &mut RunContext, part: &GridPart, path: &Path, request: &Request) -> Result<Option<Grid>> {
-    let borders = call.keep_for_parts(|| {
-        formats::piece_borders(
-            path,
-            request,
-            part.layers,
-            Some((&part.pieces, call.ranks())),
-            call.progress(),
-        )
+    // Finding them takes all processes, so it is not done here.
+    let borders = call.keep_for_parts(|| -> Result<PieceBorders> {
+        Err(Error::run("a part is read before the borders of the pieces are found"))
     })?;
     let count = part.pieces.iter().filter(|&&piece| borders.is_drawn(piece)).count();
     call.notes.counts.insert(PIECES_READ, count as u64);

@@ -8,7 +8,7 @@ use crate::draw::{max_optical_depth, needs_gradient, prepare, prepare_in_order, 
 use crate::frame_renderer::{DrawnFrame, RayInputs};
 use crate::projection::Projection;
 use crate::segment_cache::{Plan, SegmentCache};
-use crate::selection::{CullSample, Traversal};
+use crate::selection::{CullSample, Traversal, without};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 use voltet_core::diagnostics::Diagnostics;
@@ -76,24 +76,23 @@ impl Engine for Native {
         whole: &SceneExtent,
         transfer_function: &TransferFunction,
         tally: &PartTally,
-        boundary_faces: f64,
     ) -> Result<SceneChoices> {
         let length = extent::scene_length(whole.volume.bounds)?;
         let policy = RayCastPolicy::new(transfer_function, max_optical_depth(transfer_function, length));
+        // Rays that are cast through all parts show their boundary.
         let casts_rays = policy.pays(tally.covered_pixels / tally.cells.max(1.0))
-            && policy.allows_boundary(boundary_faces, tally.cells);
+            && (tally.lacks_boundary || policy.allows_boundary(tally.outer_faces, tally.cells));
         let is_active = |widget: usize| tally.active_widgets.get(widget).copied().unwrap_or(true);
-        let mut active = transfer_function.clone();
-        let mut number = 0..;
-        active.widgets.retain(|_| is_active(number.next().unwrap_or_default()));
-        let origins = |function: &TransferFunction| {
-            (0..2 + transfer_function.fields().len())
-                .map(|axis| function.axis_origin(axis))
-                .collect::<Vec<_>>()
+        let inactive: Vec<usize> =
+            (0..transfer_function.widgets.len()).filter(|&widget| !is_active(widget)).collect();
+        let rounding = |function: &TransferFunction| {
+            let origins = (0..2 + transfer_function.fields().len()).map(|axis| function.axis_origin(axis));
+            let has_edges = function.widgets.iter().any(|widget| widget.region.is_some());
+            (origins.collect::<Vec<_>>(), has_edges)
         };
-        let is_same = active.widgets.is_empty() || origins(&active) == origins(transfer_function);
-        let inactive = (0..transfer_function.widgets.len()).filter(|&widget| !is_same && !is_active(widget));
-        Ok(SceneChoices { casts_rays: Some(casts_rays), inactive_widgets: inactive.collect() })
+        let is_same = rounding(&without(transfer_function, &inactive)) == rounding(transfer_function);
+        let inactive_widgets = if is_same { Vec::new() } else { inactive };
+        Ok(SceneChoices { casts_rays: Some(casts_rays), inactive_widgets })
     }
 }
 

@@ -50,13 +50,19 @@ impl Projection {
     /// Figures of the cells, as a part of a grid.
     pub(crate) fn tally(&self) -> PartTally {
         let Some(sample) = self.samples.first() else { return PartTally::default() };
-        let SubpixelView { view, screen_vertices, extent, source, .. } = sample;
+        let SubpixelView { view, screen_vertices, extent, source, attribute_count, .. } = sample;
         let caster = match source {
             SegmentSource::RayCast(caster) => Some(caster),
             _ => None,
         };
-        let faces = self.cells.faces.as_ref();
-        ray_caster::tally(&self.cells, faces, (view, screen_vertices), (extent, self.policy), caster)
+        ray_caster::tally(
+            &self.cells,
+            self.cells.faces.as_ref(),
+            (view, screen_vertices),
+            (extent, self.policy),
+            (*attribute_count, self.max_optical_depth),
+            caster,
+        )
     }
 
     /// Projects the cells for one more sample of every pixel. `attributes`: at least those that the first was projected with.

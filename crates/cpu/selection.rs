@@ -83,18 +83,27 @@ impl CellSelection {
         &self,
         transfer_function: &'a TransferFunction,
     ) -> Cow<'a, TransferFunction> {
-        let is_culled_for = self.culled_for.as_ref() == Some(transfer_function);
-        let all = self.inactive_widgets.len() == transfer_function.widgets.len();
-        if !is_culled_for || all || self.inactive_widgets.is_empty() {
-            return Cow::Borrowed(transfer_function);
+        match self.culled_for.as_ref() == Some(transfer_function) {
+            true => without(transfer_function, &self.inactive_widgets),
+            false => Cow::Borrowed(transfer_function),
         }
-        let mut active = transfer_function.clone();
-        let mut number = 0;
-        active.widgets.retain(|widget| {
-            let inactive = self.inactive_widgets.contains(&number);
-            number += 1;
-            !inactive || !widget.profile.properties().fields.is_empty()
-        });
-        Cow::Owned(active)
     }
+}
+
+/// A transfer function without these widgets, unless they are all; those over further fields stay.
+pub(crate) fn without<'a>(
+    transfer_function: &'a TransferFunction,
+    inactive_widgets: &[usize],
+) -> Cow<'a, TransferFunction> {
+    if inactive_widgets.is_empty() || inactive_widgets.len() == transfer_function.widgets.len() {
+        return Cow::Borrowed(transfer_function);
+    }
+    let mut active = transfer_function.clone();
+    let mut number = 0;
+    active.widgets.retain(|widget| {
+        let inactive = inactive_widgets.contains(&number);
+        number += 1;
+        !inactive || !widget.profile.properties().fields.is_empty()
+    });
+    Cow::Owned(active)
 }

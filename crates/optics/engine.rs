@@ -154,14 +154,13 @@ pub trait Engine: Any + Send + Sync {
         Err(Error::run("the engine draws whole grids").got("a part of a grid").expected("another engine"))
     }
 
-    /// The choices for a whole grid of this extent, whose parts have this tally together and so many faces at the boundary of the
-    /// selected cells. Errors: an extent beyond 64-bit floats.
+    /// The choices for a whole grid of this extent, whose parts have this tally together, with the boundary counted
+    /// ([`PartTally::count_boundary`]). Errors: an extent beyond 64-bit floats.
     fn choices(
         &self,
         _whole: &SceneExtent,
         _transfer_function: &TransferFunction,
         _tally: &PartTally,
-        _boundary_faces: f64,
     ) -> Result<SceneChoices> {
         Ok(SceneChoices::default())
     }

@@ -141,12 +141,15 @@ pub struct PartTally {
     pub covered_pixels: f64,
     /// Cells in widgets' supports.
     pub cells: f64,
-    /// Faces at the boundary of these cells, by keys of their corners' positions. A face between two parts is there twice; where a
-    /// part by itself is projected for another reason than its boundary, there is none.
+    /// Faces at the boundary of these cells that no other part can share.
+    pub outer_faces: f64,
+    /// Further faces there, by keys of their corners' positions. A face between two parts is there twice.
     pub boundary: Vec<u64>,
+    /// True if the boundary of a part is not known, through which rays could be cast: it did not pay for the part by itself.
+    pub lacks_boundary: bool,
     /// True for each widget that a cell in view touches.
     pub active_widgets: Vec<bool>,
-    /// True if rays were cast through a part; if cells of one were projected that could have been.
+    /// True if rays were cast through a part; if cells in view of one were projected that could have been.
     pub methods: [bool; 2],
 }
 
@@ -155,15 +158,18 @@ impl PartTally {
     pub fn add(&mut self, other: PartTally) {
         self.covered_pixels += other.covered_pixels;
         self.cells += other.cells;
+        self.outer_faces += other.outer_faces;
         self.boundary.extend(other.boundary);
+        self.lacks_boundary |= other.lacks_boundary;
         self.active_widgets.resize(self.active_widgets.len().max(other.active_widgets.len()), false);
         self.active_widgets.iter_mut().zip(other.active_widgets).for_each(|(own, other)| *own |= other);
         self.methods.iter_mut().zip(other.methods).for_each(|(own, other)| *own |= other);
     }
-}
 
-/// Number of keys that are there once: faces at the boundary of all parts.
-pub fn outer_faces(mut keys: Vec<u64>) -> usize {
-    keys.par_sort_unstable();
-    keys.chunk_by(|a, b| a == b).filter(|same| same.len() == 1).count()
+    /// Counts the faces whose keys are there once as outer faces, and drops all keys: those of all parts are there.
+    pub fn count_boundary(&mut self) {
+        let mut keys = std::mem::take(&mut self.boundary);
+        keys.par_sort_unstable();
+        self.outer_faces += keys.chunk_by(|a, b| a == b).filter(|same| same.len() == 1).count() as f64;
+    }
 }

@@ -16,7 +16,7 @@ use voltet_optics::depth_image::{Supersegment, VolumetricDepthImage};
 use voltet_optics::engine::{AdapterRequest, Engine, EngineInfo, RenderOptions};
 use voltet_optics::ray_events::{RayEventSource, RayEvents};
 use voltet_optics::scene::Scene;
-use voltet_optics::scene_parts::{PartTally, SceneChoices, SceneExtent, outer_faces};
+use voltet_optics::scene_parts::{PartTally, SceneChoices, SceneExtent};
 use voltet_optics::shading::{Shading, VisibilityOrder};
 
 /// Memory of a stretch of a ray (bytes).
@@ -50,19 +50,29 @@ pub fn draw_parts(call: &mut RunContext) -> Result<Outputs> {
     };
     let mut choices = SceneChoices::default();
     let before = call.notes.clone();
+    let mut sent = 0;
+    let mut rounds = 1;
     let image = loop {
         let (image, tally) = draw_each(call, &*engine, (&whole, &choices), &scene_of, &events)?;
-        let (tally, boundary_faces) = tally_of_all(call, tally)?;
-        let decided = engine.choices(&whole, &transfer_function, &tally, boundary_faces)?;
+        let tally = tally_of_all(call, tally, &mut sent)?;
+        let decided = engine.choices(&whole, &transfer_function, &tally)?;
         if choices.serves(&decided, &tally) {
             break image;
         }
+        // The time that it took is spent.
+        let stages = std::mem::take(&mut call.notes.stages);
         (choices, call.notes) = (decided, before.clone());
+        call.notes.stages = stages;
+        rounds += 1;
     };
+    if rounds > 1 {
+        let what = format!("the parts were drawn {rounds} times, at last by what serves the whole grid");
+        call.notes.find(what, json!({ "rounds_drawn": rounds }));
+    }
     call.notes.counts.insert("ray_stretches", image.stretch_count());
     call.notes.engine = Some((NATIVE.name.into(), "it draws grids in parts".into()));
     call.notes.adapter = Some(engine.adapter());
-    let (picture, overlapping) = picture_of_all(call, &image, &events)?;
+    let (picture, overlapping) = picture_of_all(call, &image, &events, sent)?;
     if overlapping > 0 && call.ranks().rank() == 0 {
         call.notes.warnings.push(format!(
             "parts of the grid overlap in {}: what is there twice is drawn twice as dense. Are ghost cells marked by vtkGhostType?",
@@ -141,7 +151,9 @@ fn draw_each(
         refuse_beyond_memory(call.progress(), || "the stretches of rays in parts of the grid".into(), bytes)?;
         image = call.stage("merge", |_| image.merged(&own, events))?;
         tally.add(figures);
-        Ok(())
+        // Those of all parts, those that are sent and those that come.
+        let bytes = 3 * size_of_val(&tally.boundary[..]) as u64;
+        refuse_beyond_memory(call.progress(), || "the boundaries of parts of the grid".into(), bytes)
     })?;
     Ok((image, tally))
 }
@@ -166,38 +178,56 @@ fn extent_of_parts(call: &mut RunContext, fields: &[&str], camera: &Camera) -> R
     of_all.ok_or_else(|| Error::run("no process has a part of the grid"))
 }
 
-/// The figures of the cells of all processes, and the number of faces at the boundary of the cells of all.
-fn tally_of_all(call: &RunContext, mut own: PartTally) -> Result<(PartTally, f64)> {
+/// The figures of the cells of all processes. `sent`: takes in the bytes that this process has sent for it.
+fn tally_of_all(call: &RunContext, mut own: PartTally, sent: &mut u64) -> Result<PartTally> {
     let count = call.ranks().count();
+    if count == 1 {
+        own.count_boundary();
+        return Ok(own);
+    }
     let mut to_each: Vec<Vec<u8>> = vec![Vec::new(); count];
     for key in std::mem::take(&mut own.boundary) {
         to_each[(key % count as u64) as usize].extend(key.to_le_bytes());
     }
+    let to_others = to_each.iter().enumerate().filter(|(rank, _)| *rank != call.ranks().rank());
+    *sent += to_others.map(|(_, keys)| keys.len() as u64).sum::<u64>();
     let keys = call.ranks().exchange(to_each)?;
     let keys = keys.iter().flat_map(|bytes| bytes.as_chunks::<8>().0).map(|key| u64::from_le_bytes(*key));
-    let faces = outer_faces(keys.collect()) as f64;
-    let flags = own.methods.iter().chain(&own.active_widgets).map(|flag| f64::from(u8::from(*flag)));
-    let numbers: Vec<f64> = [own.covered_pixels, own.cells, faces].into_iter().chain(flags).collect();
-    let (mut all, mut all_faces) = (PartTally::default(), 0.0);
+    own.boundary.extend(keys);
+    own.count_boundary();
+    let flags = own.methods.iter().chain([&own.lacks_boundary]).chain(&own.active_widgets);
+    let flags = flags.map(|flag| f64::from(u8::from(*flag)));
+    let numbers: Vec<f64> =
+        [own.covered_pixels, own.cells, own.outer_faces].into_iter().chain(flags).collect();
+    let mut all = PartTally::default();
     for numbers in call.gather(&numbers)? {
-        let [covered_pixels, cells, faces, cast, projected, ref active @ ..] = numbers[..] else {
+        let [covered_pixels, cells, outer_faces, cast, projected, lacks, ref active @ ..] = numbers[..]
+        else {
             return Err(Error::run("another process sent broken figures").got(numbers.len()));
         };
         let active_widgets = active.iter().map(|flag| *flag > 0.0).collect();
         let methods = [cast > 0.0, projected > 0.0];
-        all.add(PartTally { covered_pixels, cells, active_widgets, methods, ..PartTally::default() });
-        all_faces += faces;
+        all.add(PartTally {
+            covered_pixels,
+            cells,
+            outer_faces,
+            boundary: Vec::new(),
+            lacks_boundary: lacks > 0.0,
+            methods,
+            active_widgets,
+        });
     }
-    Ok((all, all_faces))
+    Ok(all)
 }
 
 /// The picture of the parts of all processes, on the first of them, and the number of pixels in which parts overlap; on the others it is
 /// transparent. Each puts together some of the rows, of which the others send it theirs (direct send: Hsu 1993, "Segmented ray casting for
-/// data parallel volume rendering").
+/// data parallel volume rendering"). `sent`: bytes that this process has sent for the picture before.
 fn picture_of_all(
     call: &mut RunContext,
     image: &VolumetricDepthImage,
     events: &[RayEvents],
+    sent: u64,
 ) -> Result<(Picture, u64)> {
     let [width, height] = image.size;
     let count = call.ranks().count();
@@ -211,7 +241,7 @@ fn picture_of_all(
         false => Ok(image.rows(rows(rank))?.to_bytes()),
     };
     let to_each = (0..count).map(message).collect::<Result<Vec<_>>>()?;
-    let mut sent = to_each.iter().map(|bytes| bytes.len() as u64).sum::<u64>();
+    let mut sent = to_each.iter().map(|bytes| bytes.len() as u64).fold(sent, u64::saturating_add);
     let mut own = image.rows(rows(own_rank))?;
     for (rank, bytes) in call.ranks().exchange(to_each)?.iter().enumerate() {
         if rank != own_rank {

@@ -122,7 +122,10 @@ const KEYS: &[(&str, &str, &str)] = &[
 const COUNTS: &[(&str, &str)] = &[
     ("arrays_decoded", "arrays that were read from the file"),
     ("arrays_written", "arrays of `grid-writer`"),
-    ("bytes_sent", "bytes that processes sent each other for the picture"),
+    (
+        "bytes_sent",
+        "bytes that processes sent each other for the picture, and for the choice of how to draw it",
+    ),
     (
         "bytes_sent_least",
         "bytes of these that any method sends: colour and opacity of each pixel that a process beside the first touches",

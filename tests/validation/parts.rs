@@ -11,7 +11,7 @@ use voltet_cpu::ENGINE;
 use voltet_optics::depth_image::VolumetricDepthImage;
 use voltet_optics::engine::{AdapterRequest, RenderOptions};
 use voltet_optics::scene::Scene;
-use voltet_optics::scene_parts::{PartTally, SceneChoices, SceneExtent, outer_faces};
+use voltet_optics::scene_parts::{PartTally, SceneChoices, SceneExtent};
 use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
 use voltet_testing::pictures::Engine;
 use voltet_testing::pictures::compare::{NamedScene, within};
@@ -106,9 +106,9 @@ fn draw(scene: &Scene, part_of: impl Fn(usize) -> usize + Sync) -> Result<Pictur
     };
     let mut choices = SceneChoices::default();
     loop {
-        let (picture, tally) = draw_by(&choices)?;
-        let faces = outer_faces(tally.boundary.clone()) as f64;
-        let decided = engine.choices(&whole, &scene.transfer_function, &tally, faces)?;
+        let (picture, mut tally) = draw_by(&choices)?;
+        tally.count_boundary();
+        let decided = engine.choices(&whole, &scene.transfer_function, &tally)?;
         if choices.serves(&decided, &tally) {
             return Ok(picture);
         }

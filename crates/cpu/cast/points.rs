@@ -70,7 +70,7 @@ pub(crate) struct ScreenExtent {
     far: f64,
 }
 
-/// Binary digits that are left of the ends of an extent.
+/// Binary digits that are left of the largest position, and of depths within their range.
 const EXTENT_BITS: u32 = 16;
 
 /// Fraction of itself by which rounding may move an end, at most.
@@ -101,8 +101,15 @@ impl ScreenExtent {
         ScreenExtent::rounded([largest, depth[0] / view.length, depth[1] / view.length])
     }
 
+    /// Depths are rounded by a share of their range, which may be far smaller than they are.
     fn rounded([largest, near, far]: [f64; 3]) -> ScreenExtent {
-        ScreenExtent { largest: coarse_above(largest), near: -coarse_above(-near), far: coarse_above(far) }
+        let largest = coarse_above(largest);
+        let [before, behind] = [near - EXTENT_ROUNDING * near.abs(), far + EXTENT_ROUNDING * far.abs()];
+        let step = ((behind - before).log2().ceil() - f64::from(EXTENT_BITS)).exp2();
+        let ends = [(before / step).floor() * step, (behind / step).ceil() * step];
+        // All points in the plane of the eye, or none.
+        let [near, far] = if ends.iter().all(|end| end.is_finite()) { ends } else { [near, far] };
+        ScreenExtent { largest, near, far }
     }
 
     /// True if the near plane, or the eye, may cut cells.

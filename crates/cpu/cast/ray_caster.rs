@@ -2,7 +2,7 @@
 //! model of casting rays against projecting cells.
 
 use super::edge_functions::{FacePoint, Offset, edge_function, edges_inside, moved_by_depth};
-use super::half_faces::{BoundaryFace, EXIT_FLAG, FaceCache, HalfFaces, MAX_CELLS};
+use super::half_faces::{BoundaryFace, EXIT_FLAG, FaceCache, HalfFaces, MAX_CELLS, NO_FACE};
 use super::points::{Points, ScreenExtent};
 use crate::fragments::batch::MAX_LANES;
 use crate::project::cells::Input;
@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher};
 use std::sync::Arc;
 use voltet_core::transfer::TransferFunction;
-use voltet_optics::scene_parts::PartTally;
+use voltet_optics::scene_parts::{PartTally, SceneExtent};
 use voltet_optics::shading::Ordering;
 use voltet_simd::{Float, Kernel, LaneSet, Lanes, Mask, Unsigned, array, dispatch, inlined, mask_of};
 
@@ -46,12 +46,7 @@ impl RayCaster {
     ) -> Option<RayCaster> {
         let Input { view, screen_vertices, tetrahedra, attributes, max_optical_depth, .. } = *input;
         let drawn = drawn(cells, faces, view, extent);
-        let is_possible = cells.traversal != Traversal::Project
-            && matches!(cells.ordering, Ordering::Independent | Ordering::PerPixel)
-            && attributes.len() <= MAX_RAYCAST_ATTRIBUTES
-            && !drawn.is_empty()
-            && drawn.len() <= MAX_CELLS;
-        if !is_possible {
+        if !serves(cells, drawn, attributes.len()) {
             return None;
         }
         let segments = covered_pixels(view, screen_vertices, tetrahedra, &cells.ids) / drawn.len() as f64;
@@ -62,10 +57,10 @@ impl RayCaster {
         let grid = &cells.volume.grid;
         let mesh = faces.mesh(grid);
         let longest_edges = cells.whole.as_ref().map_or(mesh.longest, |whole| whole.longest_edges);
-        let [longest, longest_thin] = longest_edges.map(|longest| longest / cells.length);
-        if MAX_THIN_CELL_DEPTH < max_optical_depth * longest_thin {
+        if are_thin_cells_dense(cells, longest_edges, max_optical_depth) {
             return None;
         }
+        let longest = longest_edges[0] / cells.length;
         let half_faces = faces.half_faces(&mesh, grid, drawn);
         let allows_boundary = policy.allows_boundary(half_faces.boundary.len() as f64, drawn.len() as f64);
         if !cells.casts_rays && !allows_boundary {
@@ -88,26 +83,54 @@ impl RayCaster {
     }
 }
 
+/// True if rays can be cast through cells in their order, with so many attributes.
+fn serves(cells: &CellSelection, drawn: &[u32], attribute_count: usize) -> bool {
+    cells.traversal != Traversal::Project
+        && matches!(cells.ordering, Ordering::Independent | Ordering::PerPixel)
+        && attribute_count <= MAX_RAYCAST_ATTRIBUTES
+        && !drawn.is_empty()
+        && drawn.len() <= MAX_CELLS
+}
+
+/// True if thin cells are optically thick: they are projected. `longest_edges`: of all cells and of thin ones, world units.
+fn are_thin_cells_dense(cells: &CellSelection, [_, longest_thin]: [f64; 2], max_optical_depth: f64) -> bool {
+    MAX_THIN_CELL_DEPTH < max_optical_depth * (longest_thin / cells.length)
+}
+
 /// Figures of the selected cells, as those of a part of a grid. `caster`: that of the rays, where they are cast.
 pub(crate) fn tally(
     cells: &CellSelection,
     faces: Option<&FaceCache>,
     (view, screen_vertices): (&View, &[ScreenVertex]),
     (extent, policy): (&ScreenExtent, RayCastPolicy),
+    (attribute_count, max_optical_depth): (usize, f64),
     caster: Option<&RayCaster>,
 ) -> PartTally {
     let grid = &cells.volume.grid;
     let drawn = faces.map_or(&cells.ids, |faces| drawn(cells, faces, view, extent));
     let covered_pixels = covered_pixels(view, screen_vertices, &grid.tetrahedra, &cells.ids);
-    let methods = [caster.is_some(), caster.is_none() && !drawn.is_empty()];
-    // Where rays are not cast for the boundary alone, it is known.
-    let is_known = cells.traversal != Traversal::Project
-        && drawn.len() <= MAX_CELLS
-        && policy.pays(covered_pixels / drawn.len().max(1) as f64);
-    let half_faces = match (caster, faces) {
-        (Some(caster), _) => Some(caster.half_faces.clone()),
-        (None, Some(faces)) if is_known => Some(faces.half_faces(&faces.mesh(grid), grid, drawn)),
+    let is_dense =
+        |whole: &Arc<SceneExtent>| are_thin_cells_dense(cells, whole.longest_edges, max_optical_depth);
+    let possible = faces
+        .filter(|_| serves(cells, drawn, attribute_count) && !cells.whole.as_ref().is_some_and(is_dense));
+    let is_in_view = !cells.ids.is_empty();
+    let could_be_cast = caster.is_none() && possible.is_some();
+    // Where rays are not cast for the boundary alone, or for the view alone, it is found.
+    let pays = policy.pays(covered_pixels / drawn.len().max(1) as f64);
+    let mesh = possible.filter(|_| caster.is_some() || pays || !is_in_view).map(|faces| faces.mesh(grid));
+    let half_faces = match (caster, faces, &mesh) {
+        (Some(caster), ..) => Some(caster.half_faces.clone()),
+        (None, Some(faces), Some(mesh)) => Some(faces.half_faces(mesh, grid, drawn)),
         _ => None,
+    };
+    // A face that two cells of the part share, of which one is drawn, is at the boundary whatever the other parts have.
+    let is_inner = |face: &&BoundaryFace| {
+        let [index, opposite] = [face.half_face as usize / 4, face.half_face as usize % 4];
+        let of_cell = |drawn: &Arc<HalfFaces>| 4 * drawn.cells[index] as usize + opposite;
+        half_faces
+            .as_ref()
+            .zip(mesh.as_ref())
+            .is_some_and(|(drawn, mesh)| mesh.neighbours[of_cell(drawn)] != NO_FACE)
     };
     let key = |face: &BoundaryFace| {
         let of_corner = |corner: u32| {
@@ -116,10 +139,18 @@ pub(crate) fn tally(
         };
         face.corners.map(of_corner).into_iter().fold(0, u64::wrapping_add)
     };
-    let boundary = half_faces.map_or(Vec::new(), |half_faces| {
-        half_faces.boundary.par_iter().with_min_len(CHUNK).map(key).collect()
-    });
-    PartTally { covered_pixels, cells: drawn.len() as f64, boundary, methods, active_widgets: Vec::new() }
+    let faces = half_faces.as_ref().map_or(&[][..], |half_faces| &half_faces.boundary);
+    let boundary: Vec<u64> =
+        faces.par_iter().with_min_len(CHUNK).filter(|face| !is_inner(face)).map(key).collect();
+    PartTally {
+        covered_pixels,
+        cells: drawn.len() as f64,
+        outer_faces: (faces.len() - boundary.len()) as f64,
+        boundary,
+        lacks_boundary: could_be_cast && half_faces.is_none(),
+        methods: [caster.is_some(), could_be_cast && is_in_view],
+        active_widgets: Vec::new(),
+    }
 }
 
 /// The cells that rays go through: those in widgets' supports, in view or not; where the near plane may cut cells, those in view.

@@ -252,6 +252,28 @@ fn rays_that_begin_at_the_near_plane_show_what_the_reference_shows() {
     }
 }
 
+/// Depths keep their digits within the grid, however far the eye is.
+#[test]
+fn grids_seen_from_far_show_what_the_reference_shows() {
+    let direction = [-0.5, -0.7, 0.51];
+    for distance in [1e2, 1e4, 1e6] {
+        let eye = direction.map(|x: f64| 0.5 + distance * x);
+        let fov_y = 2.0 * (0.9 / distance).atan().to_degrees();
+        let cameras = [
+            ("in perspective", perspective(eye, [0.5; 3], fov_y, [40, 32])),
+            ("in parallel", orthographic(eye, [0.5; 3], 1.9, [40, 32])),
+        ];
+        for scene in scenes(&format!("from {distance}"), &smooth(cube([4, 4, 4], 0.2)), &cameras) {
+            assert_eq!(lost(&scene), 0, "{}", scene.name);
+            let expected = referee(&scene);
+            for traversal in [Traversal::RayCast, Traversal::Project] {
+                let (picture, ..) = drawn(&scene, |cells| cells.traversal = traversal);
+                within(&format!("{}, {traversal:?}", scene.name), &picture, &expected, ROUNDING);
+            }
+        }
+    }
+}
+
 #[test]
 fn tiles_where_cells_overlap_before_the_eye_are_drawn_from_their_cells() {
     let one = cube([4, 4, 4], 0.1);

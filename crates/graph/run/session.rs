@@ -55,7 +55,7 @@ impl Session {
     }
 
     /// Makes it one of several processes that run each graph together: a grid in pieces is shared out among them, and the first alone
-    /// runs the nodes without outputs, such as writers.
+    /// runs the nodes without outputs, such as writers. The picture of such a grid is on the first; on the others it is transparent.
     pub fn with_ranks(self, ranks: Arc<dyn Ranks>) -> Self {
         Session { ranks, ..self }
     }

@@ -120,6 +120,7 @@ pub(super) fn borders(
     found.shared = SharedPoints::find(&keys);
     drop(keys);
     let mut halos = Vec::new();
+    let own_pieces = own.iter().map(|piece| piece.0).collect();
     for own @ (index, piece) in own {
         // Points that curved cells add on a border are numbered by all cells there.
         let is_needed =
@@ -136,9 +137,12 @@ pub(super) fn borders(
         forget(piece);
     }
     // A piece with curved cells has a layer more.
-    let reached = within(&found.shared.neighbours(), layers + 1);
+    let reached = match share.is_alone() {
+        true => BTreeMap::new(),
+        false => within(&found.shared.neighbours(), own_pieces, layers + 1),
+    };
     let reaches =
-        |from: usize, to: &BTreeSet<usize>| reached.get(from).is_some_and(|own| !own.is_disjoint(to));
+        |from: usize, to: &BTreeSet<usize>| reached.get(&from).is_some_and(|own| !own.is_disjoint(to));
     for (index, halo) in share.exchange(halos, reaches)? {
         found.halos[index] = Some(halo);
     }
@@ -146,17 +150,21 @@ pub(super) fn borders(
     Ok(found)
 }
 
-/// For each piece those that are at most so many neighbours away.
-fn within(neighbours: &[BTreeSet<usize>], steps: usize) -> Vec<BTreeSet<usize>> {
+/// For each of some pieces those that are at most so many neighbours away.
+fn within(
+    neighbours: &[BTreeSet<usize>],
+    pieces: Vec<usize>,
+    steps: usize,
+) -> BTreeMap<usize, BTreeSet<usize>> {
     let of_piece = |piece: usize| {
         let mut reached = BTreeSet::from([piece]);
         for _ in 0..steps {
             let next: Vec<usize> = reached.iter().flat_map(|&own| &neighbours[own]).copied().collect();
             reached.extend(next);
         }
-        reached
+        (piece, reached)
     };
-    (0..neighbours.len()).map(of_piece).collect()
+    pieces.into_iter().map(of_piece).collect()
 }
 
 /// Keys of the points of pieces, with the pieces' numbers, and how often a piece was read for them.

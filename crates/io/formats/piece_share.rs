@@ -18,6 +18,11 @@ impl<'a> Share<'a> {
         Share { others: several.map(|(own, ranks)| (own.iter().copied().collect(), ranks)) }
     }
 
+    /// True if there are no other processes.
+    pub fn is_alone(&self) -> bool {
+        self.others.is_none()
+    }
+
     /// True if this process reads a piece.
     pub fn has(&self, piece: usize) -> bool {
         self.others.as_ref().is_none_or(|(own, _)| own.contains(&piece))

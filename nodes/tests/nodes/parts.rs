@@ -116,6 +116,28 @@ fn parts_make_the_picture_of_the_whole_grid() {
     }
 }
 
+/// Pieces out of view are not projected where rays are cast through the others: nothing is drawn again for them.
+#[test]
+fn pieces_out_of_view_are_drawn_once() {
+    let folder = folder();
+    let first_slab = "eye = [0.05, -3.0, 0.5]\ntarget = [0.05, 0.5, 0.5]\nup = [0.0, 0.0, 1.0]\nfov_y = 2.0";
+    let view = "view = \"isometric\"\ninputs = { volume = \"grid\" }";
+    let text = PIPELINE.replace(view, first_slab);
+    assert_ne!(text, PIPELINE);
+    let run = |path: &str, session: Session| {
+        let mut session = session;
+        let graph = graph(&text.replace("slabs.pvtu", path), folder.path()).unwrap();
+        session.run(&graph, &NoObserver).unwrap()
+    };
+    let whole = run("whole.pvtu", session());
+    assert!(picture(&whole).rgba.iter().any(|pixel| pixel[3] > 0.1), "nothing is seen");
+    let parts = run("slabs.pvtu", session().with_memory(1));
+    same("slabs", picture(&parts), picture(&whole));
+    assert!(parts.counts["cells_cast"] > 0);
+    let again = parts.findings.iter().find(|finding| finding.figures.get("rounds_drawn").is_some());
+    assert!(again.is_none(), "{again:?}");
+}
+
 #[test]
 fn processes_make_the_picture_of_one() {
     let folder = folder();

@@ -4,7 +4,9 @@ use super::*;
 use voltet_core::camera::Projection;
 use voltet_core::grid::Array;
 use voltet_core::transfer::{Corners, OpticalModel, Support};
-use voltet_cpu::{CellSelection, Cells, CullSample, VolumeCache, draw};
+use voltet_cpu::{CellSelection, Cells, CullSample, ENGINE, VolumeCache, draw};
+use voltet_optics::engine::AdapterRequest;
+use voltet_optics::scene_parts::{PartTally, SceneExtent};
 
 /// 20³ cubes: 40,000 tetrahedra and more, so that a sample is taken.
 fn bivariate() -> Volume {
@@ -158,6 +160,23 @@ fn widgets_are_kept_that_the_view_shows() {
         let cells = known.cull(&look, &camera, &NoProgress).expect("culls");
         assert_eq!(cells.inactive_widgets, untouched, "from {}", camera.eye);
     }
+}
+
+/// Values are rounded otherwise where a widget with an edge is left out, although it stands where the others do.
+#[test]
+fn edges_that_no_cell_touches_count_for_a_grid_in_parts() {
+    let volume = Arc::new(bivariate_of(3));
+    let plain = gaussian([0.3, 0.4], 0.1);
+    let cut = Widget { region: Some(Region::rectangle([0.2, 0.4], [0.3, 0.5])), ..plain.clone() };
+    let whole = SceneExtent::of_part(&volume, &[], &along(DVec3::Y)).expect("has an extent");
+    let choices = |other: &Widget| {
+        let look = look(vec![plain.clone(), other.clone()]);
+        let tally = PartTally { active_widgets: vec![true, false], ..PartTally::default() };
+        let engine = ENGINE.open(&AdapterRequest::default()).expect("opens");
+        engine.choices(&whole, &look, &tally).expect("has an extent")
+    };
+    assert_eq!(choices(&plain).inactive_widgets, [0; 0]);
+    assert_eq!(choices(&cut).inactive_widgets, [1]);
 }
 
 /// Nothing is asked where a sample says that it drops less than one cell in twenty; the picture is the same to rounding.
