@@ -1,11 +1,11 @@
 //! Application of the actions that the parts of the window requested: edits, commands, the clipboard, runs; the document's file, which is
 //! opened or made for data, saved, changed by another program, recovered after a crash.
 
-use crate::editor::{Editor, Next, Panels};
+use crate::editor::{Editor, Making, Next, Panels};
 use crate::files::{Disk, FileDialog, Recover, age, ask, begun, free_path, is_pipeline};
 use crate::jobs::{Arrays, Job};
 use crate::picture::milliseconds;
-use crate::scene::{Action, Command, FilePurpose};
+use crate::scene::{Action, Command, FilePurpose, error_text};
 use crate::view::View;
 use crate::worker::size_of;
 use eframe::egui::{Context, Event, ThemePreference};
@@ -52,11 +52,7 @@ impl Editor {
         match dialog.purpose.clone() {
             FilePurpose::Open => {
                 self.message = None;
-                self.open_any(ctx, file);
-                self.opened_by = Some(dialog);
-                if self.made.is_none() {
-                    self.ask_again();
-                }
+                self.open_by(ctx, file, Some(dialog));
             }
             FilePurpose::SaveAs => self.save_as(file),
             FilePurpose::Parameter { node, path, .. } => {
@@ -66,10 +62,9 @@ impl Editor {
         }
     }
 
-    /// Shows the dialog again by which a file was chosen that cannot be opened, with the reason.
-    fn ask_again(&mut self) {
-        let dialog = self.opened_by.take();
-        if let (Some(mut dialog), Some((text, true))) = (dialog, &self.message) {
+    /// Shows the dialog again by which a file was chosen that cannot be opened, with the reason, unless another is open.
+    fn ask_again(&mut self, dialog: Option<FileDialog>) {
+        if let (Some(mut dialog), Some((text, true)), None) = (dialog, &self.message, &self.file_dialog) {
             dialog.fault = Some(text.clone());
             self.file_dialog = Some(dialog);
         }
@@ -77,7 +72,7 @@ impl Editor {
 
     /// Value of an outcome; an error is shown.
     pub(crate) fn check<T>(&mut self, outcome: Result<T>) -> Option<T> {
-        outcome.map_err(|error| self.message = Some((error.to_string(), true))).ok()
+        outcome.map_err(|error| self.message = Some((error_text(&error, &self.document), true))).ok()
     }
 
     pub(crate) fn say(&mut self, text: impl Into<String>) {
@@ -125,8 +120,8 @@ impl Editor {
         let other = view.settings().into_iter().filter(|setting| !before.contains(setting));
         let mut edits: Vec<Edit> = other.map(|(key, datum)| Edit::set(&name, [key], datum)).collect();
         // A view in words, and its angles, are numbers from then on.
-        let error_text = VIEW_PARAMETERS.into_iter().filter(|name| camera.setting(name).is_some());
-        edits.extend(error_text.map(|key| Edit::Unset { node: name.clone(), path: [key].into() }));
+        let in_words = VIEW_PARAMETERS.into_iter().filter(|name| camera.setting(name).is_some());
+        edits.extend(in_words.map(|key| Edit::Unset { node: name.clone(), path: [key].into() }));
         if !edits.is_empty() {
             self.edit(format!("move the camera '{name}'"), &edits);
         }
@@ -134,6 +129,14 @@ impl Editor {
 
     pub(crate) fn command(&mut self, ctx: &Context, command: Command) {
         match command {
+            // The menus mean what the keys do: the widget, where one was selected last.
+            Command::Delete | Command::Duplicate if self.panels.transfer.is_last() => {
+                self.panels.transfer.asked = Some(command);
+                ctx.request_repaint();
+            }
+            Command::Cut if self.panels.transfer.is_last() => {
+                self.say("a widget is not cut: Delete takes it away; to cut a node, select it first");
+            }
             Command::New => self.unless_unsaved(ctx, Next::Take(Box::default())),
             Command::Open => self.unless_unsaved(ctx, Next::Open(None)),
             Command::Quit => self.unless_unsaved(ctx, Next::Quit),
@@ -258,6 +261,10 @@ impl Editor {
     pub(crate) fn select(&mut self, names: BTreeSet<String>) {
         self.selection = names;
         self.panels.transfer.lose_keys();
+        // What keys do to these is a step of its own.
+        if self.gestures.end_of_keys() {
+            self.gesture = None;
+        }
     }
 
     fn shift(&mut self, way: [f64; 2]) {
@@ -290,7 +297,7 @@ impl Editor {
 
     /// Takes what the clipboard gives, unless a text field does.
     pub(crate) fn paste(&mut self, ctx: &Context) {
-        if ctx.text_edit_focused() {
+        if ctx.text_edit_focused() || self.asks() {
             return;
         }
         let pasted = ctx.input(|input| {
@@ -377,10 +384,18 @@ const BETWEEN: Duration = Duration::from_secs(2);
 impl Editor {
     /// Opens a pipeline file, or makes a pipeline for another file, on a thread of its own.
     pub(crate) fn open_any(&mut self, ctx: &Context, path: &Path) {
+        self.open_by(ctx, path, None);
+    }
+
+    /// [Opens](Self::open_any) a file that was chosen by a dialog, which is shown again where the file cannot be opened.
+    fn open_by(&mut self, ctx: &Context, path: &Path, dialog: Option<FileDialog>) {
         if is_pipeline(path) {
-            if let Some(document) = self.check(Document::open(path)) {
-                self.recent.add(path);
-                self.take(document);
+            match self.check(Document::open(path)) {
+                Some(document) => {
+                    self.recent.add(path);
+                    self.take(document);
+                }
+                None => self.ask_again(dialog),
             }
             return;
         }
@@ -389,20 +404,20 @@ impl Editor {
         let (start, path) = (self.start.clone(), path.to_path_buf());
         let name = path.display().to_string();
         let made = Job::start("start", ctx, move |_| begun(start(&path, &at)?, &at));
-        if let Some(made) = self.check(made) {
-            self.say(format!("making a pipeline for {name} …"));
-            self.made = Some((made, self.document.revision()));
+        match self.check(made) {
+            Some(job) => {
+                self.say(format!("making a pipeline for {name} …"));
+                self.made = Some(Making { job, revision: self.document.revision(), dialog });
+            }
+            None => self.ask_again(dialog),
         }
     }
 
     pub(crate) fn take_made(&mut self, ctx: &Context) {
-        let Some((made, at)) = self.made.as_ref().and_then(|(job, at)| Some((job.result()?, *at))) else {
-            return;
-        };
-        self.made = None;
-        let Some(document) = self.check(made) else { return self.ask_again() };
-        self.opened_by = None;
-        if self.document.revision() == at {
+        let Some(made) = self.made.as_ref().and_then(|made| made.job.result()) else { return };
+        let Some(Making { revision, dialog, .. }) = self.made.take() else { return };
+        let Some(document) = self.check(made) else { return self.ask_again(dialog) };
+        if self.document.revision() == revision {
             self.take(document);
         } else {
             self.unless_unsaved(ctx, Next::Take(Box::new(document)));
@@ -521,7 +536,8 @@ impl Editor {
     }
 
     pub(crate) fn offer_left_behind(&mut self, ctx: &Context) {
-        let Some(left) = self.recover.left.first() else { return };
+        // One question at a time has the keys.
+        let Some(left) = self.recover.left.first().filter(|_| self.unsaved.is_none()) else { return };
         let name = left.path.as_ref().map_or("a new pipeline".into(), |path| path.display().to_string());
         let when = left.written.elapsed().map(|time| format!(", {}", age(time))).unwrap_or_default();
         let text = format!("A window ended without saving what was done in {name}{when}.");

@@ -17,8 +17,8 @@ use crate::worker::{
     Estimate, NodeState, PixelProbe, RenderRequest, VolumeSource, Worker, WorkerOutput, size_of,
 };
 use eframe::egui::{
-    Align, Button, CentralPanel, Context, Frame, Key, Label, Layout, Modifiers, Panel, Rect, RichText, Ui,
-    UiBuilder, ViewportCommand, vec2,
+    Align, Button, CentralPanel, Context, Frame, Key, Label, Layout, Modifiers, Panel, Popup, Rect, RichText,
+    Ui, UiBuilder, ViewportCommand, vec2,
 };
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -54,6 +54,15 @@ pub(crate) enum Next {
     Quit,
 }
 
+/// Document that is being made for data.
+pub(crate) struct Making {
+    pub job: Job<Document>,
+    /// Revision of the document that was shown when it was asked for.
+    pub revision: u64,
+    /// The dialog by which the data were chosen.
+    pub dialog: Option<FileDialog>,
+}
+
 /// Requests to the worker, and how far its answers are behind.
 #[derive(Default)]
 pub(crate) struct Answers {
@@ -74,8 +83,7 @@ pub struct Editor {
     pub(crate) registry: Registry,
     pub(crate) worker: Worker,
     pub(crate) start: Start,
-    /// Document that is being made, and the revision of the one that was shown when that was asked for.
-    pub(crate) made: Option<(Job<Document>, u64)>,
+    pub(crate) made: Option<Making>,
     pub(crate) selection: BTreeSet<String>,
     pub(crate) shown_node: Option<String>,
     pub(crate) arrays: Arrays,
@@ -84,8 +92,6 @@ pub struct Editor {
     pub(crate) disk: Disk,
     pub(crate) watch: FileWatcher,
     pub(crate) file_dialog: Option<FileDialog>,
-    /// The dialog by which the file was chosen that is being opened.
-    pub(crate) opened_by: Option<FileDialog>,
     pub(crate) recent: Recent,
     pub(crate) run: Option<Job<RunReport>>,
     /// Next step, once unsaved work is settled.
@@ -126,7 +132,6 @@ impl Editor {
             disk: Disk::default(),
             watch,
             file_dialog: None,
-            opened_by: None,
             recent: Recent::default(),
             run: None,
             unsaved: None,
@@ -221,7 +226,7 @@ impl Editor {
                 pixels,
                 earlier,
                 previews: previews.filter_map(preview).collect(),
-                asks: self.unsaved.is_some() || self.file_dialog.is_some(),
+                asks: self.asks() || self.file_dialog.is_some(),
                 nodes: shown.nodes.clone(),
                 values: shown.values.clone(),
                 failure,
@@ -296,7 +301,12 @@ impl Editor {
         self.close_uppermost(ctx);
         let transfer = &self.panels.transfer;
         let of_widgets = [transfer.takes_keys(), transfer.is_last()];
-        keys::read(ctx, of_widgets, self.panels.graph.has_focus(), &self.actions);
+        // A question has the keys for itself.
+        let is_held = !self.panels.graph.has_focus() && ctx.egui_wants_keyboard_input();
+        self.panels.transfer.has_arrows = !is_held;
+        if !self.asks() {
+            keys::read(ctx, of_widgets, is_held, &self.actions);
+        }
         show(self, ui);
         self.was_typing = ctx.text_edit_focused();
         for action in self.actions.take() {
@@ -317,11 +327,16 @@ impl Editor {
 }
 
 impl Editor {
+    /// True if a question waits for its answer.
+    pub(crate) fn asks(&self) -> bool {
+        self.unsaved.is_some() || !self.recover.left.is_empty()
+    }
+
     /// Closes the sheet that lies above the others, when Escape is pressed and nothing else has a use for it.
     fn close_uppermost(&mut self, ctx: &Context) {
-        let is_asking = self.unsaved.is_some() || self.file_dialog.is_some() || !self.recover.left.is_empty();
+        let is_asking = self.asks() || self.file_dialog.is_some();
         let is_taken =
-            self.was_typing || is_asking || ctx.any_popup_open() || self.panels.graph.is_choosing();
+            self.was_typing || is_asking || Popup::is_any_open(ctx) || self.panels.graph.is_choosing();
         if is_taken || !ctx.input(|input| input.key_pressed(Key::Escape)) {
             return;
         }
@@ -431,7 +446,7 @@ fn status(ui: &mut Ui, editor: &Editor, scene: &Scene) {
                 let said = match (&editor.message, fault) {
                     (Some((text, true)), _) => Some((text.clone(), theme::wrong(dark))),
                     (Some((text, false)), _) => Some((text.clone(), theme::weak(dark))),
-                    (None, Some(fault)) => Some((error_text(fault), theme::wrong(dark))),
+                    (None, Some(fault)) => Some((error_text(fault, scene.document), theme::wrong(dark))),
                     (None, None) => None,
                 };
                 if let Some((text, color)) = said {

@@ -3,7 +3,9 @@
 
 use crate::scene::FilePurpose;
 use crate::theme;
-use eframe::egui::{Align, Align2, Context, Key, Layout, RichText, ScrollArea, TextEdit, Ui, Window};
+use eframe::egui::{
+    Align, Align2, Context, Key, Layout, Response, RichText, ScrollArea, TextEdit, Ui, Window,
+};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -174,7 +176,8 @@ impl Recover {
     }
 }
 
-/// Asks a question in the middle of the window; the answer, once a button is clicked. Escape is the last answer.
+/// Asks a question in the middle of the window; the answer, once a button is clicked. Escape is the last answer, which changes nothing and has
+/// the focus at first.
 pub(crate) fn ask<T: Copy>(ctx: &Context, title: &str, text: String, answers: &[(&str, T)]) -> Option<T> {
     let mut answer = None;
     let window = Window::new(title).collapsible(false).resizable(false);
@@ -182,15 +185,11 @@ pub(crate) fn ask<T: Copy>(ctx: &Context, title: &str, text: String, answers: &[
         ui.label(text);
         ui.add_space(6.0);
         ui.horizontal(|ui| {
-            for (text, of_button) in answers {
-                let button = ui.button(*text);
-                // The keys are for the question: Enter answers by the first button, Tab goes on to the others.
-                if ui.memory(|memory| memory.focused().is_none()) {
-                    button.request_focus();
-                }
-                if button.clicked() {
-                    answer = Some(*of_button);
-                }
+            let buttons: Vec<Response> = answers.iter().map(|(text, _)| ui.button(*text)).collect();
+            answer = buttons.iter().zip(answers).find(|(button, _)| button.clicked()).map(|(_, (_, of))| *of);
+            // The keys are for the question, whatever had the focus before.
+            if let Some(last) = buttons.last().filter(|_| !buttons.iter().any(Response::has_focus)) {
+                last.request_focus();
             }
         });
     });

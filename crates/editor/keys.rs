@@ -178,10 +178,9 @@ const MOUSE: &[(&str, &[(&str, &str)])] = &[
 ];
 
 /// Reads the keys that no text field wants, nor a button that has the focus. `of_widgets`: what is moved and duplicated, and what is
-/// deleted, is a widget then, not a node; `is_at_node`: a node of the graph has the focus.
-pub(crate) fn read(ctx: &Context, of_widgets: [bool; 2], is_at_node: bool, actions: &Actions) {
+/// deleted, is a widget then, not a node; `is_held`: something else than a node of the graph has the focus.
+pub(crate) fn read(ctx: &Context, of_widgets: [bool; 2], is_held: bool, actions: &Actions) {
     let typing = ctx.text_edit_focused();
-    let is_held = !is_at_node && ctx.egui_wants_keyboard_input();
     ctx.input_mut(|input| {
         // Longer combinations first: a key with Shift is not the key alone.
         for (command, modifiers, key) in keys(true).chain(keys(false)) {
@@ -343,6 +342,12 @@ impl GestureTracker {
     fn next(&mut self) -> u64 {
         self.last += 1;
         self.last
+    }
+
+    /// Ends a gesture of keys: what they do next is another one. True unless a hand is at the mouse, whose gesture goes on.
+    pub fn end_of_keys(&mut self) -> bool {
+        self.at = None;
+        self.pressed.is_none()
     }
 
     /// The gesture of an edit made now: a mouse button held, or what follows soon after by wheel or key.

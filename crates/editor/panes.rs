@@ -6,6 +6,8 @@ use eframe::egui::{Context, Id, PanelState, Rect, Vec2};
 #[derive(Default)]
 pub(crate) struct Pane {
     share: f32,
+    /// Its length before a hand took hold of its border, or since it moved it last, points.
+    length: f32,
     /// Length of what is divided in the last frame, points.
     whole: f32,
 }
@@ -25,9 +27,13 @@ impl Pane {
 
     /// Called after the panel was shown with a length: a border that a hand moves is another share.
     pub fn keep(&mut self, ctx: &Context, length: f32, whole: f32) {
-        let is_moved = whole == self.whole && ctx.input(|input| input.pointer.any_down());
+        let is_down = ctx.input(|input| input.pointer.any_down());
+        let is_moved = is_down && whole == self.whole && (length - self.length).abs() > 0.5;
         if is_moved || self.share == 0.0 {
             self.share = length / whole.max(1.0);
+        }
+        if is_moved || !is_down || whole != self.whole {
+            self.length = length;
         }
         self.whole = whole;
     }

@@ -144,7 +144,7 @@ impl ParameterPanel {
         let rows = scene.document.rows(scene.registry, name);
         ScrollArea::vertical().auto_shrink([false, false]).id_salt(("parameters", name)).show(ui, |ui| {
             for fault in scene.faults.iter().filter(|fault| fault.location.node.as_deref() == Some(name)) {
-                ui.label(RichText::new(error_text(fault)).color(theme::wrong(dark)));
+                ui.label(RichText::new(error_text(fault, scene.document)).color(theme::wrong(dark)));
             }
             self.table(ui, Of { scene, node: name }, &Path::default(), &rows);
         });

@@ -161,7 +161,7 @@ impl PicturePanel {
             (_, None) => {
                 say("No node gives a picture yet: add a renderer (Space).", Color32::from_gray(200));
             }
-            (Some(failure), Some(_)) => say(&error_text(failure), theme::wrong(dark)),
+            (Some(failure), Some(_)) => say(&error_text(failure, scene.document), theme::wrong(dark)),
             (None, Some(_)) if scene.pixels.is_none() => {
                 say(scene.running.as_deref().unwrap_or("drawing …"), Color32::from_gray(200));
             }

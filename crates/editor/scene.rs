@@ -58,8 +58,8 @@ pub(crate) struct Scene<'a> {
     pub entries: HashMap<&'a str, &'a NodeEntry>,
 }
 
-/// An error as the window says it: without the place in the file, and without what is right in the words of the file alone.
-pub(crate) fn error_text(error: &Error) -> String {
+/// An error as the window says it: without the place in the document's own file, and without what is right in the words of that file alone.
+pub(crate) fn error_text(error: &Error, document: &Document) -> String {
     let mut text = error.location.node.as_ref().map_or(String::new(), |node| format!("{node}: "));
     text += &error.what;
     if let Some(got) = &error.got {
@@ -67,6 +67,14 @@ pub(crate) fn error_text(error: &Error) -> String {
     }
     if let Some(expected) = error.expected.as_ref().filter(|expected| !expected.contains(" = ")) {
         text += &format!("; expected {expected}");
+    }
+    let item = error.location.item.as_ref().map(|item| format!("'{item}'"));
+    let own = document.locate(Error::usage("")).location.file;
+    let file = error.location.file.clone().filter(|file| Some(file) != own.as_ref());
+    let places: Vec<String> =
+        file.into_iter().chain(item.filter(|item| !text.contains(item.as_str()))).collect();
+    if !places.is_empty() {
+        text += &format!(" ({})", places.join(", "));
     }
     text
 }

@@ -13,7 +13,7 @@ use voltet_graph::Node;
 /// Width and greatest height, points.
 const SIZE: [f32; 2] = [300.0, 360.0];
 
-/// Takens of the menu.
+/// Choices that a menu offers.
 enum Offers {
     /// Node types, those that fit a wire in the hand.
     Nodes(Option<Port>),

@@ -25,7 +25,7 @@ use package::{Face, NodeGraph, Pictures, Port};
 use places::Places;
 pub(crate) use places::usual_size;
 use std::time::Duration;
-use voltet_document::{Annotation, AnnotationId, Edit};
+use voltet_document::{Annotation, AnnotationId};
 use voltet_graph::NodeEntry;
 
 /// Frames until nodes have the sizes that they are fitted by.
@@ -82,8 +82,8 @@ pub(crate) struct GraphView {
     dragged: Option<Dragged>,
     writing: Option<Writing>,
     wire: Option<DraggedWire>,
-    /// The wires of this frame, each with its words and the edit that takes it off.
-    drawn_wires: Vec<(CubicBezierShape, String, Edit)>,
+    /// The wires of this frame, each with the node and the port that it feeds, and its source as the file says it.
+    drawn_wires: Vec<(CubicBezierShape, [String; 3])>,
     boxed: Option<Pos2>,
     menu: Option<Menu>,
     /// True if the menu is to be opened at the pointer.
@@ -91,8 +91,8 @@ pub(crate) struct GraphView {
     /// Node whose wires are to be listed.
     pub wires_of: Option<String>,
     revealed: Option<String>,
-    /// The node that the keys are for.
-    focused: Option<(String, Id)>,
+    /// The node that has the focus, by what a pointer takes hold of it by.
+    focused: Option<Id>,
 }
 
 impl GraphView {
@@ -148,9 +148,6 @@ impl GraphView {
             }
         }
         for (port, at) in &self.places.seen {
-            if self.places.is_under(&port.node, *at) {
-                continue;
-            }
             let inputs = || scene.entry(&port.node).into_iter().flat_map(|entry| &entry.inputs);
             let fed = !port.is_input || inputs().any(|link| link.port == port.declared.name);
             theme::port(ui.painter(), *at, 5.0 * self.view.zoom, port.declared.port_type, dark, fed);

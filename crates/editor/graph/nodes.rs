@@ -64,12 +64,15 @@ impl GraphView {
             }
         });
         self.places.write_down(&graph, &order, &frames, &ports, self.view.zoom);
-        for id in &order {
-            // The package's key of what a pointer takes hold of a node by.
-            let response = ui.ctx().read_response(Id::new((*id, "window")));
-            let Some(response) = response else { continue };
-            self.name_node(ui, scene, &graph[*id].user_data.name, &response);
+        let before = self.focused;
+        // The package's key of what a pointer takes hold of a node by.
+        let held = |id: &NodeId| (&graph[*id].user_data.name, Id::new((*id, "window")));
+        let held: Vec<(&String, Id)> = order.iter().map(held).collect();
+        for (name, id) in &held {
+            let Some(response) = ui.ctx().read_response(*id) else { continue };
+            self.name_node(ui, scene, name, &response);
         }
+        self.move_focus(ui, scene.selection, &held, before);
         self.hold_ports(ui, scene);
         let mut selected: Option<BTreeSet<String>> = ground.clicked().then(BTreeSet::new);
         for response in responses {
@@ -103,8 +106,11 @@ impl GraphView {
         let is_selected = scene.selection.contains(name);
         let label = format!("node {name}");
         response.widget_info(|| WidgetInfo::selected(WidgetType::SelectableLabel, true, is_selected, &label));
-        if response.secondary_clicked() && !is_selected {
-            scene.actions.push(Action::Select(BTreeSet::from([name.to_string()])));
+        let alone = BTreeSet::from([name.to_string()]);
+        if response.secondary_clicked() {
+            // The commands of its menu are for nodes, those that are selected or this one.
+            let nodes = if is_selected { scene.selection } else { &alone };
+            scene.actions.push(Action::Select(nodes.clone()));
         }
         response.context_menu(|ui| {
             if scene.pictures().contains(&name) && ui.button("Show its picture").clicked() {
@@ -113,22 +119,37 @@ impl GraphView {
             }
             command_buttons(ui, scene.actions, NODE_MENU);
         });
-        let is_focused = self.focused.as_ref().is_some_and(|(_, id)| *id == response.id);
-        let alone = BTreeSet::from([name.to_string()]);
         if response.has_focus() {
             // The arrows choose among nodes; they do not leave them for the next button.
             let arrows =
                 EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() };
             ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
-            if !is_focused {
-                self.focused = Some((name.to_string(), response.id));
+            if self.focused.replace(response.id) != Some(response.id) {
                 scene.actions.push(Action::Select(alone));
-            } else if *scene.selection != alone {
-                response.surrender_focus();
-                self.focused = None;
             }
-        } else if is_focused {
-            self.focused = None;
+        }
+    }
+
+    /// The focus goes with the selection where keys choose another node than had it in the last frame, and is lost where no drawn node is
+    /// the selected one.
+    fn move_focus(
+        &mut self,
+        ui: &Ui,
+        selection: &BTreeSet<String>,
+        drawn: &[(&String, Id)],
+        before: Option<Id>,
+    ) {
+        let now = ui.memory(|memory| memory.focused());
+        self.focused = self.focused.filter(|id| Some(*id) == now);
+        let Some(focused) = self.focused.filter(|id| Some(*id) == before) else { return };
+        let is_chosen = |(name, _): &&(&String, Id)| selection.len() == 1 && selection.contains(*name);
+        let chosen = drawn.iter().find(is_chosen).map(|(_, id)| *id);
+        if chosen != Some(focused) {
+            ui.memory_mut(|memory| match chosen {
+                Some(chosen) => memory.request_focus(chosen),
+                None => memory.surrender_focus(focused),
+            });
+            self.focused = chosen;
         }
     }
 

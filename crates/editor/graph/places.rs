@@ -36,7 +36,7 @@ struct NodeGeometry {
 pub(super) struct Places {
     /// Each node that was ever drawn.
     known: HashMap<String, NodeGeometry>,
-    /// The ports and nodes of this frame, in the window; the upper ones last.
+    /// The ports and nodes of this frame, in the window; the upper ones last. Ports that another node covers are left out.
     pub seen: Vec<(Port, Pos2)>,
     pub drawn: Vec<(String, Rect)>,
 }
@@ -63,10 +63,13 @@ impl Places {
             self.seen.extend(ports);
             self.drawn.push((name.clone(), frame));
         }
+        let mut seen = std::mem::take(&mut self.seen);
+        seen.retain(|(port, at)| !self.is_under(&port.node, *at));
+        self.seen = seen;
     }
 
     /// True if a position of a node lies under another node.
-    pub fn is_under(&self, node: &str, at: Pos2) -> bool {
+    fn is_under(&self, node: &str, at: Pos2) -> bool {
         let mut upper = self.drawn.iter().rev().take_while(|(name, _)| name != node);
         upper.any(|(_, frame)| frame.contains(at))
     }
@@ -103,8 +106,7 @@ impl Places {
     /// The port next to a place of the window, of those that no other node covers.
     pub fn port_at(&self, at: Pos2, near: f32) -> Option<&Port> {
         let near_by = self.seen.iter().filter(|(_, place)| place.distance(at) <= near);
-        let shown = near_by.filter(|(port, place)| !self.is_under(&port.node, *place));
-        shown.min_by(|a, b| a.1.distance(at).total_cmp(&b.1.distance(at))).map(|(port, _)| port)
+        near_by.min_by(|a, b| a.1.distance(at).total_cmp(&b.1.distance(at))).map(|(port, _)| port)
     }
 
     pub fn node_at(&self, at: Pos2) -> Option<&str> {

@@ -3,6 +3,12 @@
 use crate::scene::Scene;
 use voltet_document::{Edit, links};
 
+/// The edit that takes a wire off an input of a node, and words for it.
+pub(super) fn taking_off(node: &str, port: &str, source: &str) -> (String, Edit) {
+    let words = format!("take off {source} to {node}.{port}");
+    (words, Edit::Disconnect { node: node.into(), port: port.into(), source: Some(source.into()) })
+}
+
 /// The wires that a node could have, then those that it has, which can be taken off; each in words.
 pub(super) fn wires_of(scene: &Scene, node: &str) -> Vec<(String, Edit)> {
     let nodes = &scene.document.pipeline().nodes;
@@ -32,10 +38,7 @@ pub(super) fn wires_of(scene: &Scene, node: &str) -> Vec<(String, Edit)> {
             to.inputs.iter().flat_map(|link| links::sources(link).map(move |source| (link, source)))
         {
             if to.name == node || links::source(source, nodes).0 == node {
-                let (name, port) = (to.name.clone(), link.port.clone());
-                let text = format!("take off {source} to {name}.{port}");
-                let source = Some(source.to_string());
-                wires.push((text, Edit::Disconnect { node: name, port, source }));
+                wires.push(taking_off(&to.name, &link.port, source));
             }
         }
     }

@@ -3,6 +3,7 @@
 
 use super::menu::Menu;
 use super::package::{Port, giving};
+use super::wire_list::taking_off;
 use super::{DraggedWire, GraphView, NEAR};
 use crate::scene::Scene;
 use crate::theme;
@@ -49,10 +50,8 @@ impl GraphView {
                 let curve =
                     curve(from, to, Stroke::new(width * self.view.zoom.max(0.5), color), self.view.zoom);
                 if curve.visual_bounding_rect().intersects(clip) {
-                    let (node, port) = (entry.name.clone(), link.port.clone());
-                    let words = format!("take off {text} to {node}.{port}");
-                    let edit = Edit::Disconnect { node, port, source: Some(text.to_string()) };
-                    self.drawn_wires.push((curve.clone(), words, edit));
+                    let names = [&entry.name, &link.port, text].map(str::to_string);
+                    self.drawn_wires.push((curve.clone(), names));
                     shapes.push(Shape::CubicBezier(curve));
                 }
             }
@@ -81,19 +80,16 @@ impl GraphView {
             };
             points.windows(2).map(of_piece).fold(f32::INFINITY, f32::min)
         };
-        let by_distance = self.drawn_wires.iter().map(|(curve, words, edit)| (distance(curve), words, edit));
-        let near = by_distance.filter(|(distance, ..)| *distance <= WIRE);
+        let by_distance = self.drawn_wires.iter().map(|(curve, names)| (distance(curve), names));
+        let near = by_distance.filter(|(distance, _)| *distance <= WIRE);
         let nearest = near.min_by(|a, b| a.0.total_cmp(&b.0));
-        nearest.map(|(_, words, edit)| (words.clone(), edit.clone()))
+        nearest.map(|(_, [node, port, source])| taking_off(node, port, source))
     }
 
     /// Takes hold of the ports: a drag begins a wire. Called after the nodes, on which they lie.
     pub(super) fn hold_ports(&mut self, ui: &Ui, scene: &Scene) {
         let size = Vec2::splat(PORT * self.view.zoom);
-        let seen = self.places.seen.iter();
-        let shown: Vec<(Port, Pos2)> =
-            seen.filter(|(port, at)| !self.places.is_under(&port.node, *at)).cloned().collect();
-        for (port, at) in shown {
+        for (port, at) in self.places.seen.clone() {
             let id = ui.id().with(("port", &port.node, port.declared.name, port.is_input));
             let response = ui.interact(Rect::from_center_size(at, size), id, Sense::CLICK | Sense::DRAG);
             response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, port.full_name()));

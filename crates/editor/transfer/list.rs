@@ -7,6 +7,7 @@ use super::pointer::FINE;
 use super::screen_widget::{self, ScreenWidget};
 use super::{TransferPanel, edit};
 use crate::parameters::{by_hand, drag, edited_color};
+use crate::scene::Command;
 use crate::theme::{self, button};
 use crate::worker::{short, widget_count};
 use eframe::egui::{
@@ -53,6 +54,9 @@ impl TransferPanel {
 
     pub(super) fn duplicate(&mut self, look: &EditedFunction) {
         let (node, place) = (look.node.name.clone(), self.chosen);
+        if look.widgets.is_empty() {
+            return;
+        }
         look.actions.edit(Edit::Duplicate { node, list: "widgets".into(), place });
         self.hidden = self.hidden.iter().map(|known| known + usize::from(*known > place)).collect();
         (self.chosen, self.held) = (place + 1, None);
@@ -139,14 +143,19 @@ impl TransferPanel {
 
     /// Handles keys while the pointer is over the panel, or a widget was selected last, which alone is deleted.
     pub(super) fn keys(&mut self, ui: &Ui, look: &EditedFunction) {
-        if ui.ctx().text_edit_focused() || !self.takes_keys() {
+        match self.asked.take() {
+            Some(Command::Duplicate) => self.duplicate(look),
+            Some(_) => self.take_away(look),
+            None => {}
+        }
+        if ui.ctx().text_edit_focused() || look.scene.asks || !self.takes_keys() {
             return;
         }
         self.set_keys(ui, look);
         let is_last = self.is_last();
         let is_ours = |key: Key| match key {
             Key::P => true,
-            Key::Delete | Key::Backspace => is_last && !look.widgets.is_empty(),
+            Key::Delete | Key::Backspace => is_last,
             _ => !look.widgets.is_empty(),
         };
         for (modifiers, key, command) in KEYS.into_iter().filter(|(_, key, _)| is_ours(*key)) {
@@ -155,11 +164,16 @@ impl TransferPanel {
                 self.is_last = true;
             }
         }
-        self.nudge(ui, look);
+        if self.has_arrows {
+            self.nudge(ui, look);
+        }
     }
 
     fn take_away(&mut self, look: &EditedFunction) {
-        let Some(widget) = look.widgets.get(self.chosen) else { return };
+        let Some(widget) = look.widgets.get(self.chosen) else {
+            look.actions.say("there is no widget to take away; to delete a node, select it first");
+            return;
+        };
         match self.held.take().and_then(|handle| widget.without_point(handle)) {
             Some(changes) => edit(look, self.chosen, widget, changes),
             None => self.remove(look),

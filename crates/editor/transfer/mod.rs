@@ -12,7 +12,7 @@ mod screen_widget;
 #[cfg(test)]
 mod tests;
 
-use crate::scene::Scene;
+use crate::scene::{Command, Scene, error_text};
 use crate::theme;
 use crate::worker::{short, short_by};
 use edited_function::{EditedFunction, axis_name, axis_title};
@@ -57,6 +57,10 @@ pub(crate) struct TransferPanel {
     by_keyboard: bool,
     /// True if a widget was selected after the last node: it is what is deleted by a key.
     is_last: bool,
+    /// A command of the menus for the widget in hand: to delete or duplicate it.
+    pub asked: Option<Command>,
+    /// True if nothing but a node has the focus, which would take the arrow keys.
+    pub has_arrows: bool,
     plane: Option<Plane>,
 }
 
@@ -75,15 +79,17 @@ impl TransferPanel {
         self.has_pointer || self.is_last()
     }
 
-    /// Has the keys go to the widgets wherever the pointer is, or no more.
+    /// Has the keys go to the widgets wherever the pointer is, or no more; the widget in hand is still what is deleted, until a node is
+    /// selected.
     pub fn switch_keys(&mut self) {
         self.by_keyboard = !self.by_keyboard;
-        self.is_last &= self.by_keyboard;
+        self.is_last = true;
     }
 
     /// A node was selected, or nothing is edited any more: keys are for the graph again.
     pub fn lose_keys(&mut self) {
-        (self.is_last, self.has_pointer) = (false, false);
+        (self.is_last, self.has_pointer, self.by_keyboard) = (false, false, false);
+        self.asked = None;
     }
 
     /// The widgets of a node that the window's picture leaves out.
@@ -176,7 +182,8 @@ impl TransferPanel {
             screen_widget::draw(ui, plane, widget, handles, self.hidden.contains(&place));
         }
         if look.scene.distribution.is_none() {
-            let fault = look.scene.distribution_fault.as_ref().map(ToString::to_string);
+            let fault =
+                look.scene.distribution_fault.as_ref().map(|fault| error_text(fault, look.scene.document));
             let text = fault.unwrap_or_else(|| "computing the histogram …".into());
             let galley =
                 ui.painter().layout(text, FontId::proportional(12.0), theme::weak(dark), rect.width() - 20.0);

@@ -173,7 +173,29 @@ fn escape_closes_sheets_one_after_the_other() {
         hand.key(Key::Escape, Modifiers::NONE);
         assert_eq!(open(&hand), count);
     }
+    // A menu is above a sheet.
+    right_click(&mut hand, "node view");
+    hand.command(Command::Costs);
+    hand.frames(2);
+    assert!(hand.sees("Duplicate") && open(&hand) == 1);
+    hand.key(Key::Escape, Modifiers::NONE);
+    hand.frames(2);
+    assert!(!hand.sees("Duplicate") && open(&hand) == 1);
+    hand.key(Key::Escape, Modifiers::NONE);
+    assert_eq!(open(&hand), 0);
     hand.key(Key::X, Modifiers::NONE);
+    let changed = hand.text();
+    hand.command(Command::Quit);
+    hand.frames(2);
+    // The question has the keys: none of the window's is read, and Enter changes nothing.
+    for key in [Key::Delete, Key::Y, Key::L] {
+        hand.key(key, Modifiers::NONE);
+    }
+    hand.key(Key::Z, Modifiers::COMMAND);
+    assert_eq!(hand.text(), changed);
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(2);
+    assert!(hand.editor.unsaved.is_none() && !hand.editor.ends() && !hand.editor.document().is_saved());
     hand.command(Command::Quit);
     hand.frames(2);
     hand.key(Key::Escape, Modifiers::NONE);
@@ -195,6 +217,27 @@ fn panes_keep_their_shares_of_a_window_that_shrinks_and_grows() {
     let after = sizes(&hand);
     let near = |a: f32, b: f32| (a - b).abs() < 3.0;
     assert!(near(before.0.x, after.0.x) && near(before.0.y, after.0.y), "{before:?} {after:?}");
+    // A click where panes are as small as they may be takes no share away.
+    hand.resize([480.0, 320.0], 1.0);
+    hand.frames(4);
+    let picture = hand.named("picture picture");
+    hand.click(picture);
+    hand.resize([1600.0, 1000.0], 1.0);
+    hand.frames(4);
+    let after = sizes(&hand);
+    assert!(near(before.0.x, after.0.x) && near(before.1.y, after.1.y), "{before:?} {after:?}");
+}
+
+#[test]
+fn an_error_about_another_file_names_it() {
+    let hand = Hand::new(&TEXT.replace(
+        "type = \"wavelet\"\nresolution = [12, 12, 12] # coarse",
+        "type = \"reader\"\npath = \"data.vtk\"",
+    ));
+    let said = |text: &str| text.starts_with("grid: ") && text.contains("data.vtk");
+    assert!(!hand.shown(&said).is_empty(), "{:?}", hand.shown_beginning("grid: "));
+    let own = hand.path().display().to_string();
+    assert!(hand.shown(&|text| text.starts_with("grid: ") && text.contains(&own)).is_empty());
 }
 
 #[test]
@@ -213,7 +256,7 @@ fn a_file_that_cannot_be_opened_leaves_its_dialog_with_the_reason() {
 }
 
 #[test]
-fn a_fault_is_said_once_and_in_words_of_the_window() {
+fn a_fault_is_said_in_words_of_the_window() {
     let mut hand = Hand::new(&TEXT.replace("eye = [-28.0, -38.0, 24.0]\n", ""));
     hand.editor.selection = ["view".to_string()].into();
     hand.frames(3);

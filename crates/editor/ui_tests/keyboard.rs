@@ -76,6 +76,14 @@ fn arrows_select_and_move_nodes_and_wires_are_taken_off() {
     hand.key(Key::ArrowDown, Modifiers::SHIFT);
     let after = hand.editor.document().position("gradient");
     assert!(after[0] == before[0] && after[1] > before[1], "{before:?} {after:?}");
+    // Moves of two nodes are two steps.
+    hand.key(Key::ArrowRight, Modifiers::NONE);
+    assert_eq!(selected(&hand), ["picture"]);
+    hand.key(Key::ArrowDown, Modifiers::SHIFT);
+    hand.key(Key::Z, Modifiers::COMMAND);
+    assert_eq!(hand.editor.document().position("gradient"), after);
+    hand.editor.selection = ["gradient".to_string()].into();
+    hand.frames(1);
     wire(&mut hand, "take off grid");
     assert!(!hand.text().contains("grid = \"grid\""), "{}", hand.text());
     hand.key(Key::Z, Modifiers::COMMAND);
@@ -98,4 +106,27 @@ fn tab_goes_to_nodes_which_are_then_selected_and_adds_none() {
     );
     assert_eq!(hand.text(), TEXT);
     assert!(!hand.sees("search"));
+}
+
+#[test]
+fn the_focus_goes_with_the_node_that_arrows_choose_and_is_lost_out_of_view() {
+    let mut hand = Hand::new(TEXT);
+    for _ in 0..80 {
+        if hand.editor.panels.graph.has_focus() && selected(&hand) == ["grid"] {
+            break;
+        }
+        hand.key(Key::Tab, Modifiers::NONE);
+        hand.frames(1);
+    }
+    for node in ["gradient", "picture"] {
+        hand.key(Key::ArrowRight, Modifiers::NONE);
+        hand.frames(2);
+        assert_eq!(selected(&hand), [node]);
+        assert!(hand.editor.panels.graph.has_focus(), "{node}");
+    }
+    // Out of view, it has the keys no more.
+    let far = vec![("picture".to_string(), [20000.0, 20000.0])];
+    hand.editor.edit("away".into(), &[voltet_document::Edit::MoveNodes(far)]);
+    hand.frames(3);
+    assert!(!hand.sees("node picture") && !hand.editor.panels.graph.has_focus());
 }

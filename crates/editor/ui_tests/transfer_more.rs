@@ -116,10 +116,50 @@ fn keys_over_the_plane_are_for_widgets_and_elsewhere_for_nodes() {
     assert_ne!(of(&widgets(&hand)[0], "centre"), centre);
     hand.key(Key::Escape, Modifiers::NONE);
     hand.key(Key::Delete, Modifiers::NONE);
-    assert!(
-        !hand.editor.document().pipeline().nodes.iter().any(|node| node.name == "look"),
-        "the node that is selected"
-    );
+    assert_eq!(widgets(&hand).len(), 1, "the widget in hand, until a node is selected");
+}
+
+#[test]
+fn menus_delete_and_duplicate_the_widget_that_was_selected_last() {
+    let mut hand = Hand::new(TEXT);
+    with_distribution(&mut hand);
+    let at = hand.named("centre of widget 1");
+    hand.click(at);
+    hand.command(Command::Duplicate);
+    hand.frames(2);
+    assert_eq!(widgets(&hand).len(), 2);
+    hand.frame(vec![Event::Cut], Modifiers::NONE);
+    hand.frames(2);
+    assert!(hand.said().contains("a widget is not cut"), "{}", hand.said());
+    for _ in 0..3 {
+        hand.command(Command::Delete);
+        hand.frames(2);
+    }
+    assert!(hand.said().contains("there is no widget"), "{}", hand.said());
+    (0..3).for_each(|_| hand.key(Key::Z, Modifiers::COMMAND));
+    assert_eq!(hand.text(), TEXT);
+    // The menu of a node is for the node, even where it was selected before.
+    let node = hand.named("node look");
+    hand.click(node);
+    let at = hand.named("centre of widget 1");
+    hand.click(at);
+    right_click(&mut hand, node);
+    hand.click_on("Delete");
+    assert!(!hand.text().contains("[nodes.look]"), "{}", hand.text());
+}
+
+#[test]
+fn arrows_are_for_what_has_the_focus_not_for_the_widget_too() {
+    let mut hand = Hand::new(TEXT);
+    with_distribution(&mut hand);
+    let at = hand.named("centre of widget 1");
+    hand.click(at);
+    hand.frames(2);
+    hand.key(Key::Tab, Modifiers::NONE);
+    hand.frames(2);
+    assert!(hand.ctx.memory(|memory| memory.focused()).is_some() && !hand.editor.panels.graph.has_focus());
+    hand.key(Key::ArrowRight, Modifiers::NONE);
+    assert_eq!(hand.text(), TEXT);
 }
 
 #[test]
