@@ -61,8 +61,9 @@ struct SpreadView {
     rounding: f64,
 }
 
-/// Extent of points on the screen: the largest |x| or |y|, least and greatest depth. It is a little wider than the points, and has the
-/// same bits whether it is found of all points of a grid or of those of its parts.
+/// Extent of points on the screen: the largest |x| or |y|, least and greatest depth. It has few digits and holds the points but for
+/// rounding, and has the same bits whether it is found of all points of a grid or of those of its parts. Ends that have few digits stay what
+/// they are.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ScreenExtent {
     largest: f64,
@@ -73,17 +74,16 @@ pub(crate) struct ScreenExtent {
 /// Binary digits that are left of the largest position, and of depths within their range.
 const EXTENT_BITS: u32 = 16;
 
-/// Fraction of itself by which rounding may move an end, at most.
-const EXTENT_ROUNDING: f64 = 1e-12;
+/// Fraction of itself by which rounding may move an end, at most: some units in the last place.
+const EXTENT_ROUNDING: f64 = 1e-14;
 
-/// The next number of few digits that is not below, whatever the rounding.
+/// The next number of few digits that is not below but for rounding; `x` ≥ 0.
 fn coarse_above(x: f64) -> f64 {
     if !x.is_finite() {
         return x;
     }
     let rest = (1_u64 << (f64::MANTISSA_DIGITS - 1 - EXTENT_BITS)) - 1;
-    let bits = (x + EXTENT_ROUNDING * x.abs()).to_bits();
-    f64::from_bits(if x > 0.0 { (bits + rest) & !rest } else { bits & !rest })
+    f64::from_bits(((x - EXTENT_ROUNDING * x).to_bits() + rest) & !rest)
 }
 
 impl ScreenExtent {
@@ -104,9 +104,10 @@ impl ScreenExtent {
     /// Depths are rounded by a share of their range, which may be far smaller than they are.
     fn rounded([largest, near, far]: [f64; 3]) -> ScreenExtent {
         let largest = coarse_above(largest);
-        let [before, behind] = [near - EXTENT_ROUNDING * near.abs(), far + EXTENT_ROUNDING * far.abs()];
-        let step = ((behind - before).log2().ceil() - f64::from(EXTENT_BITS)).exp2();
-        let ends = [(before / step).floor() * step, (behind / step).ceil() * step];
+        let rounding = [near, far].map(|end| EXTENT_ROUNDING * end.abs());
+        let range = far - near + rounding[0] + rounding[1];
+        let step = (range.log2().ceil() - f64::from(EXTENT_BITS)).exp2();
+        let ends = [((near + rounding[0]) / step).floor() * step, ((far - rounding[1]) / step).ceil() * step];
         // All points in the plane of the eye, or none.
         let [near, far] = if ends.iter().all(|end| end.is_finite()) { ends } else { [near, far] };
         ScreenExtent { largest, near, far }
