@@ -100,6 +100,13 @@ fn cameras() -> [(&'static str, Camera); 5] {
     ]
 }
 
+/// The share for a scene, by whether its rays go through points of the grid: depths of one point on several faces differ by rounding, and cells
+/// that a ray only touches count as segments of some steps.
+fn share_of(scene: &NamedScene) -> f64 {
+    let is_at_points = scene.name.contains("through points");
+    if is_at_points { SHARE_OF_SEGMENTS_AT_A_POINT } else { SHARE_OF_SEGMENTS }
+}
+
 #[test]
 fn rays_from_cell_to_cell_see_what_cells_show() {
     let arms = smooth(two_arms());
@@ -107,9 +114,7 @@ fn rays_from_cell_to_cell_see_what_cells_show() {
     let grids = [("jittered", smooth(cube([4, 4, 4], 0.2))), ("regular", smooth(cube([4, 4, 4], 0.0)))];
     for (name, volume) in grids.iter().chain(&[("two arms", arms), ("a flat layer", flat)]) {
         for scene in scenes(name, volume, &cameras()) {
-            let through_points = scene.name.contains("through points");
-            let share = if through_points { SHARE_OF_SEGMENTS_AT_A_POINT } else { SHARE_OF_SEGMENTS };
-            assert_eq!(lost_with(&scene, share), 0, "{}", scene.name);
+            assert_eq!(lost_with(&scene, share_of(&scene)), 0, "{}", scene.name);
         }
     }
 }
@@ -143,7 +148,7 @@ fn parts_that_touch_are_passed_one_after_another() {
 #[test]
 fn levels_of_other_cell_sizes_are_passed_one_after_another() {
     for scene in scenes("levels", &smooth(refined()), &cameras()) {
-        assert_eq!(lost(&scene), 0, "{}", scene.name);
+        assert_eq!(lost_with(&scene, share_of(&scene)), 0, "{}", scene.name);
     }
     let linear = |grid| volume(grid, |p| p.dot(glam::DVec3::new(0.5, 0.3, 0.2)), |_| 1.5);
     let (levels, equal) = (linear(refined()), linear(cube([8, 8, 8], 0.0)));

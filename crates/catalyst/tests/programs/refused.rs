@@ -134,6 +134,7 @@ fn words_that_mean_nothing_are_named() {
     refused(&["values has an axis that is not Cartesian", "'theta'"], |tree| {
         cubes(tree)
             .text("topologies/mesh/type", "structured")
+            .array("topologies/mesh/elements/dims/k", vec![1_i32])
             .array("coordsets/coords/values/theta", vec![0.0_f64])
     });
     refused(&["topologies has no cells with volume"], |tree| unstructured(cubes(tree), "quad"));
