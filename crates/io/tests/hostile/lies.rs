@@ -132,7 +132,7 @@ fn offsets_connectivity_and_types_are_checked() {
     let sound = unstructured(ascii, 3, false);
     let request = scalar("Float64");
     let offsets = replaced(&sound, "4 8 12 16 20", "4 8 11 16 20");
-    expect(&message("a.vtu", &offsets, &request), &["offset of cell 2", "found 11", "12", "offsets"]);
+    expect(&message("a.vtu", &offsets, &request), &["cell 2, a tetrahedron", "found 3", "expected 4"]);
     let corner = replaced(&sound, "0 1 3 7", "0 1 3 77");
     expect(&message("a.vtu", &corner, &request), &["cell 3", "77", "below 16"]);
     let negative = replaced(&sound, "0 1 3 7", "0 1 -3 7");
