@@ -2,7 +2,8 @@
 //! picture.
 
 use crate::devices;
-use crate::work_precision::settings::{RendererNode, settings};
+use crate::work_precision::settings::settings;
+use crate::work_precision::subject::RendererNode;
 use crate::work_precision::{Engines, Frames, RenderConfig, RendererVariant, StudyOptions, Subject};
 use serde::Serialize;
 use std::collections::VecDeque;

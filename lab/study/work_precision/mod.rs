@@ -11,6 +11,8 @@ mod plot;
 mod reference;
 mod run;
 mod settings;
+mod subject;
+mod variant;
 
 pub use convergence::{Convergence, Level, Refinement, Source, refinement, refuse_too_fine};
 pub(crate) use errors::pixel_errors;
@@ -21,7 +23,6 @@ pub use output::{apply, files_to_overwrite, json, measure, recommendation, text,
 pub use reference::{Reference, cache_folder, reference};
 pub use run::{Refused, Row, Study, study};
 pub(crate) use settings::Numbers;
-pub use settings::{
-    Engines, Frames, Measure, RenderConfig, RendererNode, RendererVariant, StudyOptions, Subject,
-    SubjectRequest, drawing_nodes, patience, studied,
-};
+pub use settings::{Frames, Measure, RenderConfig, StudyOptions, patience, studied};
+pub use subject::{RendererNode, Subject, SubjectRequest, drawing_nodes};
+pub use variant::{Engines, RendererVariant};
