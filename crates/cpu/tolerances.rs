@@ -104,7 +104,7 @@ pub(crate) const MAX_DEPTH_RATIO: f64 = 64.0;
 /// Pixels by which the box of a boundary face is enlarged: the coarsest step of screen positions.
 pub(crate) const BOUNDARY_SLACK: f64 = 1.0 / 4096.0;
 
-/// Steps of depth by which a ray may enter before the end of the cells that it has left: cells that meet at a boundary do, by rounding.
+/// Steps of depth in which cells that a ray enters may overlap those that it has left: cells that meet at a boundary do, by rounding.
 pub(crate) const ENTRY_OVERLAP: u32 = 1 << 11;
 
 /// Weight added to a corner of a face, so that three of no weight have a mean: less than any that is not 0.

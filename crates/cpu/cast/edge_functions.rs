@@ -47,8 +47,8 @@ pub(super) fn edges_inside<L: Lanes>(functions: [L::F; 3], edges: [[Offset<L>; 2
 /// Point at which a ray passes a face: barycentric weights of the corners (each one's is the edge function of the other two), and its depth.
 ///
 /// It has the same bits whatever the order of the corners, and whichever of the face's two cells the ray is in: sums have two terms that are
-/// not 0, since depths and values are counted from the least of the corners, or begin with the smaller ones. So a segment does not depend on
-/// what else is drawn.
+/// not 0, since depths and values are counted from those of a corner, or begin with the smaller ones. So a segment does not depend on
+/// what else is drawn. Depths are counted from the corner of the largest weight: a ray through a corner passes all its faces at its depth.
 pub(super) struct FacePoint<L: Lanes> {
     /// Perspective-correct weights.
     weights: [L::F; 3],
@@ -60,6 +60,18 @@ pub(super) struct FacePoint<L: Lanes> {
     pub distance: L::F,
 }
 
+/// Depth of the corner of the largest weight; of equal ones the least.
+#[inline(always)]
+fn heaviest<L: Lanes>(weights: [L::F; 3], depths: [L::U; 3]) -> L::U {
+    let heavier = inlined!(|(a, depth_a): (L::F, L::U), (b, depth_b): (L::F, L::U)| {
+        let of_equal = depth_a.min(depth_b);
+        let depth = L::U::select(b.lt(a), depth_a, L::U::select(a.lt(b), depth_b, of_equal));
+        (a.max(b), depth)
+    });
+    let of_two = heavier((weights[0], depths[0]), (weights[1], depths[1]));
+    heavier(of_two, (weights[2], depths[2])).1
+}
+
 impl<L: Lanes> FacePoint<L> {
     /// The point for the edge functions of corners 0 and 1, 1 and 2, 2 and 0, none negative, and the depths of the corners.
     #[inline(always)]
@@ -69,16 +81,20 @@ impl<L: Lanes> FacePoint<L> {
         let [smaller, larger] = [weights[0].min(weights[1]), weights[0].max(weights[1])];
         let sum_of_smaller = smaller + larger.min(weights[2]);
         let total = sum_of_smaller + larger.max(weights[2]) + L::F::splat(MIN_CORNER_WEIGHT);
-        let nearest = depth[0].min(depth[1]).min(depth[2]);
-        let higher: [L::F; 3] = array!(|k| (depth[k] - nearest).to_float());
+        let from = heaviest::<L>(weights, depth);
+        let higher: [L::F; 3] = array!(|k| (depth[k] - from).to_float());
         let above = weights[0] * higher[0] + weights[1] * higher[1] + weights[2] * higher[2];
-        let at = inlined!(|by_total: L::F| nearest + above.mul_add(by_total, half).to_unsigned());
+        let is_before = above.lt(L::F::splat(0.0));
+        let at = inlined!(|by_total: L::F| {
+            let steps = above.abs().mul_add(by_total, half).to_unsigned();
+            L::U::select(is_before, from - steps, from + steps)
+        });
         if !points.perspective {
             let by_total = one / total;
             return FacePoint { weights, by_sum: by_total, depth: at(by_total), distance: one };
         }
         let (first, fall) = (L::F::splat(points.nearest), L::F::splat(-points.step));
-        let inverse = nearest.to_float().mul_add(fall, first);
+        let inverse = from.to_float().mul_add(fall, first);
         let perspective: [L::F; 3] = array!(|k| weights[k] * higher[k].mul_add(fall, inverse));
         let sum = above.mul_add(fall, total * inverse);
         let by_both = one / (total * sum);

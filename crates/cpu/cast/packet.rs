@@ -45,6 +45,9 @@ pub(crate) struct RayPacket<'a> {
     pub(super) pending: PendingEntry,
     /// Entries that each ray has consumed.
     consumed: [u32; TILE],
+    /// Depth at which each ray has entered, and the end of all cells that it has left (steps, behind the near plane).
+    begun: [u32; TILE],
+    furthest: [u32; TILE],
     /// Rest of [`BoundaryHits::exit_checksum`].
     pub(super) exit_checksum: [u32; TILE],
     /// Active rays, a bit each, and those of them that are about to enter.
@@ -82,6 +85,8 @@ impl<'a> RayPacket<'a> {
                 at: [0; MAX_LANES],
             },
             consumed: [0; TILE],
+            begun: [0; TILE],
+            furthest: [0; TILE],
             exit_checksum: [0; TILE],
             active: 0,
             entering: 0,
@@ -95,6 +100,7 @@ impl<'a> RayPacket<'a> {
     pub fn begin(&mut self, number: usize, rect: TileRect, length_per_depth: &[f32; PIXELS]) {
         (self.entering, self.slices) = (u32::MAX >> (32 - TILE), 0);
         (self.consumed, self.pending.at) = ([0; TILE], [0; MAX_LANES]);
+        (self.begun, self.furthest) = ([0; TILE], [0; TILE]);
         let Points { ray_spacing, ray_spread, .. } = self.caster.points;
         for ray in 0..TILE {
             let pixel = pixel_of(number, ray);
@@ -116,15 +122,27 @@ impl<'a> RayPacket<'a> {
         self.active != 0
     }
 
-    /// Ends all rays.
+    /// Ends all rays: mistracked where one is in cells that may lie before those that it has left.
     pub fn stop(&mut self) {
+        self.is_mistracked |=
+            (0..TILE).any(|ray| self.active >> ray & 1 != 0 && self.overlaps(ray, self.furthest[ray]));
         self.active = 0;
     }
 
+    /// True if cells that a ray has been in since it entered, up to a depth, overlap those that it had left before, by more than rounding.
+    fn overlaps(&self, ray: usize, to: u32) -> bool {
+        self.begun[ray].saturating_add(ENTRY_OVERLAP) < to.min(self.furthest[ray])
+    }
+
     /// Enters the grid by a ray's next entry; if there is none the ray ends. It is mistracked where it has not exited by all faces that it
-    /// should have, or enters before it exited; on the eye's side of the near plane, where it has no segments, the order does not matter.
+    /// should have, or where the cells that it leaves overlap those before; on the eye's side of the near plane, where it has no segments,
+    /// the order does not matter.
     pub(super) fn enter_grid(&mut self, ray: usize) {
         let bit = 1 << ray;
+        let near = self.caster.points.near.unwrap_or(0);
+        let at = self.pending.at[ray].max(near);
+        self.is_mistracked |= self.overlaps(ray, at);
+        self.furthest[ray] = self.furthest[ray].max(at);
         let Some(entry) = self.hits.entries_of(self.pixels[ray] as usize).get(self.consumed[ray] as usize)
         else {
             self.is_mistracked |= self.exit_checksum[ray] != 0;
@@ -132,9 +150,7 @@ impl<'a> RayPacket<'a> {
             self.pending.half_face[ray] = self.caster.half_faces.sentinel();
             return;
         };
-        let near = self.caster.points.near.unwrap_or(0);
-        self.is_mistracked |=
-            entry.depth.max(near).saturating_add(ENTRY_OVERLAP) < self.pending.at[ray].max(near);
+        self.begun[ray] = entry.depth.max(near);
         self.consumed[ray] += 1;
         self.active |= bit;
         let face = self.caster.half_faces.boundary[entry.face as usize];
