@@ -148,7 +148,7 @@ pub(super) fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Su
     let wanted = PieceRequest { request: &request, choices: scalar.as_slice(), ids, fills: false };
     let mut all = PieceSums::default();
     // Arrays of a large piece are decoded one at a time, each by all threads.
-    let batch = if dataset.pieces.len() < MANY { 1 } else { MANY };
+    let batch = if dataset.pieces.len() < MIN_PARALLEL_PIECES { 1 } else { BATCH };
     let pieces: Vec<(usize, &Piece)> = dataset.pieces.iter().enumerate().collect();
     for pieces in pieces.chunks(batch) {
         let of_piece = |&(index, piece): &(usize, &Piece)| {
@@ -177,7 +177,9 @@ pub(super) fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Su
 }
 
 /// Pieces that are small enough, for there are so many, to be read side by side.
-const MANY: usize = 256;
+const MIN_PARALLEL_PIECES: usize = 64;
+/// Pieces whose contents stand beside each other until they are added up.
+const BATCH: usize = 1 << 12;
 
 /// Bounds of points.
 type Bounds = Option<[DVec3; 2]>;
@@ -187,7 +189,7 @@ type Bounds = Option<[DVec3; 2]>;
 struct PieceSums {
     pieces: Vec<RawGrid>,
     arrays: Vec<WithRange>,
-    /// Of what is drawn; of all, where nothing is.
+    /// Bounds of what is drawn, and of all, for where nothing is.
     drawn_bounds: Bounds,
     all_bounds: Bounds,
     size: GridSize,

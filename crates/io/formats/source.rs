@@ -207,3 +207,33 @@ pub(super) fn printable(bytes: &[u8]) -> String {
         bytes.iter().take(24).map(|&b| if (0x20..0x7f).contains(&b) { b as char } else { '·' }).collect();
     format!("a file that begins with '{text}'")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_that_are_opened_for_each_reading_keep_apart() {
+        let folder = tempfile::tempdir().unwrap();
+        let small: Vec<u8> = (0..=255).collect();
+        let sizes = [(0_u8, 300), (1, 300), (2, SMALL as usize), (3, SMALL as usize + 1)];
+        let files = sizes.map(|(number, size)| {
+            let bytes: Vec<u8> = small.iter().cycle().map(|byte| byte ^ number).take(size).collect();
+            let path = folder.path().join(number.to_string());
+            std::fs::write(&path, &bytes).unwrap();
+            (Source::open(&path).unwrap().closed(), bytes)
+        });
+        for round in 0..3 {
+            for (source, bytes) in &files {
+                let at = bytes.len() - 40 - round;
+                assert_eq!(source.read(at as u64, 40).unwrap(), bytes[at..at + 40]);
+                assert!(source.read(at as u64, 60).is_err());
+            }
+        }
+        // One that was cut since is an error, not what another file or reading left.
+        std::fs::write(files[1].0.path(), b"short").unwrap();
+        let error = files[1].0.read(0, 4).unwrap_err();
+        assert!(error.location.file.is_some() && error.to_string().contains("cannot be read"), "{error}");
+        assert_eq!(files[0].0.read(0, 4).unwrap(), files[0].1[..4]);
+    }
+}

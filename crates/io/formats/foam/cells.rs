@@ -373,3 +373,51 @@ fn opposite<'a>(
     }
     found
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+
+    #[test]
+    fn tetrahedra_are_those_of_any_cells() {
+        // Around a common edge, closed, so that faces have one cell or two.
+        let cells: Vec<[u32; 4]> = (0..7).map(|cell| [0, 1, 2 + cell, 2 + (cell + 1) % 7]).collect();
+        let mut faces: BTreeMap<[u32; 3], ([u32; 3], Vec<u32>)> = BTreeMap::new();
+        for (number, &[a, b, c, d]) in cells.iter().enumerate() {
+            for face in [[b, c, d], [a, d, c], [a, b, d], [a, c, b]] {
+                let mut key = face;
+                key.sort_unstable();
+                faces.entry(key).or_insert((face, Vec::new())).1.push(number as u32);
+            }
+        }
+        let (inner, outer): (Vec<_>, Vec<_>) = faces.into_values().partition(|face| face.1.len() == 2);
+        assert_eq!((inner.len(), outer.len()), (7, 14));
+        let all: Vec<_> = inner.iter().chain(&outer).collect();
+        let mut mesh = FaceCells {
+            points: all.iter().flat_map(|face| face.0).collect(),
+            ends: (1..=all.len() as u32).map(|face| 3 * face).collect(),
+            owner: all.iter().map(|face| face.1[0]).collect(),
+            neighbour: inner.iter().map(|face| face.1[1]).collect(),
+            cell_count: cells.len(),
+        };
+        let (begins, sides) = mesh.sides_by_cell();
+        let Some(Cells::Tetrahedra(found)) = mesh.tetrahedra(&begins, &sides) else { panic!() };
+        for (cell, found) in found.iter().enumerate() {
+            let own = &sides[begins[cell] as usize..begins[cell + 1] as usize];
+            let own: Vec<Side> =
+                own.iter().map(|side| (mesh.face((side >> 1) as usize), side & 1 == 0)).collect();
+            let (kind, corners) = simple_cell(&own).unwrap();
+            assert_eq!((kind, &corners[..]), (code::TETRA, &found[..]));
+            let (mut corners, mut expected) = (*found, cells[cell]);
+            corners.sort_unstable();
+            expected.sort_unstable();
+            assert_eq!(corners, expected);
+        }
+        // A face that belongs to no tetrahedron, and one with four points.
+        mesh.points[0] = 99;
+        assert!(mesh.tetrahedra(&begins, &sides).is_none());
+        mesh.ends[0] = 4;
+        assert!(mesh.tetrahedra(&begins, &sides).is_none());
+    }
+}

@@ -161,8 +161,8 @@ fn each_of_4(
     })
 }
 
-/// Numbers of a table that are in memory at a time: what they take is in the cache until they are converted.
-const BATCH: u64 = 1 << 18;
+/// Numbers of a table that are in memory at a time: few enough to stay in the cache of several cores, and enough for all of them.
+const BATCH: u64 = 1 << 20;
 
 /// Calls `read` with the number of rows of each part of a table of `count` rows of so many numbers.
 pub(super) fn each_batch(count: u64, width: u64, mut read: impl FnMut(u64) -> Result<()>) -> Result<()> {
