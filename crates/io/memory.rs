@@ -54,8 +54,14 @@ impl GridSize {
             }
             Cells::Structured(_) => ((cells.count() as u64).saturating_mul(6), Some(0)),
         };
-        self.tetrahedra = self.tetrahedra.saturating_add(tetrahedra);
-        self.split = match (self.split, bytes) {
+        self.add_size(&GridSize { points: 0, tetrahedra, split: bytes });
+    }
+
+    /// Adds the size of another piece.
+    pub fn add_size(&mut self, other: &GridSize) {
+        self.points = self.points.saturating_add(other.points);
+        self.tetrahedra = self.tetrahedra.saturating_add(other.tetrahedra);
+        self.split = match (self.split, other.split) {
             (None, None) => None,
             (a, b) => Some(a.unwrap_or(0).saturating_add(b.unwrap_or(0))),
         };

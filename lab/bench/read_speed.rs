@@ -5,15 +5,15 @@
 use std::path::Path;
 use std::time::Instant;
 use voltet_core::progress::NoProgress;
-use voltet_io::formats::{Options, Request, read};
+use voltet_io::formats::{Options, Request, inspect, read};
 
-/// Forms of a reading: with tetrahedra, the file's own cells alone, bytes of the file alone.
-const FORMS: [&str; 3] = ["tetrahedra", "cells", "bytes"];
+/// Forms of a reading: with tetrahedra, the file's own cells alone, all of the file as `voltet info` does, bytes of the file alone.
+const FORMS: [&str; 4] = ["tetrahedra", "cells", "info", "bytes"];
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let [form, path, array] = &words[..] else {
-        stop("usage: read_speed tetrahedra|cells|bytes FILE ARRAY|cell:ARRAY|-")
+        stop("usage: read_speed tetrahedra|cells|info|bytes FILE ARRAY|cell:ARRAY|-")
     };
     if !FORMS.contains(&form.as_str()) {
         stop(&format!("unknown form '{form}', expected one of {}", FORMS.join(", ")));
@@ -22,6 +22,10 @@ fn main() {
     let start = Instant::now();
     let counts = match form.as_str() {
         "bytes" => bytes(Path::new(path)).map(|count| [count, 0]),
+        "info" => match inspect(Path::new(path), &Request::default(), &NoProgress) {
+            Ok(summary) => Ok([summary.cell_count, summary.point_count].map(|count| count as usize)),
+            Err(error) => Err(error.to_string()),
+        },
         _ => grid(Path::new(path), scalar, form == "cells"),
     };
     match counts {

@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 """Seconds that voltet, VTK and meshio take to read one grid of tetrahedra from files of every format.
 
-    pip install vtk meshio h5py netCDF4 numpy
+    pip install vtk meshio h5py netCDF4 numpy lz4
     lab/scripts/read-speed.py [--side 60] [--rounds 5] [--only vtu,gmsh] [--folder FOLDER] [--program FILE] [--others no]
 
 Writes the files into the folder (6·side³ tetrahedra; 2 GB for side 60) and prints a table. Each reading is a process of its own,
 the programs take turns, files are in the page cache. voltet and VTK give points, cells and one array (VTK's readers that cannot be told give
 all), meshio everything. Medians of wall seconds and, in brackets, of CPU seconds. MB/s are bytes of the files by voltet's seconds, the
-share is that of reading the file into memory by one thread. "tetrahedra": with what drawing asks for beside, the check for overlaps and
+share is that of reading the file into memory by one thread. "codec": of compressed files, the seconds in which zlib, LZ4 or LZMA as other
+programs have them alone decompress the arrays that are read, in memory, on one thread, by the number of processors and by voltet's seconds:
+1 is as fast as decompression can be. "tetrahedra": with what drawing asks for beside, the check for overlaps and
 hanging points. `--others no` leaves out VTK and meshio.
 """
 
@@ -71,6 +73,69 @@ def by_vtk(path, array):
     return *seconds, sum(leaf.GetNumberOfCells() for leaf in leaves)
 
 
+def appended_blocks(path, array):
+    """Codec, compressed blocks and their sizes unpacked, of the arrays of a .vtu with raw appended data that are read."""
+    import re
+
+    import numpy as np
+
+    content = path.read_bytes()
+    begin = content.index(b"_", content.index(b"<AppendedData")) + 1
+    head = content[:begin].decode(errors="replace")
+    codec = re.search(r'compressor="vtk(\w+)DataCompressor"', head)[1]
+    word = np.dtype("<u8" if 'header_type="UInt64"' in head else "<u4")
+    blocks = []
+    for tag in re.findall(r"<DataArray[^>]*>", head):
+        attributes = dict(re.findall(r'(\w+)="([^"]*)"', tag))
+        if attributes["Name"] not in ["Points", "connectivity", "offsets", "types", array]:
+            continue
+        at = begin + int(attributes["offset"])
+        count, size, last = (int(n) for n in np.frombuffer(content, word, 3, at))
+        lengths = np.frombuffer(content, word, count, at + 3 * word.itemsize)
+        at += (3 + count) * word.itemsize
+        for place, length in enumerate(lengths):
+            blocks.append((content[at:at + int(length)], last if last and place == count - 1 else size))
+            at += int(length)
+    return codec, blocks
+
+
+def chunks(path, array):
+    """Chunks of the arrays of a VTKHDF file or of meshio's XDMF that are read."""
+    import h5py
+
+    names = ["VTKHDF/Points", "VTKHDF/Connectivity", "VTKHDF/Offsets", "VTKHDF/Types", f"VTKHDF/PointData/{array}"]
+    with h5py.File(path) as file:
+        names = names if "VTKHDF" in file else ["data0", "data1", "data2"]
+        for name in names:
+            own = file[name].id
+            for place in range(own.get_num_chunks()):
+                yield own.read_direct_chunk(own.get_chunk_info(place).chunk_offset)[1]
+
+
+def by_codec(path, array):
+    """Seconds of decompression alone."""
+    import zlib
+
+    if path.suffix != ".vtu":
+        packed = list(chunks(path.with_suffix(".h5") if path.suffix == ".xdmf" else path, array))
+        start = time.perf_counter()
+        count = sum(len(zlib.decompress(block)) for block in packed)
+        return time.perf_counter() - start, 0, count
+    import lzma
+
+    import lz4.block
+
+    codec, blocks = appended_blocks(path, array)
+    unpack = {
+        "ZLib": lambda packed, _: zlib.decompress(packed),
+        "LZMA": lambda packed, _: lzma.decompress(packed),
+        "LZ4": lambda packed, size: lz4.block.decompress(packed, uncompressed_size=size),
+    }[codec]
+    start = time.perf_counter()
+    count = sum(len(unpack(packed, size)) for packed, size in blocks)
+    return time.perf_counter() - start, 0, count
+
+
 def by_meshio(path, _):
     import meshio
 
@@ -114,7 +179,11 @@ def shown(runs):
 
 def ratio(other, own):
     pairs = [(a[0], b[0]) for a, b in zip(other, own) if a and b]
-    return f"{statistics.median(a / b for a, b in pairs):.1f}" if pairs else "–"
+    return f"{statistics.median(a / b for a, b in pairs):.2f}" if pairs else "–"
+
+
+def is_compressed(name):
+    return any(word in name for word in ["zlib", "lz4", "lzma", "gzip"])
 
 
 def main():
@@ -129,7 +198,7 @@ def main():
     options = parser.parse_args()
     if options.one:
         who, path, array = options.one
-        result = {"vtk": by_vtk, "meshio": by_meshio}[who](Path(path), array)
+        result = {"vtk": by_vtk, "meshio": by_meshio, "codec": by_codec}[who](Path(path), array)
         os.write(1, ("\n" + json.dumps({"result": result}) + "\n").encode())
         # Some libraries take seconds to free what they have read.
         os._exit(0)
@@ -144,15 +213,17 @@ def main():
     words = options.only.lower().split(",")
     names = [name for name in read_files.FILES if any(word in name.lower() for word in words)]
     files = read_files.write(options.folder, options.side, names)
-    print("| format | MB | voltet: s (CPU s) | MB/s | share | tetrahedra | VTK | times | meshio | times |")
-    print("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |")
+    print("| format | MB | voltet: s (CPU s) | MB/s | share | codec | tetrahedra | VTK | times | meshio | times |")
+    print("| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |")
     for name, (path, array) in files.items():
-        own, full, plain, vtk, mesh = [], [], [], [], []
+        own, full, plain, codec, vtk, mesh = [], [], [], [], [], []
         plain_path = path.with_suffix({".case": ".geo", ".xdmf": ".h5"}.get(path.suffix, path.suffix))
         for _ in range(options.rounds):
             plain.append(by_voltet(program, "bytes", plain_path, "-"))
             own.append(by_voltet(program, "cells", path, array))
             full.append(by_voltet(program, "tetrahedra", path, array))
+            if is_compressed(name):
+                codec.append(by_other("codec", path, array))
             if options.others == "yes" and ending(path) in VTK:
                 vtk.append(by_other("vtk", path, array))
             if options.others == "yes" and ending(path) in MESHIO:
@@ -165,9 +236,11 @@ def main():
         bytes_read = size(path)
         seconds = statistics.median(run[0] for run in own)
         rate = plain[0][2] / statistics.median(run[0] for run in plain)
+        threads = len(os.sched_getaffinity(0))
+        alone = ratio([(run[0] / threads,) for run in codec if run], own)
         print(
             f"| {name} | {bytes_read / 1e6:.0f} | {shown(own)} | {bytes_read / seconds / 1e6:.0f} | {bytes_read / seconds / rate:.2f} "
-            f"| {shown(full)} | {shown(vtk)} | {ratio(vtk, own)} | {shown(mesh)} | {ratio(mesh, own)} |",
+            f"| {alone} | {shown(full)} | {shown(vtk)} | {ratio(vtk, own)} | {shown(mesh)} | {ratio(mesh, own)} |",
             flush=True,
         )
 

@@ -65,7 +65,7 @@ def vtu(mesh, path, mode, compressor=None):
     writer.SetInputData(vtk_grid(mesh))
     {"raw": writer.SetDataModeToAppended, "base64": writer.SetDataModeToBinary, "ascii": writer.SetDataModeToAscii}[mode]()
     writer.EncodeAppendedDataOff()
-    {None: writer.SetCompressorTypeToNone, "zlib": writer.SetCompressorTypeToZLib, "lz4": writer.SetCompressorTypeToLZ4}[compressor]()
+    {None: writer.SetCompressorTypeToNone, "zlib": writer.SetCompressorTypeToZLib, "lz4": writer.SetCompressorTypeToLZ4, "lzma": writer.SetCompressorTypeToLZMA}[compressor]()
     writer.Write()
 
 
@@ -273,6 +273,7 @@ FILES = {
     "vtu raw": (lambda m, p: vtu(m, p, "raw"), "raw.vtu", "p"),
     "vtu zlib": (lambda m, p: vtu(m, p, "raw", "zlib"), "zlib.vtu", "p"),
     "vtu lz4": (lambda m, p: vtu(m, p, "raw", "lz4"), "lz4.vtu", "p"),
+    "vtu lzma": (lambda m, p: vtu(m, p, "raw", "lzma"), "lzma.vtu", "p"),
     "vtu base64": (lambda m, p: vtu(m, p, "base64"), "base64.vtu", "p"),
     "vtu text": (lambda m, p: vtu(m, p, "ascii"), "ascii.vtu", "p"),
     "vtk binary": (lambda m, p: legacy(m, p, True), "binary.vtk", "p"),

@@ -17,6 +17,10 @@ const MAX_ATTEMPTS: u64 = 8;
 /// Triangles of a body that is carved, at most: its mesh is searched for each of them.
 const MAX_TRIANGLES: usize = 1000;
 
+/// Points of a mesh for each corner of its body, at most: crossings of a sound surface take some dozens, and those of one that crosses itself at an
+/// acute angle double the mesh again and again.
+const MAX_POINTS_PER_CORNER: usize = 128;
+
 /// Distances within which points of a body of size 1 touch, one after the other tried: coordinates are rounded to 1e-16, and how many digits
 /// crossings of planes lose depends on the planes.
 const TOUCH: [f64; 4] = [1e-10, 1e-12, 1e-11, 1e-9];
@@ -252,13 +256,16 @@ struct Mesh {
     tetrahedra: Vec<[u32; 4]>,
     /// Distance within which points touch.
     touch: f64,
+    /// Points that it may have.
+    max_points: usize,
 }
 
 /// The body's mesh, whose surface is `own`.
 fn mesh(own: &[Triangle], points: &[DVec3], attempt: u64) -> Option<Mesh> {
     let count = points.len();
     let touch = TOUCH[attempt as usize % TOUCH.len()];
-    let mut mesh = Mesh { points: points.to_vec(), tetrahedra: Vec::new(), touch };
+    let max_points = MAX_POINTS_PER_CORNER * count;
+    let mut mesh = Mesh { points: points.to_vec(), tetrahedra: Vec::new(), touch, max_points };
     // A tetrahedron around the ball of radius 1 about the first corner, whose faces are parallel to nothing.
     mesh.points
         .extend([[9.1, 8.3, 7.9], [-8.7, -9.3, 8.1], [-7.7, 8.9, -9.7], [8.3, -7.1, -8.9]].map(DVec3::from));
@@ -330,11 +337,15 @@ impl Mesh {
         self.tetrahedra.append(&mut split);
     }
 
-    fn split_at(&mut self, simplex: &[u32], position: DVec3) -> u32 {
+    /// The new point there; `None` where the mesh has all points that it may have.
+    fn split_at(&mut self, simplex: &[u32], position: DVec3) -> Option<u32> {
         let point = self.points.len() as u32;
+        if self.points.len() >= self.max_points {
+            return None;
+        }
         self.points.push(position);
         self.split(simplex, point);
-        point
+        Some(point)
     }
 
     /// Makes a point, which lies in the mesh, a corner; `None` where another one is at its place.
@@ -374,7 +385,7 @@ impl Mesh {
                 _ if least(distances) < -self.touch => return None,
                 [] => return None,
                 [corner] => corner,
-                _ => self.split_at(&simplex, place),
+                _ => self.split_at(&simplex, place)?,
             };
         }
         None
@@ -393,7 +404,7 @@ impl Mesh {
                 })
             };
             match self.tetrahedra.iter().find_map(crossing) {
-                Some((edge, place)) => self.split_at(&edge, place),
+                Some((edge, place)) => self.split_at(&edge, place)?,
                 None => return Some(()),
             };
         }

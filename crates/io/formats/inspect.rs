@@ -7,6 +7,7 @@ use super::request::Request;
 use super::{assemble, cells, request};
 use crate::memory::GridSize;
 use glam::DVec3;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use voltet_core::grid::{self, Association, CellType, Cells, RawGrid, code, is_drawn};
 use voltet_core::progress::Progress;
@@ -136,10 +137,6 @@ pub(super) fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Su
             .collect(),
         ..Summary::default()
     };
-    // Of what is drawn; of all, where nothing is.
-    let (mut drawn_bounds, mut all_bounds) = (None, None);
-    let mut arrays = Vec::new();
-    let mut pieces = Vec::new();
     // Points are joined by their values, too.
     let scalar = request::scalar(dataset, None, None).ok();
     let scalar = scalar.filter(|choice| {
@@ -149,32 +146,20 @@ pub(super) fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Su
     });
     let (request, ids) = (Request::default(), assemble::global_ids(dataset));
     let wanted = PieceRequest { request: &request, choices: scalar.as_slice(), ids, fills: false };
-    for (index, piece) in dataset.pieces.iter().enumerate() {
-        summary.point_count = summary.point_count.saturating_add(piece.point_count);
-        summary.cell_count = summary.cell_count.saturating_add(piece.cell_count);
-        let cells = match piece.cell_count {
-            0 => Cells::Tetrahedra(SharedSlice::default()),
-            _ => cells::load(piece, &meter)?,
+    let mut all = PieceSums::default();
+    // Arrays of a large piece are decoded one at a time, each by all threads.
+    let batch = if dataset.pieces.len() < MIN_PARALLEL_PIECES { 1 } else { BATCH };
+    let pieces: Vec<(usize, &Piece)> = dataset.pieces.iter().enumerate().collect();
+    for pieces in pieces.chunks(batch) {
+        let of_piece = |&(index, piece): &(usize, &Piece)| {
+            let mut sums = PieceSums::default();
+            sums.add(dataset, index, piece, &wanted, &meter).map(|()| sums)
         };
-        if piece.cell_count > 0 {
-            count_cells(&cells, piece, &mut summary.cells_by_type);
-            summary.size.add(&cells);
-            count_blocks(&cells, piece, &mut summary.blocks, &meter)?;
-        }
-        let mut raw = assemble::load(piece, cells, &wanted, &meter)?;
-        let damage = grid::check_cells(&raw).err().map(|error| error.to_string());
-        summary.damage = summary.damage.take().or(damage);
-        let drawn = DrawnParts::of_piece(&raw, piece.point_count as usize);
-        for array in &piece.arrays {
-            add_array(&mut arrays, array, &drawn, &meter)?;
-        }
-        summary.points_not_finite += raw.points.iter().filter(|point| !point.is_finite()).count() as u64;
-        let of_drawn = raw.points.iter().zip(&drawn.points).filter(|(_, is_drawn)| **is_drawn);
-        add_points(&mut drawn_bounds, of_drawn.map(|(point, _)| point));
-        add_points(&mut all_bounds, raw.points.iter());
-        raw.block = assemble::group(dataset, piece, index);
-        pieces.push(raw);
+        let sums: Vec<Result<PieceSums>> = pieces.par_iter().map(of_piece).collect();
+        sums.into_iter().try_for_each(|sums| sums.map(|sums| all.merge(sums, &mut summary)))?;
     }
+    let PieceSums { pieces, arrays, drawn_bounds, all_bounds, size, .. } = all;
+    summary.size = size;
     // A single piece's ghosts are nobody else's; what is damaged is said by what reads it to draw it.
     if let Ok(joined) = grid::join(pieces) {
         summary.points_joined = joined.origin.points_joined;
@@ -189,6 +174,104 @@ pub(super) fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Su
     summary.arrays.sort_by_key(|array| array.head.association == Association::Cell);
     summary.size.points = summary.point_count;
     Ok(summary)
+}
+
+/// Pieces that are small enough, for there are so many, to be read side by side.
+const MIN_PARALLEL_PIECES: usize = 64;
+/// Pieces whose contents stand beside each other until they are added up.
+const BATCH: usize = 1 << 12;
+
+/// Bounds of points.
+type Bounds = Option<[DVec3; 2]>;
+
+/// Contents of some pieces.
+#[derive(Default)]
+struct PieceSums {
+    pieces: Vec<RawGrid>,
+    arrays: Vec<WithRange>,
+    /// Bounds of what is drawn, and of all, for where nothing is.
+    drawn_bounds: Bounds,
+    all_bounds: Bounds,
+    size: GridSize,
+    counts: [u64; 2],
+    points_not_finite: u64,
+    cells_by_type: BTreeMap<u8, u64>,
+    /// Cells of the piece by block and type.
+    of_blocks: BTreeMap<usize, BTreeMap<u8, u64>>,
+    damage: Option<String>,
+}
+
+impl PieceSums {
+    /// Adds a piece, of which everything is decoded.
+    fn add(
+        &mut self,
+        dataset: &Dataset,
+        index: usize,
+        piece: &Piece,
+        wanted: &PieceRequest,
+        meter: &Meter,
+    ) -> Result<()> {
+        self.counts = [piece.point_count, piece.cell_count];
+        let cells = match piece.cell_count {
+            0 => Cells::Tetrahedra(SharedSlice::default()),
+            _ => cells::load(piece, meter)?,
+        };
+        if piece.cell_count > 0 {
+            count_cells(&cells, piece, &mut self.cells_by_type);
+            self.size.add(&cells);
+        }
+        if piece.cell_count > 0 && !dataset.blocks.is_empty() {
+            count_blocks(&cells, piece, &mut self.of_blocks, meter)?;
+        }
+        let mut raw = assemble::load(piece, cells, wanted, meter)?;
+        self.damage = grid::check_cells(&raw).err().map(|error| error.to_string());
+        let drawn = DrawnParts::of_piece(&raw, piece.point_count as usize);
+        for array in &piece.arrays {
+            add_array(&mut self.arrays, array, &drawn, meter)?;
+        }
+        self.points_not_finite = raw.points.iter().filter(|point| !point.is_finite()).count() as u64;
+        let of_drawn = raw.points.iter().zip(&drawn.points).filter(|(_, is_drawn)| **is_drawn);
+        add_points(&mut self.drawn_bounds, of_drawn.map(|(point, _)| point));
+        add_points(&mut self.all_bounds, raw.points.iter());
+        raw.block = assemble::group(dataset, piece, index);
+        self.pieces.push(raw);
+        Ok(())
+    }
+
+    /// Adds the contents of a piece behind these, and its counts to the summary.
+    fn merge(&mut self, other: PieceSums, summary: &mut Summary) {
+        summary.point_count = summary.point_count.saturating_add(other.counts[0]);
+        summary.cell_count = summary.cell_count.saturating_add(other.counts[1]);
+        summary.points_not_finite += other.points_not_finite;
+        summary.damage = summary.damage.take().or(other.damage);
+        add_counts(&mut summary.cells_by_type, &other.cells_by_type);
+        for (block, own) in other.of_blocks {
+            if let Some(block) = summary.blocks.get_mut(block) {
+                add_counts(&mut block.cells_by_type, &own);
+            }
+        }
+        self.pieces.extend(other.pieces);
+        self.size.add_size(&other.size);
+        for (to, bounds) in
+            [(&mut self.drawn_bounds, other.drawn_bounds), (&mut self.all_bounds, other.all_bounds)]
+        {
+            add_points(to, bounds.iter().flatten());
+        }
+        for (array, of_all) in other.arrays {
+            let Some((own, own_of_all)) = self.arrays.iter_mut().find(|own| own.0.is_same(&array)) else {
+                self.arrays.push((array, of_all));
+                continue;
+            };
+            own.tuple_count += array.tuple_count;
+            own.not_finite_count += array.not_finite_count;
+            array.range.iter().flatten().for_each(|&value| widen(&mut own.range, value));
+            of_all.iter().flatten().for_each(|&value| widen(own_of_all, value));
+        }
+    }
+}
+
+fn add_counts(to: &mut BTreeMap<u8, u64>, counts: &BTreeMap<u8, u64>) {
+    counts.iter().for_each(|(&code, count)| *to.entry(code).or_default() += count);
 }
 
 /// The points and cells of a piece that are drawn.
@@ -244,14 +327,14 @@ fn count_cells(cells: &Cells, piece: &Piece, by_type: &mut BTreeMap<u8, u64>) {
 }
 
 /// Counts a piece's cells by block and type.
-fn count_blocks(cells: &Cells, piece: &Piece, blocks: &mut [BlockSummary], meter: &Meter) -> Result<()> {
-    if blocks.is_empty() {
-        return Ok(());
-    }
+fn count_blocks(
+    cells: &Cells,
+    piece: &Piece,
+    blocks: &mut BTreeMap<usize, BTreeMap<u8, u64>>,
+    meter: &Meter,
+) -> Result<()> {
     if let CellBlocks::One(block) = piece.blocks {
-        if let Some(block) = blocks.get_mut(block) {
-            count_cells(cells, piece, &mut block.cells_by_type);
-        }
+        count_cells(cells, piece, blocks.entry(block).or_default());
         return Ok(());
     }
     let Some(stored) = piece.array(Association::Cell, BLOCK) else { return Ok(()) };
@@ -259,14 +342,14 @@ fn count_blocks(cells: &Cells, piece: &Piece, blocks: &mut [BlockSummary], meter
     for (cell, &number) in numbers.iter().enumerate() {
         let code =
             if let Cells::Mixed(set) = cells { set.types.get(cell).copied() } else { Some(code::TETRA) };
-        if let (Some(block), Some(code)) = (blocks.get_mut(number as usize), code) {
-            *block.cells_by_type.entry(code).or_default() += 1;
+        if let Some(code) = code {
+            *blocks.entry(number as usize).or_default().entry(code).or_default() += 1;
         }
     }
     Ok(())
 }
 
-fn add_points<'a>(bounds: &mut Option<[DVec3; 2]>, points: impl Iterator<Item = &'a DVec3>) {
+fn add_points<'a>(bounds: &mut Bounds, points: impl Iterator<Item = &'a DVec3>) {
     for &point in points.filter(|point| point.is_finite()) {
         let [low, high] = bounds.unwrap_or([point; 2]);
         *bounds = Some([low.min(point), high.max(point)]);
@@ -275,6 +358,18 @@ fn add_points<'a>(bounds: &mut Option<[DVec3; 2]>, points: impl Iterator<Item = 
 
 /// An array, and its range over all values.
 type WithRange = (ArraySummary, Option<[f64; 2]>);
+
+fn widen(range: &mut Option<[f64; 2]>, value: f64) {
+    let [low, high] = range.unwrap_or([value; 2]);
+    *range = Some([low.min(value), high.max(value)]);
+}
+
+impl ArraySummary {
+    /// True if they are of one array.
+    fn is_same(&self, other: &ArraySummary) -> bool {
+        self.head == other.head && self.number_type == other.number_type
+    }
+}
 
 /// Adds a piece's array to that of the same name of the pieces before.
 fn add_array(
@@ -303,13 +398,9 @@ fn add_array(
             array.not_finite_count += 1;
             continue;
         }
-        let widen = |range: &mut Option<[f64; 2]>| {
-            let [low, high] = range.unwrap_or([value; 2]);
-            *range = Some([low.min(value), high.max(value)]);
-        };
-        widen(of_all);
+        widen(of_all, value);
         if are_drawn.get(number) == Some(&true) {
-            widen(&mut array.range);
+            widen(&mut array.range, value);
         }
     }
     Ok(())

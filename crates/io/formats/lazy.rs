@@ -50,6 +50,8 @@ pub(super) struct Tags {
     sorted: Vec<u64>,
     /// Their numbers; empty where these ascend, too.
     numbers: Vec<u32>,
+    /// True if the tags ascend by one and so do their numbers.
+    is_without_gaps: bool,
 }
 
 impl Tags {
@@ -57,13 +59,19 @@ impl Tags {
     pub fn new(tags: Vec<u64>, what: &str, own_number: impl Fn(u64) -> u64) -> Result<Tags> {
         let count = u32::try_from(tags.len())
             .map_err(|_| Error::run(format!("the file holds too many {what}s")).got(tags.len()))?;
-        let tags = if tags.is_sorted() {
-            Tags { sorted: tags, numbers: Vec::new() }
-        } else {
-            let mut numbers: Vec<u32> = (0..count).collect();
-            numbers.par_sort_by_key(|&number| tags[number as usize]);
-            Tags { sorted: numbers.iter().map(|&number| tags[number as usize]).collect(), numbers }
+        let ascends = |from: usize| {
+            let part = &tags[from..tags.len().min(from + PART + 1)];
+            part.windows(2).fold(true, |all, pair| all & (pair[0] < pair[1]))
         };
+        if (0..tags.len().div_ceil(PART)).into_par_iter().all(|part| ascends(part * PART)) {
+            let span = tags.last().zip(tags.first()).map_or(0, |(last, first)| last - first);
+            let is_without_gaps = span < u64::from(count);
+            return Ok(Tags { sorted: tags, numbers: Vec::new(), is_without_gaps });
+        }
+        let mut numbers: Vec<u32> = (0..count).collect();
+        numbers.par_sort_by_key(|&number| tags[number as usize]);
+        let sorted = numbers.iter().map(|&number| tags[number as usize]).collect();
+        let tags = Tags { sorted, numbers, is_without_gaps: false };
         match tags.sorted.windows(2).find(|pair| pair[0] == pair[1]) {
             None => Ok(tags),
             Some(pair) => Err(Error::run(format!("the file holds a {what} twice"))
@@ -82,6 +90,9 @@ impl Tags {
         // Most files number without gaps.
         let first = self.sorted.first()?;
         let guess = usize::try_from(tag.checked_sub(*first)?).ok()?;
+        if self.is_without_gaps {
+            return (guess < self.sorted.len()).then_some(guess);
+        }
         let place = match self.sorted.get(guess) {
             Some(&found) if found == tag => guess,
             _ => self.sorted.binary_search(&tag).ok()?,

@@ -1,9 +1,11 @@
 //! A file that is read at positions, from several threads.
 
+use std::cell::RefCell;
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use voltet_core::parameters::nearest;
 use voltet_core::{Error, Result, counted};
 use voltet_files::names_beside;
@@ -17,6 +19,22 @@ pub(super) struct Source {
     len: u64,
     /// True if `file` is a copy in another encoding, without a name.
     is_copy: bool,
+    /// Number by which a thread knows the file that it read last.
+    number: u64,
+}
+
+/// Files that are opened for each reading are read whole up to this many bytes: to open one takes longer than to read it.
+const SMALL: u64 = 1 << 16;
+
+thread_local! {
+    /// Number and bytes of the small file that the thread read last.
+    static LAST_READ: RefCell<(u64, Vec<u8>)> = const { RefCell::new((0, Vec::new())) };
+}
+
+/// A number that no other file has.
+fn next_number() -> u64 {
+    static COUNT: AtomicU64 = AtomicU64::new(1);
+    COUNT.fetch_add(1, Ordering::Relaxed)
 }
 
 /// A clause for an error's `expected` where there is no file at `path`: the file beside it that was meant, if any.
@@ -47,7 +65,8 @@ impl Source {
         if metadata.len() == 0 {
             return Err(Error::run("the file is empty").expected("a data file").in_file(path));
         }
-        let source = Source { file: Some(file), path: path.to_owned(), len: metadata.len(), is_copy: false };
+        let (file, path, len) = (Some(file), path.to_owned(), metadata.len());
+        let source = Source { file, path, len, is_copy: false, number: next_number() };
         let head = source.head(4)?;
         let mark = if head.starts_with(&[0xff, 0xfe]) || head.starts_with(&[0xfe, 0xff]) { 2 } else { 0 };
         let wide: Option<fn([u8; 2]) -> u16> = match head[..] {
@@ -71,7 +90,7 @@ impl Source {
         let kept = |error| Error::run("the file cannot be kept as UTF-8").got(error).in_file(&self.path);
         let mut file = tempfile::tempfile().map_err(kept)?;
         file.write_all(text.as_bytes()).map_err(kept)?;
-        Ok(Source { file: Some(file), path: self.path.clone(), len: text.len() as u64, is_copy: true })
+        Ok(self.copy(file, text.len() as u64))
     }
 
     /// The file opened anew for each reading, for programs may keep few open; a copy of it without a name stays open.
@@ -79,7 +98,8 @@ impl Source {
         if self.is_copy {
             return self;
         }
-        Arc::new(Source { file: None, path: self.path.clone(), len: self.len, is_copy: false })
+        let (path, number) = (self.path.clone(), self.number);
+        Arc::new(Source { file: None, path, len: self.len, is_copy: false, number })
     }
 
     /// A gzip archive as what it holds, of which `limit` bytes at most, in a file without a name.
@@ -89,7 +109,12 @@ impl Source {
         let mut reader = flate2::read::MultiGzDecoder::new(packed).take(limit.unwrap_or(u64::MAX));
         let mut file = tempfile::tempfile().map_err(failed)?;
         let len = std::io::copy(&mut reader, &mut file).map_err(failed)?;
-        Ok(Arc::new(Source { file: Some(file), path: self.path.clone(), len, is_copy: true }))
+        Ok(Arc::new(self.copy(file, len)))
+    }
+
+    /// A copy of the file in another encoding.
+    fn copy(&self, file: File, len: u64) -> Source {
+        Source { file: Some(file), path: self.path.clone(), len, is_copy: true, number: next_number() }
     }
 
     /// The path as the user wrote it.
@@ -106,10 +131,26 @@ impl Source {
     pub fn read_at(&self, offset: u64, bytes: &mut [u8]) -> Result<()> {
         self.check(offset, bytes.len() as u64)?;
         let read = match &self.file {
+            _ if bytes.is_empty() => Ok(()),
             Some(file) => read_exact_at(file, offset, bytes),
+            None if self.len <= SMALL => self.read_of_whole(offset, bytes),
             None => File::open(&self.path).and_then(|file| read_exact_at(&file, offset, bytes)),
         };
         read.map_err(|error| Error::run("the file cannot be read").got(error).in_file(&self.path))
+    }
+
+    /// Fills `bytes` from those of the whole file, which is read if it is not the thread's last.
+    fn read_of_whole(&self, offset: u64, bytes: &mut [u8]) -> std::io::Result<()> {
+        LAST_READ.with_borrow_mut(|(number, whole)| {
+            if *number != self.number {
+                *number = 0;
+                whole.resize(self.len as usize, 0);
+                read_exact_at(&File::open(&self.path)?, 0, whole)?;
+                *number = self.number;
+            }
+            bytes.copy_from_slice(&whole[offset as usize..offset as usize + bytes.len()]);
+            Ok(())
+        })
     }
 
     /// Reads `len` bytes from `offset` on; checks against the file's length before it allocates.
@@ -165,4 +206,34 @@ pub(super) fn printable(bytes: &[u8]) -> String {
     let text: String =
         bytes.iter().take(24).map(|&b| if (0x20..0x7f).contains(&b) { b as char } else { '·' }).collect();
     format!("a file that begins with '{text}'")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_that_are_opened_for_each_reading_keep_apart() {
+        let folder = tempfile::tempdir().unwrap();
+        let small: Vec<u8> = (0..=255).collect();
+        let sizes = [(0_u8, 300), (1, 300), (2, SMALL as usize), (3, SMALL as usize + 1)];
+        let files = sizes.map(|(number, size)| {
+            let bytes: Vec<u8> = small.iter().cycle().map(|byte| byte ^ number).take(size).collect();
+            let path = folder.path().join(number.to_string());
+            std::fs::write(&path, &bytes).unwrap();
+            (Source::open(&path).unwrap().closed(), bytes)
+        });
+        for round in 0..3 {
+            for (source, bytes) in &files {
+                let at = bytes.len() - 40 - round;
+                assert_eq!(source.read(at as u64, 40).unwrap(), bytes[at..at + 40]);
+                assert!(source.read(at as u64, 60).is_err());
+            }
+        }
+        // One that was cut since is an error, not what another file or reading left.
+        std::fs::write(files[1].0.path(), b"short").unwrap();
+        let error = files[1].0.read(0, 4).unwrap_err();
+        assert!(error.location.file.is_some() && error.to_string().contains("cannot be read"), "{error}");
+        assert_eq!(files[0].0.read(0, 4).unwrap(), files[0].1[..4]);
+    }
 }

@@ -40,7 +40,8 @@ impl FaceOwners {
             let most = format!("at most {}", owner.len());
             return Err(misfit("neighbours of faces", neighbour.len(), most, &mesh.neighbour));
         }
-        let cell_count = owner.iter().chain(&neighbour).max().map_or(0, |&last| last as usize + 1);
+        let last = owner.par_iter().chain(&neighbour).with_min_len(PART).max();
+        let cell_count = last.map_or(0, |&last| last as usize + 1);
         // Each cell has faces, and each face two cells at most.
         if cell_count > owner.len() + neighbour.len() {
             return Err(misfit("cells", cell_count, "no more than its faces have", &mesh.owner));
@@ -88,26 +89,18 @@ impl FaceCells {
     }
 
     /// Selected cells, in VTK's terms.
-    pub fn cells(&self, is_selected: impl Fn(usize) -> bool + Sync) -> Cells {
-        let mut begins = vec![0_u32; self.cell_count + 1];
-        let both = || self.owner.iter().chain(&self.neighbour);
-        both().for_each(|&cell| begins[cell as usize + 1] += 1);
-        (0..self.cell_count).for_each(|cell| begins[cell + 1] += begins[cell]);
-        // The lowest bit says that the cell is the neighbour, whose face points inward.
-        let mut next = begins.clone();
-        let mut of_cells = vec![0_u32; self.owner.len() + self.neighbour.len()];
-        for (cells, side) in [(&self.owner, 0), (&self.neighbour, 1)] {
-            for (face, &cell) in cells.iter().enumerate() {
-                let place = &mut next[cell as usize];
-                of_cells[*place as usize] = (face as u32) << 1 | side;
-                *place += 1;
-            }
+    pub fn cells(&self, selection: &CellSelection) -> Cells {
+        let (begins, of_cells) = self.sides_by_cell();
+        if selection.is_all()
+            && let Some(cells) = self.tetrahedra(&begins, &of_cells)
+        {
+            return cells;
         }
         let of_part = |part: usize| {
             let mut gathered = GatheredCells::default();
             let mut faces = Vec::new();
             let part = part * PART..self.cell_count.min((part + 1) * PART);
-            for cell in part.filter(|&cell| is_selected(cell)) {
+            for cell in part.filter(|&cell| selection.contains(cell)) {
                 faces.clear();
                 for &entry in &of_cells[begins[cell] as usize..begins[cell + 1] as usize] {
                     faces.push((self.face((entry >> 1) as usize), entry & 1 == 0));
@@ -123,6 +116,88 @@ impl FaceCells {
             (0..self.cell_count.div_ceil(PART)).into_par_iter().map(of_part).collect();
         GatheredCells::join(parts)
     }
+
+    /// Beginning of each cell's faces, and the end of the last ones; faces by cell, whose lowest bit says that the cell is the neighbour, whose
+    /// face points inward. Each thread looks at all faces for a range of the cells.
+    fn sides_by_cell(&self) -> (Vec<u32>, Vec<u32>) {
+        let range = self.cell_count.div_ceil(rayon::current_num_threads()).max(PART);
+        let mut begins = vec![0_u32; self.cell_count + 1];
+        begins[1..].par_chunks_mut(range).enumerate().for_each(|(part, counts)| {
+            for cells in [&self.owner, &self.neighbour] {
+                for &cell in cells {
+                    if let Some(count) = counts.get_mut((cell as usize).wrapping_sub(part * range)) {
+                        *count += 1;
+                    }
+                }
+            }
+        });
+        (0..self.cell_count).for_each(|cell| begins[cell + 1] += begins[cell]);
+        let mut of_cells = vec![0_u32; self.owner.len() + self.neighbour.len()];
+        let (mut rest, mut parts) = (&mut of_cells[..], Vec::new());
+        for first in (0..self.cell_count).step_by(range) {
+            let begins = &begins[first..=self.cell_count.min(first + range)];
+            let (own, after) = rest.split_at_mut((begins[begins.len() - 1] - begins[0]) as usize);
+            parts.push((first, begins, own));
+            rest = after;
+        }
+        parts.into_par_iter().for_each(|(first, begins, of_cells)| {
+            let mut next: Vec<u32> = begins[..begins.len() - 1].iter().map(|at| at - begins[0]).collect();
+            for (cells, side) in [(&self.owner, 0), (&self.neighbour, 1)] {
+                for (face, &cell) in cells.iter().enumerate() {
+                    if let Some(place) = next.get_mut((cell as usize).wrapping_sub(first)) {
+                        of_cells[*place as usize] = (face as u32) << 1 | side;
+                        *place += 1;
+                    }
+                }
+            }
+        });
+        (begins, of_cells)
+    }
+
+    /// All cells, straight into their destination; `None` where not all are tetrahedra. `of_cells`: faces with a mark of the side, those of a
+    /// cell from its number in `begins` on.
+    fn tetrahedra(&self, begins: &[u32], of_cells: &[u32]) -> Option<Cells> {
+        let is_regular = self.cell_count > 0 && is_regular(&self.ends, 3, 3) && is_regular(begins, 0, 4);
+        if !is_regular {
+            return None;
+        }
+        let (triangles, sides) = (self.points.as_chunks::<3>().0, of_cells.as_chunks::<4>().0);
+        let face = |side: u32| &triangles[(side >> 1) as usize];
+        let mut corners = vec![[0; 4]; self.cell_count];
+        let parts = corners.par_chunks_mut(PART).zip(sides.par_chunks(PART));
+        parts.try_for_each(|(to, sides)| {
+            for (to, &[a, b, c, d]) in to.iter_mut().zip(sides) {
+                *to = tetrahedron([face(a), face(b), face(c), face(d)], a & 1 == 0)?;
+            }
+            Some(())
+        })?;
+        Some(Cells::Tetrahedra(corners.into()))
+    }
+}
+
+/// True if bounds ascend from the first one in equal steps.
+fn is_regular(bounds: &[u32], first: u64, step: u64) -> bool {
+    let is_part_regular = |(part, bounds): (usize, &[u32])| {
+        let begin = first + step * (part * PART) as u64;
+        bounds
+            .iter()
+            .zip(0_u64..)
+            .fold(true, |all, (&bound, place)| all & (u64::from(bound) == begin + step * place))
+    };
+    bounds.par_chunks(PART).enumerate().all(is_part_regular)
+}
+
+/// Corners of a tetrahedron by its faces, of which the first one points outward or inward.
+fn tetrahedron(faces: [&[u32; 3]; 4], is_outward: bool) -> Option<[u32; 4]> {
+    let &[a, b, c] = faces[0];
+    let is_base = |&point: &u32| point == a || point == b || point == c;
+    let apex = *faces[1].iter().find(|point| !is_base(point))?;
+    let is_side = |face: &[u32; 3]| {
+        let count = face.iter().filter(|&&point| point == apex).count();
+        count == 1 && face.iter().all(|point| *point == apex || is_base(point))
+    };
+    let corners = if is_outward { [c, b, a, apex] } else { [a, b, c, apex] };
+    faces[1..].iter().all(|face| is_side(face)).then_some(corners)
 }
 
 /// Cells that one task makes.
@@ -297,4 +372,52 @@ fn opposite<'a>(
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+
+    #[test]
+    fn tetrahedra_are_those_of_any_cells() {
+        // Around a common edge, closed, so that faces have one cell or two.
+        let cells: Vec<[u32; 4]> = (0..7).map(|cell| [0, 1, 2 + cell, 2 + (cell + 1) % 7]).collect();
+        let mut faces: BTreeMap<[u32; 3], ([u32; 3], Vec<u32>)> = BTreeMap::new();
+        for (number, &[a, b, c, d]) in cells.iter().enumerate() {
+            for face in [[b, c, d], [a, d, c], [a, b, d], [a, c, b]] {
+                let mut key = face;
+                key.sort_unstable();
+                faces.entry(key).or_insert((face, Vec::new())).1.push(number as u32);
+            }
+        }
+        let (inner, outer): (Vec<_>, Vec<_>) = faces.into_values().partition(|face| face.1.len() == 2);
+        assert_eq!((inner.len(), outer.len()), (7, 14));
+        let all: Vec<_> = inner.iter().chain(&outer).collect();
+        let mut mesh = FaceCells {
+            points: all.iter().flat_map(|face| face.0).collect(),
+            ends: (1..=all.len() as u32).map(|face| 3 * face).collect(),
+            owner: all.iter().map(|face| face.1[0]).collect(),
+            neighbour: inner.iter().map(|face| face.1[1]).collect(),
+            cell_count: cells.len(),
+        };
+        let (begins, sides) = mesh.sides_by_cell();
+        let Some(Cells::Tetrahedra(found)) = mesh.tetrahedra(&begins, &sides) else { panic!() };
+        for (cell, found) in found.iter().enumerate() {
+            let own = &sides[begins[cell] as usize..begins[cell + 1] as usize];
+            let own: Vec<Side> =
+                own.iter().map(|side| (mesh.face((side >> 1) as usize), side & 1 == 0)).collect();
+            let (kind, corners) = simple_cell(&own).unwrap();
+            assert_eq!((kind, &corners[..]), (code::TETRA, &found[..]));
+            let (mut corners, mut expected) = (*found, cells[cell]);
+            corners.sort_unstable();
+            expected.sort_unstable();
+            assert_eq!(corners, expected);
+        }
+        // A face that belongs to no tetrahedron, and one with four points.
+        mesh.points[0] = 99;
+        assert!(mesh.tetrahedra(&begins, &sides).is_none());
+        mesh.ends[0] = 4;
+        assert!(mesh.tetrahedra(&begins, &sides).is_none());
+    }
 }

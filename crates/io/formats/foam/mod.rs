@@ -437,17 +437,22 @@ fn read_mesh(
     selection: &CellSelection,
     boundary: Option<&MeshBoundary>,
 ) -> Result<(Vec<DVec3>, Cells)> {
-    let coordinates = FoamFile::open(&mesh.points, mesh.part.as_ref(), false)?.points()?;
+    let read_points = || FoamFile::open(&mesh.points, mesh.part.as_ref(), false)?.points();
+    let read_cells = || {
+        let faces = FaceCells::read(mesh)?;
+        if faces.cell_count as u64 != cell_count {
+            let noted = format!("{cell_count}, as it notes");
+            return Err(misfit("cells", faces.cell_count, noted, &mesh.owner));
+        }
+        if let Some(boundary) = boundary {
+            boundary.keep(&faces);
+        }
+        Ok(faces.cells(selection))
+    };
+    // Sorting faces by cells keeps one thread busy.
+    let (coordinates, cells) = rayon::join(read_points, read_cells);
     let copied = |(_, numbers): (_, Vec<f64>)| bytemuck::cast_slice(&numbers).to_vec();
-    let points = bytemuck::try_cast_vec(coordinates).unwrap_or_else(copied);
-    let faces = FaceCells::read(mesh)?;
-    if faces.cell_count as u64 != cell_count {
-        return Err(misfit("cells", faces.cell_count, format!("{cell_count}, as it notes"), &mesh.owner));
-    }
-    if let Some(boundary) = boundary {
-        boundary.keep(&faces);
-    }
-    Ok((points, faces.cells(|cell| selection.contains(cell))))
+    Ok((bytemuck::try_cast_vec(coordinates?).unwrap_or_else(copied), cells?))
 }
 
 /// The files of a case that reading it opens, of every time or of that asked for; none for other paths.

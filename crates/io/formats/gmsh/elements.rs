@@ -101,22 +101,29 @@ const PASSED_OVER: [(u64, u16); 47] = [
     (65, 10),
 ];
 
-/// An element of a file.
-pub(super) struct MeshElement<'a> {
-    /// Its type; `None` where it is no volume.
-    pub volume: Option<&'static GmshElement>,
-    pub tag: u64,
-    /// Number of its physical group; 0: none.
+/// Elements of one type and physical group that follow one another.
+pub(super) struct ElementRun<'a> {
+    pub volume: &'static GmshElement,
+    /// Number of the physical group; 0: none.
     pub group: i64,
-    /// Tags of its nodes, in Gmsh's order.
-    pub nodes: &'a [u64],
+    /// Nodes of an element in the file.
+    pub node_count: usize,
+    /// For each element its tag and those of its nodes, in Gmsh's order.
+    pub rows: &'a [u64],
 }
 
-/// Calls `visit` with each element of the section at the cursor; `groups`: physical groups of the volumes of version 4, `None` for 2.
+impl ElementRun<'_> {
+    /// Number of the elements.
+    pub fn count(&self) -> usize {
+        self.rows.len() / (1 + self.node_count)
+    }
+}
+
+/// Calls `visit` with all volume elements of the section at the cursor; `groups`: physical groups of the volumes of version 4, `None` for 2.
 pub(super) fn each(
     cursor: &mut Cursor,
     groups: Option<&HashMap<i64, i64>>,
-    mut visit: impl FnMut(&MeshElement) -> Result<()>,
+    mut visit: impl FnMut(&ElementRun) -> Result<()>,
 ) -> Result<()> {
     match groups {
         Some(groups) => each_of_4(cursor, groups, &mut visit),
@@ -142,22 +149,20 @@ fn element_type(number: u64) -> Result<(Option<&'static GmshElement>, usize)> {
 fn each_of_4(
     cursor: &mut Cursor,
     groups: &HashMap<i64, i64>,
-    visit: &mut dyn FnMut(&MeshElement) -> Result<()>,
+    visit: &mut dyn FnMut(&ElementRun) -> Result<()>,
 ) -> Result<()> {
     each_entity(cursor, groups, &mut |cursor, entity| {
         let &EntityElements { volume, group, count, node_count } = entity;
         each_batch(count, 1 + node_count as u64, |count| {
             let numbers = count * (1 + node_count as u64);
             let rows: Vec<u64> = cursor.numbers(NumberType::U64, numbers, "the tag of an element or node")?;
-            rows.chunks_exact(1 + node_count).try_for_each(|row| {
-                visit(&MeshElement { volume: Some(volume), tag: row[0], group, nodes: &row[1..] })
-            })
+            visit(&ElementRun { volume, group, node_count, rows: &rows })
         })
     })
 }
 
-/// Numbers of a table that are in memory at a time.
-const BATCH: u64 = 1 << 21;
+/// Numbers of a table that are in memory at a time: few enough to stay in the cache of several cores, and enough for all of them.
+const BATCH: u64 = 1 << 20;
 
 /// Calls `read` with the number of rows of each part of a table of `count` rows of so many numbers.
 pub(super) fn each_batch(count: u64, width: u64, mut read: impl FnMut(u64) -> Result<()>) -> Result<()> {
@@ -220,17 +225,15 @@ pub(super) fn count(
             visit(entity.volume, entity.group, entity.count, entity.node_count);
             skip_elements(cursor, entity.count, entity.node_count)
         }),
-        None => each_of_2(cursor, &mut |element| {
-            if let Some(volume) = element.volume {
-                visit(volume, element.group, 1, element.nodes.len());
-            }
+        None => each_of_2(cursor, &mut |run| {
+            visit(run.volume, run.group, run.count() as u64, run.node_count);
             Ok(())
         }),
     }
 }
 
 /// Version 2: elements with tags, in bytes after a head for several of one type.
-fn each_of_2(cursor: &mut Cursor, visit: &mut dyn FnMut(&MeshElement) -> Result<()>) -> Result<()> {
+fn each_of_2(cursor: &mut Cursor, visit: &mut dyn FnMut(&ElementRun) -> Result<()>) -> Result<()> {
     let binary = cursor.binary.take();
     let count: u64 = cursor.number(NumberType::U64, "the number of elements")?;
     if binary.is_none() {
@@ -239,7 +242,7 @@ fn each_of_2(cursor: &mut Cursor, visit: &mut dyn FnMut(&MeshElement) -> Result<
     cursor.line()?;
     cursor.binary = binary;
     let int = NumberType::I32;
-    let (mut passed, mut nodes) = (0, Vec::new());
+    let (mut passed, mut own) = (0, Vec::new());
     while passed < count {
         let number: u64 = cursor.number(int, "a type of elements")?;
         let group_count: u64 = cursor.number(int, "a number of elements")?;
@@ -259,13 +262,21 @@ fn each_of_2(cursor: &mut Cursor, visit: &mut dyn FnMut(&MeshElement) -> Result<
                 count.saturating_mul(width),
                 "a number, a tag or a node of an element",
             )?;
-            rows.chunks_exact(width as usize).enumerate().try_for_each(|(place, row)| {
-                let (tags, own) = row[1..].split_at(tag_count as usize);
-                let tag = whole(row[0]).and_then(|tag| whole_nodes(own, &mut nodes).map(|()| tag));
-                let byte = start + 4 * width * place as u64;
-                let tag = tag.map_err(|error| Error::run(error).at_item(format!("byte {byte}")))?;
-                visit(&MeshElement { volume, tag, group: group_of(tags), nodes: &nodes })
-            })
+            let Some(volume) = volume else { return Ok(()) };
+            let (mut place, tag_count) = (0, tag_count as usize);
+            let group = |row: &[i64]| group_of(&row[1..1 + tag_count]);
+            let rows: Vec<&[i64]> = rows.chunks_exact(width as usize).collect();
+            for same in rows.chunk_by(|a, b| group(a) == group(b)) {
+                own.clear();
+                for row in same {
+                    let byte = start + 4 * width * place;
+                    let added = add_row(row[0], &row[1 + tag_count..], &mut own);
+                    added.map_err(|error| Error::run(error).at_item(format!("byte {byte}")))?;
+                    place += 1;
+                }
+                visit(&ElementRun { volume, group: group(same[0]), node_count, rows: &own })?;
+            }
+            Ok(())
         })?;
         passed += group_count;
     }
@@ -276,9 +287,9 @@ fn each_of_2(cursor: &mut Cursor, visit: &mut dyn FnMut(&MeshElement) -> Result<
 fn each_of_text_2(
     cursor: &mut Cursor,
     count: u64,
-    visit: &mut dyn FnMut(&MeshElement) -> Result<()>,
+    visit: &mut dyn FnMut(&ElementRun) -> Result<()>,
 ) -> Result<()> {
-    let (mut passed, mut nodes) = (0, Vec::new());
+    let (mut passed, mut own) = (0, Vec::new());
     let range = cursor.rest();
     // A number takes a digit and a space.
     let most = range.len() / 2;
@@ -288,7 +299,7 @@ fn each_of_text_2(
             let row = &shown[used..];
             let &[tag, number, tag_count, ref rest @ ..] = row else { return Ok(Some(used)) };
             let at = |place: usize| move |error: String| (used + place, Error::run(error));
-            let tag = whole(tag).map_err(at(0))?;
+            whole(tag).map_err(at(0))?;
             let tag_count = whole(tag_count).map_err(at(2))?;
             if tag_count > most {
                 let error = Error::run("the tags of an element do not fit the file").got(tag_count);
@@ -301,10 +312,13 @@ fn each_of_text_2(
             else {
                 return Ok(Some(used));
             };
-            let Some(own) = rest.get(..node_count) else { return Ok(Some(used)) };
-            whole_nodes(own, &mut nodes).map_err(at(3 + tags.len()))?;
-            visit(&MeshElement { volume, tag, group: group_of(tags), nodes: &nodes })
-                .map_err(|error| (used, error))?;
+            let Some(nodes) = rest.get(..node_count) else { return Ok(Some(used)) };
+            own.clear();
+            add_row(tag, nodes, &mut own).map_err(at(3 + tags.len()))?;
+            if let Some(volume) = volume {
+                visit(&ElementRun { volume, group: group_of(tags), node_count, rows: &own })
+                    .map_err(|error| (used, error))?;
+            }
             used += 3 + tags.len() + node_count;
             passed += 1;
         }
@@ -329,7 +343,8 @@ fn whole(number: i64) -> std::result::Result<u64, String> {
     u64::try_from(number).map_err(|_| format!("a number of an element is negative, {number}"))
 }
 
-fn whole_nodes(own: &[i64], nodes: &mut Vec<u64>) -> std::result::Result<(), String> {
-    nodes.clear();
-    own.iter().try_for_each(|&node| whole(node).map(|node| nodes.push(node)))
+/// Adds the tags of an element and of its nodes.
+fn add_row(tag: i64, nodes: &[i64], to: &mut Vec<u64>) -> std::result::Result<(), String> {
+    to.push(whole(tag)?);
+    nodes.iter().try_for_each(|&node| whole(node).map(|node| to.push(node)))
 }

@@ -1,15 +1,16 @@
 //! The mesh of a file: version and encoding, nodes, and the elements that are volumes.
 
-use super::elements::{MeshElement, count, each, each_batch};
+use super::elements::{ElementRun, GmshElement, count, each, each_batch};
 use crate::formats::cursor::Cursor;
-use crate::formats::lazy::{GatheredCells, MeshTags, Tags, missing_node};
+use crate::formats::lazy::{MeshTags, Tags, missing_node, tetrahedra};
 use crate::formats::numbers::{ByteOrder, NumberType, convert};
 use crate::formats::source::Source;
 use crate::formats::text::is_space;
 use glam::DVec3;
+use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
-use voltet_core::grid::Cells;
+use voltet_core::grid::{CellSet, Cells, code};
 use voltet_core::{Error, Result};
 
 /// A part of the file.
@@ -34,6 +35,8 @@ pub(super) struct MeshFile {
     group_places: HashMap<i64, usize>,
     /// Flags of the groups that are read.
     pub is_selected: Vec<bool>,
+    /// Numbers of selected volume elements and of their corners, which the file holds.
+    pub selected_counts: [usize; 2],
     /// True if each cell has points of its own.
     pub is_split: bool,
     /// Tags of the nodes and of the selected elements, once they were read.
@@ -51,29 +54,77 @@ pub(super) struct GroupCounts {
 
 /// Selected volume elements.
 pub(super) struct Volumes {
-    pub cells: GatheredCells,
+    /// Numbers of the nodes of all elements, in VTK's order.
+    pub connectivity: Vec<u32>,
     tags: Vec<u64>,
-    /// Places in [`MeshFile::groups`].
-    pub blocks: Vec<f64>,
-    pub orders: NodeOrders,
+    /// Types, each with the ends of the elements of it and of their corners.
+    kinds: Vec<(&'static GmshElement, usize, usize)>,
+    /// Places in [`MeshFile::groups`], each with the end of the elements there.
+    blocks: Vec<(usize, usize)>,
 }
 
-/// Orders of the nodes of cells, each with the first of the cells that have it.
-#[derive(Default)]
-pub(super) struct NodeOrders(Vec<(usize, &'static [u8])>);
+impl Volumes {
+    /// Places for so many elements and corners, which the file holds.
+    fn new([cell_count, corner_count]: [usize; 2]) -> Volumes {
+        let (connectivity, tags) = (vec![0; corner_count], vec![0; cell_count]);
+        Volumes { connectivity, tags, kinds: Vec::new(), blocks: Vec::new() }
+    }
 
-impl NodeOrders {
-    /// Adds the order of a cell behind those that were added.
-    fn add(&mut self, cell: usize, order: &'static [u8]) {
-        if self.0.last().is_none_or(|run| !std::ptr::eq(run.1, order)) {
-            self.0.push((cell, order));
+    /// Adds elements of a block.
+    fn add(&mut self, run: &ElementRun, block: usize, nodes: &Tags) -> Result<()> {
+        let (first, corner) = self.kinds.last().map_or((0, 0), |&(_, end, corner_end)| (end, corner_end));
+        let end = first + run.count();
+        let corner_end = corner + run.count() * run.volume.order.len();
+        let corners = self.connectivity.get_mut(corner..corner_end);
+        let (Some(corners), Some(tags)) = (corners, self.tags.get_mut(first..end)) else {
+            return Err(Error::run("the file has changed while it was read"));
+        };
+        number_corners(run, nodes, corners, tags)?;
+        match self.kinds.last_mut().filter(|kind| std::ptr::eq(kind.0, run.volume)) {
+            Some(kind) => (kind.1, kind.2) = (end, corner_end),
+            None => self.kinds.push((run.volume, end, corner_end)),
+        }
+        match self.blocks.last_mut().filter(|last| last.0 == block) {
+            Some(last) => last.1 = end,
+            None => self.blocks.push((block, end)),
+        }
+        Ok(())
+    }
+
+    /// Places of the cells in [`MeshFile::groups`].
+    pub fn block_numbers(&self) -> Vec<f64> {
+        let mut numbers = Vec::new();
+        self.blocks.iter().for_each(|&(block, end)| numbers.resize(end, block as f64));
+        numbers
+    }
+
+    /// Order of a cell's nodes, and the place of the first in the connectivity.
+    pub fn corners(&self, cell: usize) -> (&'static [u8], usize) {
+        let kind = self.kinds.partition_point(|kind| kind.1 <= cell);
+        let before = kind.checked_sub(1).map(|before| self.kinds[before]);
+        let (first, corner) = before.map_or((0, 0), |(_, end, corner_end)| (end, corner_end));
+        let order = self.kinds.get(kind).map_or(&[][..], |kind| kind.0.order);
+        (order, corner + (cell - first) * order.len())
+    }
+
+    /// All cells; as tetrahedra where they are nothing else.
+    fn into_cells(self) -> Cells {
+        match self.kinds[..] {
+            [(kind, ..)] if kind.code == code::TETRA => tetrahedra(self.connectivity),
+            _ => Cells::Mixed(self.into_set()),
         }
     }
 
-    /// Order of a cell's nodes.
-    pub fn order(&self, cell: usize) -> &'static [u8] {
-        let run = self.0.partition_point(|run| run.0 <= cell);
-        self.0.get(run.wrapping_sub(1)).map_or(&[], |run| run.1)
+    /// All cells.
+    fn into_set(self) -> CellSet {
+        let (mut types, mut offsets, mut corner) = (Vec::new(), vec![0], 0);
+        for (kind, end, corner_end) in self.kinds {
+            types.resize(end, kind.code);
+            let ends = (corner as u64..=corner_end as u64).step_by(kind.order.len());
+            offsets.extend(ends.skip(1));
+            corner = corner_end;
+        }
+        CellSet { types, offsets, connectivity: self.connectivity, polyhedra: Vec::new() }
     }
 }
 
@@ -88,6 +139,18 @@ impl MeshFile {
     /// Physical groups of the volumes of version 4.
     fn groups_of_4(&self) -> Option<&HashMap<i64, i64>> {
         (self.version >= 4.0).then_some(&self.group_of_volume)
+    }
+
+    /// End of the rows of bytes of a section that begins at the cursor, by the heads of entities; `None` where these do not tell it.
+    pub fn end_of_rows(&self, cursor: &Cursor, name: &str) -> Option<u64> {
+        let mut ahead = cursor.clone();
+        ahead.binary = self.binary;
+        let is_passed = match name {
+            _ if self.version < 4.0 => false,
+            "Nodes" => skip_nodes_of_4(&mut ahead).is_ok(),
+            _ => count(&mut ahead, Some(&HashMap::new()), |_, _, _, _| {}).is_ok(),
+        };
+        is_passed.then(|| ahead.position())
     }
 
     pub fn format(&self) -> String {
@@ -166,16 +229,16 @@ impl MeshFile {
         })
     }
 
-    /// Calls `visit` with each selected volume element and its place among the groups.
-    fn each_volume(&self, mut visit: impl FnMut(&MeshElement, usize) -> Result<()>) -> Result<()> {
+    /// Calls `visit` with the selected volume elements and their place among the groups.
+    fn each_run(&self, mut visit: impl FnMut(&ElementRun, usize) -> Result<()>) -> Result<()> {
         let mut block = 0;
-        each(&mut self.cursor(&self.elements, true), self.groups_of_4(), |element| {
-            if self.groups.get(block) != Some(&element.group) {
-                block = self.group_places.get(&element.group).copied().unwrap_or(0);
+        each(&mut self.cursor(&self.elements, true), self.groups_of_4(), |run| {
+            if self.groups.get(block) != Some(&run.group) {
+                block = self.group_places.get(&run.group).copied().unwrap_or(0);
             }
-            match element.volume.is_some() && self.is_selected.get(block) == Some(&true) {
-                true => visit(element, block),
-                false => Ok(()),
+            match self.is_selected.get(block) {
+                Some(true) => visit(run, block),
+                _ => Ok(()),
             }
         })
     }
@@ -183,27 +246,8 @@ impl MeshFile {
     /// Selected volume elements with numbers of nodes; their tags are kept.
     pub fn read_volumes(&self) -> Result<Volumes> {
         let nodes = self.tags(0)?;
-        let mut volumes = Volumes {
-            cells: GatheredCells::default(),
-            tags: Vec::new(),
-            blocks: Vec::new(),
-            orders: NodeOrders::default(),
-        };
-        let mut corners = Vec::new();
-        self.each_volume(|element, block| {
-            let Some(volume) = element.volume else { return Ok(()) };
-            corners.clear();
-            for &place in volume.order {
-                let node = element.nodes[usize::from(place)];
-                let number = nodes.find(node).ok_or_else(|| missing_node(element.tag, node))?;
-                corners.push(number as u32);
-            }
-            volumes.cells.add(volume.code, corners.iter().copied());
-            volumes.tags.push(element.tag);
-            volumes.blocks.push(block as f64);
-            volumes.orders.add(volumes.tags.len() - 1, volume.order);
-            Ok(())
-        })?;
+        let mut volumes = Volumes::new(self.selected_counts);
+        self.each_run(|run, block| volumes.add(run, block, &nodes))?;
         self.tags.keep(1, Tags::new(std::mem::take(&mut volumes.tags), "element", |tag| tag)?);
         Ok(volumes)
     }
@@ -211,7 +255,7 @@ impl MeshFile {
     /// Points and cells.
     pub fn read_geometry(&self) -> Result<(Vec<DVec3>, Cells)> {
         let points = self.read_nodes()?;
-        let cells = self.read_volumes()?.cells;
+        let cells = self.read_volumes()?;
         if !self.is_split {
             return Ok((points, cells.into_cells()));
         }
@@ -222,6 +266,31 @@ impl MeshFile {
     }
 }
 
+/// Elements that are numbered by one task.
+const PART: usize = 1 << 12;
+
+/// Numbers of the nodes of elements, in VTK's order, and the tags of the elements. Errors: the first node that is not there.
+fn number_corners(run: &ElementRun, nodes: &Tags, corners: &mut [u32], tags: &mut [u64]) -> Result<()> {
+    let (width, order) = (1 + run.node_count, run.volume.order);
+    let all_of = |((corners, tags), rows): ((&mut [u32], &mut [u64]), &[u64])| {
+        let places = corners.chunks_exact_mut(order.len()).zip(tags);
+        for ((to, tag), row) in places.zip(rows.chunks_exact(width)) {
+            *tag = row[0];
+            for (to, &place) in to.iter_mut().zip(order) {
+                let node = row[1 + usize::from(place)];
+                *to = nodes.find(node).ok_or_else(|| missing_node(row[0], node))? as u32;
+            }
+        }
+        Ok(())
+    };
+    if run.count() <= PART {
+        return all_of(((corners, tags), run.rows));
+    }
+    let places = corners.par_chunks_mut(PART * order.len()).zip(tags.par_chunks_mut(PART));
+    let parts = places.zip(run.rows.par_chunks(PART * width)).map(all_of);
+    parts.collect::<Vec<Result<()>>>().into_iter().collect()
+}
+
 /// Tags and positions of nodes.
 #[derive(Default)]
 struct Nodes {
@@ -229,28 +298,42 @@ struct Nodes {
     points: Vec<DVec3>,
 }
 
+/// Calls `visit` with the number of nodes of each entity of version 4.1 and the numbers of a position, behind which it has to move.
+fn each_nodes_of_4(
+    cursor: &mut Cursor,
+    mut visit: impl FnMut(&mut Cursor, u64, u64) -> Result<()>,
+) -> Result<()> {
+    let (int, size) = (NumberType::I32, NumberType::U64);
+    let entity_count: u64 = cursor.number(size, "the number of entities")?;
+    for _ in 0..3 {
+        cursor.number::<u64>(size, "numbers of nodes")?;
+    }
+    for _ in 0..entity_count {
+        let dimension: u64 = cursor.number(int, "the dimension of an entity")?;
+        cursor.number::<i64>(int, "the tag of an entity")?;
+        let is_parametric = cursor.number::<u64>(int, "0 or 1")? == 1;
+        let count: u64 = cursor.number(size, "a number of nodes")?;
+        visit(cursor, count, 3 + if is_parametric { dimension.min(3) } else { 0 })?;
+    }
+    Ok(())
+}
+
+/// Passes over the nodes of version 4.1.
+fn skip_nodes_of_4(cursor: &mut Cursor) -> Result<()> {
+    each_nodes_of_4(cursor, |cursor, count, width| cursor.skip_numbers(count.saturating_mul(1 + width), 8))
+}
+
 impl Nodes {
     /// Version 4.1: entities, each with the tags of its nodes, then positions with parameters.
     fn read_4(&mut self, cursor: &mut Cursor) -> Result<()> {
-        let (int, size) = (NumberType::I32, NumberType::U64);
-        let entity_count: u64 = cursor.number(size, "the number of entities")?;
-        for _ in 0..3 {
-            cursor.number::<u64>(size, "numbers of nodes")?;
-        }
-        for _ in 0..entity_count {
-            let dimension: u64 = cursor.number(int, "the dimension of an entity")?;
-            cursor.number::<i64>(int, "the tag of an entity")?;
-            let is_parametric = cursor.number::<u64>(int, "0 or 1")? == 1;
-            let count: u64 = cursor.number(size, "a number of nodes")?;
-            self.tags.extend(cursor.numbers::<u64>(size, count, "the tag of a node")?);
-            let width = 3 + if is_parametric { dimension.min(3) } else { 0 };
+        each_nodes_of_4(cursor, |cursor, count, width| {
+            self.tags.extend(cursor.numbers::<u64>(NumberType::U64, count, "the tag of a node")?);
             each_batch(count, width, |count| {
                 let rows: Vec<f64> = cursor.numbers(NumberType::F64, count * width, "a coordinate")?;
                 self.points.extend(rows.chunks_exact(width as usize).map(DVec3::from_slice));
                 Ok(())
-            })?;
-        }
-        Ok(())
+            })
+        })
     }
 
     /// Version 2: rows of a number and a position.
@@ -359,6 +442,7 @@ pub(super) fn header(cursor: &mut Cursor, source: &Arc<Source>) -> Result<MeshFi
         groups: Vec::new(),
         group_places: HashMap::new(),
         is_selected: Vec::new(),
+        selected_counts: [0; 2],
         is_split: false,
         tags: MeshTags::default(),
     })

@@ -41,7 +41,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     let mut file = header(&mut cursor, &source)?;
     let (mut names, mut without_dimension) = Default::default();
     let mut views = Vec::new();
-    while let Some((name, section)) = next_section(&mut cursor)? {
+    while let Some((name, section)) = next_section(&mut cursor, &file)? {
         match name.as_str() {
             "PhysicalNames" => {
                 (names, without_dimension) = physical_names(&mut file.cursor(&section, false))?;
@@ -80,6 +80,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
         counts.corners += own.corners;
         counts.reduced += own.reduced;
     }
+    file.selected_counts = [counts.cells, counts.corners].map(|count| count as usize);
     let mut dataset = Dataset {
         blocks,
         format: file.format(),
@@ -119,12 +120,14 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
 }
 
 /// The next section and its name; `None` at the end of the file.
-fn next_section(cursor: &mut Cursor) -> Result<Option<(String, MeshSection)>> {
+fn next_section(cursor: &mut Cursor, file: &MeshFile) -> Result<Option<(String, MeshSection)>> {
     while let Some(line) = cursor.line()? {
         let line = String::from_utf8_lossy(line.trim_ascii()).into_owned();
         let Some(name) = line.strip_prefix('$').filter(|name| *name != "EndMeshFormat") else { continue };
         let (start, line) = (cursor.position(), cursor.line_number());
-        let end = cursor.skip_past(format!("$End{name}").as_bytes())?.ok_or_else(|| {
+        let mark = format!("$End{name}");
+        skip_rows(cursor, file, name, mark.as_bytes())?;
+        let end = cursor.skip_past(mark.as_bytes())?.ok_or_else(|| {
             Error::run("the file ends early")
                 .got(format_args!("a section ${name} without its end"))
                 .at_line(line)
@@ -132,6 +135,25 @@ fn next_section(cursor: &mut Cursor) -> Result<Option<(String, MeshSection)>> {
         return Ok(Some((name.to_owned(), MeshSection { start, end, line })));
     }
     Ok(None)
+}
+
+/// Moves from the beginning of a section of bytes to the mark of its end by the numbers of its rows, which are not read. Stays where they
+/// do not lead to it: the mark is searched then.
+fn skip_rows(cursor: &mut Cursor, file: &MeshFile, name: &str, mark: &[u8]) -> Result<()> {
+    let end = match name {
+        _ if file.binary.is_none() => None,
+        "Nodes" | "Elements" => file.end_of_rows(cursor, name),
+        _ => View::of_section(name, cursor).ok().flatten().and_then(|view| view.end_of_rows()),
+    };
+    let length = end.and_then(|end| end.checked_sub(cursor.position()));
+    if let Some(length) = length.filter(|length| *length < cursor.left()) {
+        let mut ahead = cursor.clone();
+        ahead.skip(length)?;
+        if ahead.peek()? == Some(b'$') && ahead.starts_with(mark)? {
+            cursor.skip(ahead.position() - cursor.position())?;
+        }
+    }
+    Ok(())
 }
 
 /// Numbers of physical groups and their names.
@@ -253,7 +275,10 @@ fn piece(file: Arc<MeshFile>, node_count: u64, counts: &GroupCounts, arrays: Vec
             let of = file.clone();
             move |_| of.read_geometry()
         }),
-        blocks: CellBlocks::Each { numbers: Arc::new(move |_| Ok(file.read_volumes()?.blocks)), grid: None },
+        blocks: CellBlocks::Each {
+            numbers: Arc::new(move |_| Ok(file.read_volumes()?.block_numbers())),
+            grid: None,
+        },
         is_old_order: false,
     }
 }

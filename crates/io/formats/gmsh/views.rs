@@ -64,6 +64,13 @@ impl View {
             line: cursor.line_number(),
         }))
     }
+
+    /// End of the rows of bytes; `None` where they are of different lengths.
+    pub fn end_of_rows(&self) -> Option<u64> {
+        let width = 4 + 8 * self.component_count as u64;
+        let rows = self.count.checked_mul(width).filter(|_| self.kind != ViewKind::ElementNode);
+        rows.and_then(|rows| self.start.checked_add(rows))
+    }
 }
 
 /// Lines of a head after their number, without quotes.
@@ -159,7 +166,7 @@ impl ViewArray {
                     return Ok(values);
                 }
                 let n = self.component_count();
-                let nodes = file.read_volumes()?.cells.into_set().connectivity;
+                let nodes = file.read_volumes()?.connectivity;
                 Ok(nodes.iter().flat_map(|&node| values[node as usize * n..][..n].iter().copied()).collect())
             }
             ViewKind::ElementNode => self.by_corners(file),
@@ -215,12 +222,11 @@ impl ViewArray {
         let n = self.component_count();
         let volumes = file.read_volumes()?;
         let tags: Arc<_> = file.tags(1)?;
-        let set = volumes.cells.into_set();
-        let mut corners = vec![f64::NAN; set.connectivity.len() * n];
-        let mut has_values = vec![false; set.connectivity.len()];
+        let mut corners = vec![f64::NAN; volumes.connectivity.len() * n];
+        let mut has_values = vec![false; volumes.connectivity.len()];
         self.each(file, |tag, values| {
             let Some(cell) = tags.find(tag) else { return Ok(()) };
-            let (order, first) = (volumes.orders.order(cell), set.offsets[cell] as usize);
+            let (order, first) = volumes.corners(cell);
             for (i, &place) in order.iter().enumerate() {
                 let Some(own) = values.get(usize::from(place) * n..).and_then(|rest| rest.get(..n)) else {
                     let error = Error::run(format!("a view has too few values in element {tag}"));
@@ -237,7 +243,7 @@ impl ViewArray {
         let node_count = file.tags(0)?.len();
         let (mut sums, mut counts) = (vec![0.0; node_count * n], vec![0.0; node_count]);
         // Cells without values have no part in the means.
-        let given = set.connectivity.iter().zip(corners.chunks(n)).zip(has_values);
+        let given = volumes.connectivity.iter().zip(corners.chunks(n)).zip(has_values);
         for ((&node, values), _) in given.filter(|corner| corner.1) {
             let node = node as usize;
             counts[node] += 1.0;

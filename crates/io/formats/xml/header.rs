@@ -100,7 +100,10 @@ pub(in crate::formats) fn read_as(
     let mark = if source.head(3)? == *BYTE_ORDER_MARK { BYTE_ORDER_MARK.len() as u64 } else { 0 };
     let widened = Rc::new(RefCell::new(Vec::new()));
     let latin = is_latin(&source.head(256)?).then(|| Latin { widened: widened.clone(), given: 0 });
-    let stream = BufReader::with_capacity(1 << 16, Stream { source, at: mark, latin });
+    let stream = BufReader::with_capacity(
+        (1 << 16).min(source.len() as usize + 1),
+        Stream { source, at: mark, latin },
+    );
     let mut reader = quick_xml::Reader::from_reader(stream);
     // The byte of the file from a byte of what is parsed.
     let place = |position: u64| {

@@ -368,3 +368,29 @@ fn mistakes_say_what_and_where() {
     assert!(["tags of an element", "9000000", "b.msh:10"].iter().all(|word| found.contains(word)), "{found}");
     expect(message("$Nodes", "$Noodles"), &["ends early", "$Noodles"]);
 }
+
+#[test]
+fn the_mark_of_an_end_among_bytes_ends_no_section() {
+    let ints = |values: &[i32]| values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>();
+    let sizes = |values: &[u64]| values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>();
+    let floats = |values: &[f64]| values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>();
+    let corners = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+    let nodes = [sizes(&[1, 4, 1, 4]), ints(&[3, 1, 0]), sizes(&[4, 1, 2, 3, 4]), floats(&corners)].concat();
+    let elements = [sizes(&[1, 1, 1, 1]), ints(&[3, 1, 4]), sizes(&[1, 1, 1, 2, 3, 4])].concat();
+    let mark = [f64::from_le_bytes(*b"$EndNode"), f64::from_le_bytes(*b"Data\n\0\0\0")];
+    let row = |node: i32| [ints(&[node]), floats(&[mark[0], mark[1], f64::from(node)])].concat();
+    let values = (1..=4).map(row).collect::<Vec<_>>().concat();
+    let section = |name: &str, head: &str, bytes: &[u8]| {
+        [format!("${name}\n{head}").as_bytes(), bytes, format!("\n$End{name}\n").as_bytes()].concat()
+    };
+    let content = [
+        section("MeshFormat", "4.1 1 8\n", &ints(&[1])),
+        section("Nodes", "", &nodes),
+        section("Elements", "", &elements),
+        section("NodeData", "1\n\"v\"\n1\n0.0\n3\n0\n3\n4\n", &values),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(&folder, "a.msh", &content.concat());
+    let grid = grid(&path, &request("v:2"));
+    assert_eq!(grid.scalar.as_ref().unwrap()[..], [1.0, 2.0, 3.0, 4.0]);
+}

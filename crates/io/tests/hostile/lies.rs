@@ -303,3 +303,15 @@ fn counts_of_meshes_of_mfem_beyond_the_file_are_errors() {
         expect(&message("a.mesh", &replaced(sound.as_bytes(), from, to), &Request::default()), &words);
     }
 }
+
+#[test]
+fn crossing_faces_of_a_polyhedron_end_the_search_for_its_split() {
+    let mut bytes = crate::damage::packed("tecplot_single.plt");
+    // Two coordinates in the other byte order: the search for crossings made new ones for hours.
+    bytes[3672..3680].reverse();
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(&folder, "tecplot_single.plt", &bytes);
+    let grid = read(&path, &scalar("s"), &NoProgress).unwrap();
+    let warnings = grid.origin.warnings.join(" ");
+    expect(&warnings, &["1 polyhedron was left out", "do faces cross?"]);
+}

@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod companions;
 mod corruption;
+mod damage;
 mod lies;
 mod memory;
 mod surfaces;
