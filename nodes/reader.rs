@@ -117,7 +117,7 @@ pub const NODE: Node = Node {
     foreign_head: &formats::foreign_head,
     prepare: &prepare,
     part_work: PartWork::Each,
-    begin_parts: &|call, own| begin_parts(call, own, None),
+    begin_parts: &|call, parts| begin_parts(call, parts, None),
     piece_bytes: &piece_bytes,
     run: &|call| run(call, None),
     ..Node::BLANK
@@ -224,7 +224,8 @@ fn read_part(call: &mut RunContext, part: &GridPart, path: &Path, request: &Requ
     let borders = call.keep_for_parts(|| -> Result<PieceBorders> {
         Err(Error::run("a part is read before the borders of the pieces are found"))
     })?;
-    let count = part.pieces.iter().filter(|&&piece| borders.is_drawn(piece)).count();
+    let drawn = part.pieces.iter().filter(|&&piece| borders.is_drawn(piece)).count();
+    let count = drawn - borders.kept_count(&part.pieces);
     call.notes.counts.insert(PIECES_READ, count as u64);
     formats::read_part(path, request, &part.pieces, &borders, call.progress())
 }
@@ -232,14 +233,16 @@ fn read_part(call: &mut RunContext, part: &GridPart, path: &Path, request: &Requ
 /// Finds the borders of the pieces that this process reads.
 pub(crate) fn begin_parts(
     call: &mut RunContext,
-    own: &GridPart,
+    parts: &[GridPart],
     chosen: Option<SelectedArrays>,
 ) -> Result<()> {
     let request = asked(call.parameters, call.demand, chosen, &|path| call.resolve(path))?;
     let path = call.path("path")?;
-    let share = (own.pieces.as_slice(), call.ranks());
+    let own: Vec<usize> = parts.iter().flat_map(|part| &part.pieces).copied().collect();
+    let share = Some((own.as_slice(), call.ranks()));
+    let (layers, first) = parts.first().map_or((0, &[][..]), |part| (part.layers, &part.pieces));
     let borders = call.keep_for_parts(|| {
-        formats::piece_borders(&path, &request, own.layers, Some(share), call.progress())
+        formats::piece_borders(&path, &request, layers, first, share, call.progress())
             .map_err(with_file_named)
     })?;
     call.notes.counts.insert(PIECES_READ, borders.read_count());

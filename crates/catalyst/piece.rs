@@ -1,8 +1,7 @@
 //! The piece of one process of a grid that several hold together, with cells of the others around it.
 //!
-//! Of every process all others get the keys of its points in the boxes of others (24 bytes a point; with global ids 8 bytes of each of its
-//! points), then the cells near the points that it shares. So each holds these of all processes for a time, which is what limits their
-//! number.
+//! Of every process all others get the keys of points that it shares (24 bytes a point; 12 with global ids), then the cells near these. So
+//! each holds these of all processes for a time, which is what limits their number.
 
 use crate::mesh::Mesh;
 use glam::DVec3;
@@ -39,7 +38,7 @@ pub fn number_blocks(mesh: &mut Mesh, ranks: &dyn Ranks) -> Result<()> {
 /// - no process has a domain with the fields;
 /// - domains that contradict each other.
 pub fn build(mesh: Mesh, layers: usize, options: &Options, ranks: &dyn Ranks) -> Result<Option<Grid>> {
-    let own: Vec<RawGrid> = mesh.pieces.into_iter().filter(|piece| piece.cells.count() > 0).collect();
+    let mut own: Vec<RawGrid> = mesh.pieces.into_iter().filter(|piece| piece.cells.count() > 0).collect();
     let outline = |piece: &RawGrid| -> Outline {
         let bounds = extent::bounds(&piece.points);
         let count = piece.cells.count() as u64;
@@ -54,7 +53,7 @@ pub fn build(mesh: Mesh, layers: usize, options: &Options, ranks: &dyn Ranks) ->
     }
     let has_ghosts = outlines.iter().any(|own| own.3);
     let boxes: Vec<_> = outlines.iter().map(|own| (own.0, own.1)).collect();
-    let keys: Vec<PointKeys> = match outlines.iter().all(|own| own.4) {
+    let mut keys: Vec<PointKeys> = match outlines.iter().all(|own| own.4) {
         true => own.iter().map(|piece| PointKeys::of_ids(piece, has_ghosts)).collect(),
         false => {
             let others = boxes_of_others(&boxes);
@@ -62,10 +61,11 @@ pub fn build(mesh: Mesh, layers: usize, options: &Options, ranks: &dyn Ranks) ->
             keyed.map(|(piece, others)| PointKeys::of_places(piece, others)).collect()
         }
     };
+    PointKeys::retain_shared(&mut keys, ranks.count(), &|to_each| ranks.exchange(to_each))?;
     let shared = SharedPoints::find(&gather(&keys, ranks)?.concat());
     let layers = layers.max(usize::from(has_ghosts));
-    let halos = own.iter().enumerate();
-    let halos = halos.map(|(place, piece)| Halo::from_piece(piece.clone(), &shared, first + place, layers));
+    let halos = own.iter_mut().enumerate();
+    let halos = halos.map(|(place, piece)| Halo::from_piece(piece, &shared, first + place, layers));
     let halos = gather(&halos.collect::<Result<Vec<Option<Halo>>>>()?, ranks)?.concat();
     if own.is_empty() {
         return Ok(None);

@@ -8,13 +8,13 @@ use crate::counts::Counts;
 use crate::projection::{Projection, SubpixelView};
 use crate::segment_cache::{CacheBudget, SegmentCache};
 use crate::shade::shader::Shader;
-use crate::tile::{TILE, TilePicture, TileRect};
+use crate::tile::{PIXELS, TILE, TilePicture, TileRect};
 use rayon::prelude::*;
 use std::sync::atomic::AtomicUsize;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
-use voltet_optics::depth_image::{SampleStretches, VolumetricDepthImage};
+use voltet_optics::depth_image::{SampleStretches, Supersegment, VolumetricDepthImage};
 use voltet_optics::ray_events::{RayEvents, composite_behind};
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::Ordering;
@@ -230,7 +230,7 @@ impl FrameRenderer<'_> {
             }
             add(&mut picture, &pictures, events.as_ref(), weight);
             if let Some(image) = &mut depth_image {
-                put_sample(image, outputs)?;
+                put_sample(image, &outputs)?;
             }
         }
         Ok(DrawnFrame { picture, counts, depth_image })
@@ -238,15 +238,16 @@ impl FrameRenderer<'_> {
 }
 
 /// Adds the stretches of a sample of all pixels.
-fn put_sample(image: &mut VolumetricDepthImage, outputs: Vec<WorkerOutput>) -> Result<()> {
+fn put_sample(image: &mut VolumetricDepthImage, outputs: &[WorkerOutput]) -> Result<()> {
     let [width, height] = image.size;
-    let mut pixels = vec![Vec::new(); width * height];
-    for (tile, stretches) in outputs.into_iter().flat_map(|output| output.stretches) {
+    let mut pixels: Vec<&[Supersegment]> = vec![&[]; width * height];
+    for (tile, stretches) in outputs.iter().flat_map(|output| &output.stretches) {
         image.resolution = image.resolution.max(stretches.resolution);
-        let rect = TileRect::new(tile as usize, image.size);
-        for (pixel, own) in stretches.pixels.into_iter().enumerate() {
+        let rect = TileRect::new(*tile as usize, image.size);
+        for pixel in 0..PIXELS {
             if pixel % TILE < rect.size[0] && pixel / TILE < rect.size[1] {
-                pixels[(rect.top + pixel / TILE) * width + rect.left + pixel % TILE] = own;
+                let place = (rect.top + pixel / TILE) * width + rect.left + pixel % TILE;
+                pixels[place] = stretches.of_pixel(pixel);
             }
         }
     }

@@ -9,7 +9,7 @@ use crate::frame_renderer::{DrawnFrame, RayInputs};
 use crate::projection::Projection;
 use crate::segment_cache::{Plan, SegmentCache};
 use crate::selection::{CullSample, Traversal, without};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 use voltet_core::diagnostics::Diagnostics;
 use voltet_core::grid::extent;
@@ -18,7 +18,7 @@ use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Result, counted};
 use voltet_optics::engine::{
-    self, Engine, EngineInfo, PreparedVolume, RenderOptions, RenderOutput, Stage, StageTiming,
+    self, Engine, EngineInfo, PreparedPart, PreparedVolume, RenderOptions, RenderOutput, Stage, StageTiming,
 };
 use voltet_optics::integrators::{self, PreparedScene, ScenePreparation};
 use voltet_optics::scene::Scene;
@@ -56,19 +56,12 @@ impl Engine for Native {
     }
 
     fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn PreparedVolume>> {
-        let cache = VolumeCache::new(volume)?;
-        let choices = SceneChoices::default();
-        Ok(Arc::new(NativeVolume { lanes: self.lanes, cache, choices, prepared: Mutex::new(None) }))
+        Ok(Arc::new(self.volume(VolumeCache::new(volume)?)))
     }
 
-    fn prepare_part(
-        &self,
-        volume: &Arc<Volume>,
-        whole: &SceneExtent,
-        choices: &SceneChoices,
-    ) -> Result<Arc<dyn PreparedVolume>> {
-        let (cache, choices) = (VolumeCache::of_part(volume, whole)?, choices.clone());
-        Ok(Arc::new(NativeVolume { lanes: self.lanes, cache, choices, prepared: Mutex::new(None) }))
+    fn prepare_part(&self, volume: &Arc<Volume>, whole: &SceneExtent) -> Result<Arc<dyn PreparedPart>> {
+        let volume = self.volume(VolumeCache::of_part(volume, whole)?);
+        Ok(Arc::new(NativePart { volume, tallied: Mutex::new(None) }))
     }
 
     fn choices(
@@ -96,13 +89,17 @@ impl Engine for Native {
     }
 }
 
+impl Native {
+    fn volume(&self, cache: VolumeCache) -> NativeVolume {
+        NativeVolume { lanes: self.lanes, cache, prepared: Mutex::new(None) }
+    }
+}
+
 /// The engine with the cache of one volume.
 #[derive(Debug)]
 struct NativeVolume {
     lanes: LaneSet,
     cache: VolumeCache,
-    /// Choices for the grid, of which the volume is a part.
-    choices: SceneChoices,
     /// The scene that an integrator prepared last: it serves the next picture, as a table does.
     prepared: Mutex<Option<Arc<Prepared>>>,
 }
@@ -144,22 +141,110 @@ impl NativeVolume {
 impl PreparedVolume for NativeVolume {
     fn draw(&self, scene: &Scene, manner: &RenderOptions, progress: &dyn Progress) -> Result<RenderOutput> {
         progress.check_cancelled()?;
-        let preparation = scene.shading.integrator.kind().scene_preparation();
-        let prepared = preparation.map(|preparation| self.prepared(scene, preparation)).transpose()?;
-        let Scene { volume, transfer_function, camera, shading, .. } = scene;
-        let mut timer = StageTimer { last: Instant::now(), stages: Vec::new() };
-        let other_volume = match Arc::ptr_eq(volume, self.cache.volume()) || prepared.is_some() {
-            true => None,
-            false => Some(VolumeCache::new(volume)?),
-        };
+        let mut timer = StageTimer::start();
         if manner.preview
-            && !manner.part
-            && prepared.is_none()
-            && other_volume.is_none()
+            && scene.shading.integrator.kind().scene_preparation().is_none()
+            && Arc::ptr_eq(&scene.volume, self.cache.volume())
             && let Some(segments) = self.cached_segments(scene, manner, &mut timer, progress)?
         {
             return self.draw_cached(&segments, scene, timer, progress);
         }
+        self.draw_projected(self.project(scene, manner, None, progress)?, scene, manner, progress)
+    }
+}
+
+/// A part of a grid.
+struct NativePart {
+    volume: NativeVolume,
+    /// Cells of a scene that were tallied and are not drawn yet, projected without choices, with their tally.
+    tallied: Mutex<Option<(ProjectedScene, PartTally)>>,
+}
+
+impl NativePart {
+    fn tallied(&self) -> MutexGuard<'_, Option<(ProjectedScene, PartTally)>> {
+        self.tallied.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl PreparedPart for NativePart {
+    fn tally(&self, scene: &Scene, manner: &RenderOptions, progress: &dyn Progress) -> Result<PartTally> {
+        let projected = self.volume.project(scene, manner, Some(&SceneChoices::default()), progress)?;
+        let tally = projected.tally();
+        *self.tallied() = Some((projected, tally.clone()));
+        Ok(tally)
+    }
+
+    fn draw(
+        &self,
+        scene: &Scene,
+        choices: &SceneChoices,
+        manner: &RenderOptions,
+        progress: &dyn Progress,
+    ) -> Result<RenderOutput> {
+        progress.check_cancelled()?;
+        let serves = |(projected, tally): &(ProjectedScene, PartTally)| {
+            projected.is_of(scene) && SceneChoices::default().serves(choices, tally)
+        };
+        let tallied = self.tallied().take().filter(serves);
+        let (projected, tally) = match tallied {
+            Some(known) => known,
+            None => {
+                let projected = self.volume.project(scene, manner, Some(choices), progress)?;
+                let tally = projected.tally();
+                (projected, tally)
+            }
+        };
+        let mut drawn = self.volume.draw_projected(projected, scene, manner, progress)?;
+        if let Some((_, own)) = &mut drawn.part {
+            *own = tally;
+        }
+        Ok(drawn)
+    }
+}
+
+/// Cells that are selected for a scene and projected.
+struct ProjectedScene {
+    /// The scene's transfer function, and that of the integrator for it.
+    transfer_functions: [Arc<TransferFunction>; 2],
+    projection: Projection,
+    /// For each widget, true if a cell in view touches it.
+    active_widgets: Vec<bool>,
+    /// True for a part of a grid.
+    is_part: bool,
+    stages: Vec<StageTiming>,
+}
+
+impl ProjectedScene {
+    /// True if they are those of a scene of the same volume.
+    fn is_of(&self, scene: &Scene) -> bool {
+        Arc::ptr_eq(&self.transfer_functions[0], &scene.transfer_function)
+            && *self.projection.camera() == scene.camera
+            && Arc::ptr_eq(&self.projection.cells().volume, &scene.volume)
+    }
+
+    /// Figures of the cells as those of a part.
+    fn tally(&self) -> PartTally {
+        PartTally { active_widgets: self.active_widgets.clone(), ..self.projection.tally() }
+    }
+}
+
+impl NativeVolume {
+    /// Selects a scene's cells and projects them. `choices`: of the grid that the volume is a part of.
+    fn project(
+        &self,
+        scene: &Scene,
+        manner: &RenderOptions,
+        choices: Option<&SceneChoices>,
+        progress: &dyn Progress,
+    ) -> Result<ProjectedScene> {
+        let preparation = scene.shading.integrator.kind().scene_preparation();
+        let prepared = preparation.map(|preparation| self.prepared(scene, preparation)).transpose()?;
+        let Scene { volume, transfer_function, camera, shading, .. } = scene;
+        let mut timer = StageTimer::start();
+        let other_volume = match Arc::ptr_eq(volume, self.cache.volume()) || prepared.is_some() {
+            true => None,
+            false => Some(VolumeCache::new(volume)?),
+        };
         let (cache, transfer_function) = match &prepared {
             Some(prepared) => (&prepared.cache, &prepared.transfer_function),
             None => (other_volume.as_ref().unwrap_or(&self.cache), transfer_function),
@@ -170,12 +255,12 @@ impl PreparedVolume for NativeVolume {
         };
         cells.lanes = self.lanes;
         let mut active_widgets = vec![true; transfer_function.widgets.len()];
-        if manner.part {
+        if let Some(choices) = choices {
             cells.inactive_widgets.iter().for_each(|&widget| active_widgets[widget] = false);
             // A part may lack the cells of a widget that the whole grid has.
-            cells.inactive_widgets.clone_from(&self.choices.inactive_widgets);
-            cells.casts_rays = self.choices.casts_rays == Some(true);
-            if self.choices.casts_rays == Some(false) {
+            cells.inactive_widgets.clone_from(&choices.inactive_widgets);
+            cells.casts_rays = choices.casts_rays == Some(true);
+            if choices.casts_rays == Some(false) {
                 cells.traversal = Traversal::Project;
             }
         }
@@ -186,20 +271,40 @@ impl PreparedVolume for NativeVolume {
         let gradient = needs_gradient(shading) || (manner.exhaustive && volume.gradient.is_some());
         let projection = project(&cells, transfer_function, camera, gradient, progress)?;
         timer.end(Stage::Project);
+        Ok(ProjectedScene {
+            transfer_functions: [scene.transfer_function.clone(), transfer_function.clone()],
+            projection,
+            active_widgets,
+            is_part: choices.is_some(),
+            stages: timer.stages,
+        })
+    }
+
+    /// Draws a scene's cells. Of a part, the tally is left to the caller.
+    fn draw_projected(
+        &self,
+        projected: ProjectedScene,
+        scene: &Scene,
+        manner: &RenderOptions,
+        progress: &dyn Progress,
+    ) -> Result<RenderOutput> {
+        let ProjectedScene {
+            transfer_functions: [_, transfer_function], projection, is_part, stages, ..
+        } = projected;
+        let (cells, mut timer) = (projection.cells(), StageTimer { stages, ..StageTimer::start() });
         let renderer = prepare_in_order(
             &projection,
-            transfer_function,
-            shading,
+            &transfer_function,
+            &scene.shading,
             // A part may have fewer colours than the whole grid.
-            manner.exhaustive || scene.has_events() || (manner.part && scene.needs_order()),
+            manner.exhaustive || scene.has_events() || (is_part && scene.needs_order()),
         )?;
         timer.end(Stage::SetUp);
-        let inputs = RayInputs { records_stretches: manner.part, ..RayInputs::default() };
+        let inputs = RayInputs { records_stretches: is_part, ..RayInputs::default() };
         let DrawnFrame { picture, counts, depth_image } = renderer.draw(inputs, Some(scene), progress)?;
         timer.end(Stage::Composite);
-        let tally = || PartTally { active_widgets, ..projection.tally() };
         let mut drawn = RenderOutput {
-            part: depth_image.map(|image| (image, tally())),
+            part: depth_image.map(|image| (image, PartTally::default())),
             ..RenderOutput::new(picture, timer.stages)
         };
         drawn.notes = Diagnostics::new(manner.exhaustive);
@@ -212,9 +317,7 @@ impl PreparedVolume for NativeVolume {
         counts.note(&mut drawn.notes);
         Ok(drawn)
     }
-}
 
-impl NativeVolume {
     /// Cached segments to draw a preview from: of one sample a pixel in exact order, with values alone. They are recorded at the second
     /// change of widgets at one camera (12 bytes each, 20 with g).
     fn cached_segments(
@@ -292,6 +395,10 @@ struct StageTimer {
 }
 
 impl StageTimer {
+    fn start() -> StageTimer {
+        StageTimer { last: Instant::now(), stages: Vec::new() }
+    }
+
     fn end(&mut self, stage: Stage) {
         let now = Instant::now();
         self.stages.push(StageTiming::whole(stage, (now - self.last).as_secs_f64()));

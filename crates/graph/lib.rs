@@ -28,7 +28,7 @@ pub use api::context::{
 pub use api::demand::{Arrays, Demand};
 pub use api::node::{NamedStub, Node, PartWork, PlanningStub, Steps, TimeSeries};
 pub use api::origins::{FileRead, FileStamp, Origins, ResolvedPipeline, Stamp, relative_path};
-pub use api::parts::{GRADIENT_LAYERS, GridPart, MEAN_LAYERS, PIECES_READ};
+pub use api::parts::{GRADIENT_LAYERS, GridPart, MEAN_LAYERS, PIECES_READ, SweptParts};
 pub use api::ranks;
 pub use api::value::{
     CellValues, Edge, Port, PortType, Revision, StagePayload, TransferFunctionSpec, Value, diagonal,

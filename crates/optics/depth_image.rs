@@ -72,12 +72,12 @@ impl SampleStretches {
     ///
     /// # Errors
     /// - more than 2³² of them.
-    pub fn new(pixels: &[Vec<Supersegment>]) -> Result<SampleStretches> {
+    pub fn new(pixels: &[impl AsRef<[Supersegment]>]) -> Result<SampleStretches> {
         let mut first = Vec::with_capacity(pixels.len() + 1);
-        let mut stretches = Vec::with_capacity(pixels.iter().map(Vec::len).sum());
+        let mut stretches = Vec::with_capacity(pixels.iter().map(|own| own.as_ref().len()).sum());
         first.push(0);
         for own in pixels {
-            stretches.extend_from_slice(own);
+            stretches.extend_from_slice(own.as_ref());
             first.push(number(stretches.len())?);
         }
         Ok(SampleStretches { first, stretches })
@@ -339,8 +339,8 @@ pub fn sort_and_join(stretches: &mut Vec<Supersegment>, events: &[RayEvent], res
     stretches.truncate(kept + 1);
 }
 
-/// Composites a layer behind others.
-fn composite_behind(sum: &mut [f64; 4], rgba: [f32; 4]) {
+/// Composites a layer, premultiplied, behind others.
+pub fn composite_behind(sum: &mut [f64; 4], rgba: [f32; 4]) {
     let transmittance = 1.0 - sum[3];
     sum.iter_mut().zip(rgba).for_each(|(sum, value)| *sum += transmittance * f64::from(value));
 }

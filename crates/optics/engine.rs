@@ -110,9 +110,6 @@ pub struct RenderOptions {
     /// True if other pictures of the same view follow at once, with other widgets: the engine may cache the view's segments, and the picture
     /// may differ by rounding, some 1e-5, from one that is drawn by itself ([`RenderOutput::is_preview`]).
     pub preview: bool,
-    /// True if the volume is a part of a grid, whose other parts are drawn by themselves: its volumetric depth image is recorded. For
-    /// engines that have [`EngineInfo::draws_parts`].
-    pub part: bool,
 }
 
 /// An engine that is open: what it runs on is there. `Any`: a crate that knows an engine's own type finds it again.
@@ -143,14 +140,9 @@ pub trait Engine: Any + Send + Sync {
     /// Takes in a volume: what frames of it share is made once. Errors: what the device cannot hold.
     fn prepare(&self, volume: &Arc<Volume>) -> Result<Arc<dyn PreparedVolume>>;
 
-    /// Takes in a part of a volume, to be drawn by itself ([`RenderOptions::part`]) as a part of the grid that has this extent, by
-    /// these choices. Errors: those of [`Engine::prepare`]; an engine without [`EngineInfo::draws_parts`].
-    fn prepare_part(
-        &self,
-        _volume: &Arc<Volume>,
-        _whole: &SceneExtent,
-        _choices: &SceneChoices,
-    ) -> Result<Arc<dyn PreparedVolume>> {
+    /// Takes in a part of a volume, to be drawn by itself as a part of the grid that has this extent. Errors: those of
+    /// [`Engine::prepare`]; an engine without [`EngineInfo::draws_parts`].
+    fn prepare_part(&self, _volume: &Arc<Volume>, _whole: &SceneExtent) -> Result<Arc<dyn PreparedPart>> {
         Err(Error::run("the engine draws whole grids").got("a part of a grid").expected("another engine"))
     }
 
@@ -197,6 +189,23 @@ pub trait PreparedVolume: Any + Send + Sync {
     ) -> Result<Box<dyn Pending>> {
         Ok(Box::new(self.draw(scene, manner, progress)?))
     }
+}
+
+/// A part of a grid on an engine, whose other parts are drawn by themselves.
+pub trait PreparedPart: Send + Sync {
+    /// Figures of the cells that a scene selects. What is found for them serves [`PreparedPart::draw`] with the same scene.
+    ///
+    /// Errors: those of [`PreparedVolume::draw`].
+    fn tally(&self, scene: &Scene, manner: &RenderOptions, progress: &dyn Progress) -> Result<PartTally>;
+
+    /// Draws the volumetric depth image of a scene by these choices ([`RenderOutput::part`]). Errors: those of [`PreparedVolume::draw`].
+    fn draw(
+        &self,
+        scene: &Scene,
+        choices: &SceneChoices,
+        manner: &RenderOptions,
+        progress: &dyn Progress,
+    ) -> Result<RenderOutput>;
 }
 
 /// Way from a device's cells to the picture.
@@ -273,7 +282,7 @@ pub struct RenderOutput {
     pub is_preview: bool,
     /// Further diagnostics: counts of this engine alone, skipped work, warnings.
     pub notes: Diagnostics,
-    /// The volumetric depth image of a part, with figures of its cells ([`RenderOptions::part`]).
+    /// The volumetric depth image of a part, with figures of its cells ([`PreparedPart::draw`]).
     pub part: Option<(VolumetricDepthImage, PartTally)>,
 }
 

@@ -22,7 +22,7 @@ type Library = OnceLock<Option<Vec<u8>>>;
 static LIBRARIES: Mutex<Option<HashMap<CompiledLibrary, Arc<Library>>>> = Mutex::new(None);
 
 /// The shared library `name` in `folder`, made of these sources by the compiler of the first one's language (`.c`: `cc`, `.cpp`:
-/// `c++`, `.f90`: `gfortran`), without a warning; compiled once for all tests of a program. `None` where there is no such compiler,
+/// `c++`, `.f90`, `.F90`: `gfortran`), without a warning; compiled once for all tests of a program. `None` where there is no such compiler,
 /// said loudly; a failure if the environment variable `VOLTET_REQUIRE_COMPILERS` is 1.
 #[track_caller]
 pub fn library(folder: &Path, name: &str, sources: &[PathBuf], options: &[&str]) -> Option<PathBuf> {
@@ -71,7 +71,7 @@ fn compiled(folder: &Path, path: &Path, sources: &[PathBuf], options: &[&str]) -
     let (compiler, standard): (&str, &[&str]) = match ending {
         Some("c") => ("cc", &["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror"]),
         Some("cpp") => ("c++", &["-std=c++17", "-pedantic", "-Wall", "-Wextra", "-Werror"]),
-        Some("f90") => ("gfortran", &["-Wall", "-Wextra", "-Werror"]),
+        Some("f90" | "F90") => ("gfortran", &["-Wall", "-Wextra", "-Werror"]),
         other => panic!("no compiler for {other:?}"),
     };
     let mut command = Command::new(compiler);

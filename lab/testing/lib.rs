@@ -10,6 +10,7 @@
 //! | `twin` | a formula in 32 bits against its 64-bit truth |
 //! | `segment_twin` | an integrator in 32 bits on a segment against its 64-bit truth |
 //! | `compilers` | plug-ins and programs in other languages |
+//! | `thread_ranks` | processes of one run as threads |
 //! | `files` | small data files in every format and encoding, written independently of the readers |
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
@@ -40,6 +41,8 @@ pub mod random;
 pub mod segment_twin;
 #[cfg(feature = "segments")]
 pub mod segments;
+#[cfg(feature = "ranks")]
+pub mod thread_ranks;
 #[cfg(feature = "segments")]
 pub mod twin;
 

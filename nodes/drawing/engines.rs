@@ -206,7 +206,7 @@ pub(crate) fn draw_on(
     let (exhaustive, preview) = (call.exhaustive(), call.allows_preview());
     let asked = word(COMPOSITOR.name).and_then(Compositor::named);
     let compositing = asked.filter(|asked| declared.compositing.contains(asked));
-    let manner = RenderOptions { compositing, exhaustive, preview, part: false };
+    let manner = RenderOptions { compositing, exhaustive, preview };
     let drawn = stage(call, declared, "draw", |progress| volume.draw(scene, &manner, progress))?;
     if drawn.is_preview {
         call.mark_preview();

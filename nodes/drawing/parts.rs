@@ -13,7 +13,7 @@ use voltet_core::volume::Volume;
 use voltet_core::{Error, Result, counted};
 use voltet_graph::{Outputs, RunContext, Value};
 use voltet_optics::depth_image::{Supersegment, VolumetricDepthImage};
-use voltet_optics::engine::{AdapterRequest, Engine, EngineInfo, RenderOptions};
+use voltet_optics::engine::{AdapterRequest, Engine, EngineInfo, PreparedPart, RenderOptions};
 use voltet_optics::ray_events::{RayEventSource, RayEvents};
 use voltet_optics::scene::Scene;
 use voltet_optics::scene_parts::{PartTally, SceneChoices, SceneExtent};
@@ -48,12 +48,23 @@ pub fn draw_parts(call: &mut RunContext) -> Result<Outputs> {
         surfaces: surfaces.clone(),
         clips: clips.clone(),
     };
-    let mut choices = SceneChoices::default();
+    // Where no process has a further part, the cells are tallied first, so that none is drawn twice.
+    let is_at_hand = call.gather(&[call.part_count() as f64])?.iter().flatten().all(|count| *count <= 1.0);
+    let mut parts =
+        EngineParts { engine: &*engine, whole: &whole, scene_of: &scene_of, keeps: is_at_hand, kept: None };
+    let (mut sent, mut choices) = (0, SceneChoices::default());
+    if is_at_hand {
+        let tally = tally_each(call, &mut parts)?;
+        let tally = tally_of_all(call, tally, &mut sent)?;
+        choices = engine.choices(&whole, &transfer_function, &tally)?;
+    }
     let before = call.notes.clone();
-    let mut sent = 0;
     let mut rounds = 1;
     let image = loop {
-        let (image, tally) = draw_each(call, &*engine, (&whole, &choices), &scene_of, &events)?;
+        let (image, tally) = draw_each(call, &mut parts, &choices, &events)?;
+        if is_at_hand {
+            break image;
+        }
         let tally = tally_of_all(call, tally, &mut sent)?;
         let decided = engine.choices(&whole, &transfer_function, &tally)?;
         if choices.serves(&decided, &tally) {
@@ -65,6 +76,7 @@ pub fn draw_parts(call: &mut RunContext) -> Result<Outputs> {
         call.notes.stages = stages;
         rounds += 1;
     };
+    drop(parts);
     if rounds > 1 {
         let what = format!("the parts were drawn {rounds} times, at last by what serves the whole grid");
         call.notes.find(what, json!({ "rounds_drawn": rounds }));
@@ -123,12 +135,53 @@ fn refuse(call: &RunContext, transfer_function: &TransferFunction, shading: &Sha
     check_engine(NATIVE, p, transfer_function, shading)
 }
 
+/// Parts of a grid on an engine.
+struct EngineParts<'a> {
+    engine: &'a dyn Engine,
+    whole: &'a SceneExtent,
+    scene_of: &'a dyn Fn(Arc<Volume>) -> Scene,
+    /// True if there is one part at most, which is kept.
+    keeps: bool,
+    kept: Option<PartOnEngine>,
+}
+
+/// The scene of a part, and the part on an engine.
+type PartOnEngine = (Scene, Arc<dyn PreparedPart>);
+
+impl EngineParts<'_> {
+    /// The part that is at hand.
+    fn part(&mut self, call: &RunContext) -> Result<PartOnEngine> {
+        if let Some(known) = &self.kept {
+            return Ok(known.clone());
+        }
+        let scene = (self.scene_of)(call.volume("volume")?);
+        let part = self.engine.prepare_part(&scene.volume, self.whole)?;
+        self.kept = self.keeps.then(|| (scene.clone(), part.clone()));
+        Ok((scene, part))
+    }
+}
+
+fn options(call: &RunContext) -> RenderOptions {
+    RenderOptions { exhaustive: call.exhaustive(), ..RenderOptions::default() }
+}
+
+/// Figures of the cells of each part.
+fn tally_each(call: &mut RunContext, parts: &mut EngineParts) -> Result<PartTally> {
+    let mut tally = PartTally::default();
+    call.each_part(&mut |call| {
+        let (scene, part) = parts.part(call)?;
+        let manner = options(call);
+        tally.add(call.stage("tally", |progress| part.tally(&scene, &manner, progress))?);
+        Ok(())
+    })?;
+    Ok(tally)
+}
+
 /// Draws each part by itself: their image, and figures of their cells.
 fn draw_each(
     call: &mut RunContext,
-    engine: &dyn Engine,
-    (whole, choices): (&SceneExtent, &SceneChoices),
-    scene_of: &dyn Fn(Arc<Volume>) -> Scene,
+    parts: &mut EngineParts,
+    choices: &SceneChoices,
     events: &[RayEvents],
 ) -> Result<(VolumetricDepthImage, PartTally)> {
     let camera = *call.camera("camera")?;
@@ -136,11 +189,9 @@ fn draw_each(
     let mut image = VolumetricDepthImage::empty(size, camera.sample_offsets().len());
     let mut tally = PartTally::default();
     call.each_part(&mut |call| {
-        let scene = scene_of(call.volume("volume")?);
-        let manner = RenderOptions { part: true, exhaustive: call.exhaustive(), ..RenderOptions::default() };
-        let drawn = call.stage("draw", |progress| {
-            engine.prepare_part(&scene.volume, whole, choices)?.draw(&scene, &manner, progress)
-        })?;
+        let (scene, part) = parts.part(call)?;
+        let manner = options(call);
+        let drawn = call.stage("draw", |progress| part.draw(&scene, choices, &manner, progress))?;
         call.notes.counts.insert("cells_total", scene.volume.grid.tetrahedra.len() as u64);
         call.notes.add(drawn.notes);
         note(call, &drawn.counts);

@@ -41,8 +41,8 @@ pub fn reader(reader: &'static dyn GridReader) -> &'static Node {
             reader::steps(preparation, chosen(preparation.parameters))
         }),
         files_beside: &|_, _| Vec::<PathBuf>::new(),
-        begin_parts: leak(move |call: &mut RunContext, own: &GridPart| -> Result<()> {
-            reader::begin_parts(call, own, chosen(call.parameters))
+        begin_parts: leak(move |call: &mut RunContext, parts: &[GridPart]| -> Result<()> {
+            reader::begin_parts(call, parts, chosen(call.parameters))
         }),
         run: leak(move |call: &mut RunContext| -> Result<Outputs> {
             reader::run(call, chosen(call.parameters))

@@ -143,9 +143,9 @@ pub(crate) fn bounds(call: &mut RunContext) -> Result<Option<[DVec3; 2]>> {
 
 /// Bounds of a grid in parts.
 fn bounds_of_parts(call: &mut RunContext) -> Result<Option<[DVec3; 2]>> {
-    let known = call.known_bounds("volume")?;
-    let mut bounds = known.flatten();
-    if known.is_none() {
+    let swept = call.swept_parts("volume")?;
+    let mut bounds = swept.and_then(|swept| swept.bounds);
+    if swept.is_none() {
         call.each_part(&mut |call| {
             bounds = extent::joined(bounds, call.volume("volume")?.grid.bounds());
             Ok(())

@@ -269,7 +269,6 @@ impl Renderer {
             compositing,
             exhaustive: options.exhaustive,
             preview: options.interactive,
-            part: false,
         };
         let output = volume.draw(scene, &options, progress)?;
         Ok(RenderOutput::new(scene, info.name, opened.adapter(), output))

@@ -91,29 +91,40 @@ fn draw(scene: &Scene, part_of: impl Fn(usize) -> usize + Sync) -> Result<Pictur
     let extents = parts.iter().map(|part| SceneExtent::of_part(&part.volume, &fields, &scene.camera));
     let extents = extents.collect::<Result<Vec<_>>>()?;
     let whole = extents.into_iter().reduce(|whole, own| whole.joined(&own)).expect("a part has cells");
+    let prepared = parts.iter().map(|part| Ok((part, engine.prepare_part(&part.volume, &whole)?)));
+    let prepared = prepared.collect::<Result<Vec<_>>>()?;
     let draw_by = |choices: &SceneChoices| -> Result<(Picture, PartTally)> {
         let mut all = VolumetricDepthImage::empty(size, offsets.len());
         let mut tally = PartTally::default();
-        for part in &parts {
-            let manner = RenderOptions { part: true, ..RenderOptions::default() };
-            let prepared = engine.prepare_part(&part.volume, &whole, choices)?;
-            let drawn = prepared.draw(part, &manner, &NoProgress)?;
+        for part in &prepared {
+            let drawn = part.1.draw(part.0, choices, &RenderOptions::default(), &NoProgress)?;
             let (image, own) = drawn.part.expect("was asked for");
             all = all.merged(&image, &events)?;
             tally.add(own);
         }
         Ok((all.picture(&events), tally))
     };
+    // As parts that are read one after the other are drawn.
     let mut choices = SceneChoices::default();
-    loop {
+    let picture = loop {
         let (picture, mut tally) = draw_by(&choices)?;
         tally.count_boundary();
         let decided = engine.choices(&whole, &scene.transfer_function, &tally)?;
         if choices.serves(&decided, &tally) {
-            return Ok(picture);
+            break picture;
         }
         choices = decided;
+    };
+    // As parts that are at hand are.
+    let mut tally = PartTally::default();
+    for (part, prepared) in &prepared {
+        tally.add(prepared.tally(part, &RenderOptions::default(), &NoProgress)?);
     }
+    tally.count_boundary();
+    let decided = engine.choices(&whole, &scene.transfer_function, &tally)?;
+    let (tallied, _) = draw_by(&decided)?;
+    within("tallied first", &tallied, &picture, SAME);
+    Ok(picture)
 }
 
 voltet_testing::picture_tests!(crate::parts::ByParts);

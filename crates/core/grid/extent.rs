@@ -74,14 +74,14 @@ const THIN_CELL: f64 = 1e-3;
 
 /// The longest edge of all tetrahedra, and of those that are thin; 0 of none.
 pub fn longest_edges(points: &[DVec3], tetrahedra: &[[u32; 4]]) -> [f64; 2] {
-    let of_cell = |cell: &[u32; 4]| longest_edge(cell.map(|p| points[p as usize]));
+    let of_cell = |cell: &[u32; 4]| longest_edges_of_cell(cell.map(|p| points[p as usize]));
     let max = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].max(b[1])];
     tetrahedra.par_iter().with_min_len(CHUNK).map(of_cell).reduce(|| [0.0; 2], max)
 }
 
-/// The longest edge of a tetrahedron, and again where it is thin, else 0.
+/// The longest edge of a tetrahedron as one of all, and as one of those that are thin, 0 where it is not; see [`longest_edges`].
 #[inline]
-pub fn longest_edge(corners: [DVec3; 4]) -> [f64; 2] {
+pub fn longest_edges_of_cell(corners: [DVec3; 4]) -> [f64; 2] {
     let [a, b, c, d] = corners;
     let [e, f, g] = [b - a, c - a, d - a];
     let longest = longest_edge_squared(corners).sqrt();

@@ -33,12 +33,13 @@ pub struct Halo {
 
 impl Halo {
     /// The cells of piece `index` within `layers` layers of its shared points; `None` where there is nothing. A piece with curved cells
-    /// has a layer more: the cells around a curved one decide how the points are numbered that it adds on its surface.
+    /// has a layer more: the cells around a curved one decide how the points are numbered that it adds on its surface. Cells of a
+    /// structured grid are brought into a set.
     ///
     /// # Errors
     /// As [`super::join`] of the piece.
     pub fn from_piece(
-        mut piece: RawGrid,
+        piece: &mut RawGrid,
         shared: &SharedPoints,
         index: usize,
         layers: usize,
@@ -46,10 +47,11 @@ impl Halo {
         if shared.of_piece(index).is_empty() {
             return Ok(None);
         }
-        prepare(&mut piece, index)?;
+        prepare(piece, index)?;
+        let piece = &*piece;
         let has_curved =
             matches!(&piece.cells, Cells::Mixed(set) if set.types.iter().any(|&code| is_curved(code)));
-        let mut own = CellLayers::new(&piece);
+        let mut own = CellLayers::new(piece);
         shared.of_piece(index).iter().for_each(|shared| own.reach(shared.point));
         let layers = layers + usize::from(has_curved);
         for _ in 0..layers {
@@ -64,7 +66,7 @@ impl Halo {
             sources.for_each(|shared| is_kept[shared.point as usize] = true);
         }
         let points = numbers_of(&is_kept);
-        let grid = subset(&piece, &cells, &points);
+        let grid = subset(piece, &cells, &points);
         Ok((!points.is_empty()).then_some(Halo { grid, points, layers }))
     }
 

@@ -18,6 +18,7 @@ mod halo;
 mod overlap;
 mod parts;
 mod pieces;
+mod point_keys;
 mod polygon;
 mod polyhedra;
 mod shared_points;
@@ -45,8 +46,9 @@ pub use parts::{
     Options, Polyhedron, RawGrid, Scalar, is_drawn, structured_corners,
 };
 pub use pieces::{check_cells, into_set, join};
+pub use point_keys::{Exchange, PointKeys, boxes_of_others};
 pub use polygon::triangles_of_polygon;
-pub use shared_points::{PointKeys, SharedPoints, boxes_of_others};
+pub use shared_points::SharedPoints;
 pub use subset::{Subset, cells_above, cells_by_points, whole_cells};
 pub use tetrahedra::{GhostCells, Grid, tetrahedron_volume};
 

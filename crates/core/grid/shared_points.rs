@@ -1,120 +1,15 @@
-//! Points that several pieces of a grid hold: found by keys that are compared without the pieces, and put into one order with all
-//! other points.
+//! Points that several pieces of a grid hold: found by their keys ([`PointKeys`]), and put into one order with all other points.
 //!
 //! The order keeps that of each piece. It is found for the shared points alone; each other point follows the last of them that its
 //! piece has before it. So two points of a cell have the same order whatever other pieces are there, and faces are cut by the same
 //! diagonals.
 
 use super::extent;
-use super::parts::{Association, DUPLICATE, RawGrid, corners};
+use super::parts::RawGrid;
+use super::point_keys::{Keys, PointKeys, boxes_of_others};
 use glam::DVec3;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Points that one task handles.
-const CHUNK: usize = 1 << 13;
-
-/// Keys of the points of a piece: equal keys of pieces of one block are one point.
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
-pub struct PointKeys {
-    block: usize,
-    /// Global ids of all points.
-    ids: Vec<i64>,
-    /// Without ids: keys of positions and values, and the points' numbers, ascending.
-    places: Vec<(PlaceKey, u32)>,
-    /// True at the points of cells that are no ghosts; `None`: at all.
-    owned: Option<Vec<bool>>,
-}
-
-/// Two hashes of a position and values, whose 128 bits are not equal by chance.
-type PlaceKey = [u64; 2];
-
-impl PointKeys {
-    /// Keys of the points of a piece with global ids; `has_ghosts`: some piece of the grid has ghost cells, and a point that a piece has
-    /// for its ghosts alone may hold older values than its owner's.
-    pub fn of_ids(piece: &RawGrid, has_ghosts: bool) -> PointKeys {
-        let owned = has_ghosts.then(|| {
-            let mut owned = vec![false; piece.points.len()];
-            // Lengths that do not fit are found when the piece is joined.
-            let flags = |cell: usize| piece.ghost.as_ref().and_then(|ghost| ghost.get(cell));
-            let own = |cell: &usize| flags(*cell).is_none_or(|flags| flags & DUPLICATE == 0);
-            for &corner in (0..piece.cells.count()).filter(own).flat_map(|cell| corners(&piece.cells, cell)) {
-                owned.get_mut(corner as usize).into_iter().for_each(|owned| *owned = true);
-            }
-            owned
-        });
-        let ids = piece.global_ids.clone().unwrap_or_default();
-        PointKeys { block: piece.block, ids, places: Vec::new(), owned }
-    }
-
-    /// Keys of positions and of values in all point arrays, at the points of a piece that lie in one of the boxes of others.
-    pub fn of_places(piece: &RawGrid, others: &[[DVec3; 2]]) -> PointKeys {
-        let columns = columns_of_points(piece);
-        let key = |(point, &at): (usize, &DVec3)| {
-            others.iter().any(|&other| meet([at, at], other)).then(|| {
-                let values = columns.iter().filter_map(|&(values, n)| values.get(point * n..(point + 1) * n));
-                let words = at.as_ref().iter().chain(values.flatten()).map(|&x| bits(x));
-                (words.fold([0, u64::MAX], |key, word| key.map(|key| mixed(key, word))), point as u32)
-            })
-        };
-        let mut places = Vec::new();
-        places.par_extend(piece.points.par_iter().enumerate().with_min_len(CHUNK).filter_map(key));
-        PointKeys { block: piece.block, ids: Vec::new(), places, owned: None }
-    }
-
-    /// Memory that they take.
-    pub fn byte_count(&self) -> u64 {
-        let owned = self.owned.as_deref().map_or(0, size_of_val);
-        (size_of_val(&self.ids[..]) + size_of_val(&self.places[..]) + owned) as u64
-    }
-
-    fn is_owned(&self, point: u32) -> bool {
-        self.owned.as_ref().and_then(|owned| owned.get(point as usize)).is_none_or(|owned| *owned)
-    }
-}
-
-/// For each piece, given by its block and its box, the boxes of the other pieces of the block that meet its own.
-pub fn boxes_of_others(boxes: &[(usize, Option<[DVec3; 2]>)]) -> Vec<Vec<[DVec3; 2]>> {
-    let mut of_blocks = BTreeMap::<usize, Vec<(usize, [DVec3; 2])>>::new();
-    for (index, &(block, own)) in boxes.iter().enumerate() {
-        of_blocks.entry(block).or_default().extend(own.map(|own| (index, own)));
-    }
-    let others = |(index, &(block, own)): (usize, &(usize, Option<[DVec3; 2]>))| {
-        let Some(own) = own else { return Vec::new() };
-        let others = of_blocks[&block].iter().filter(|other| other.0 != index && meet(own, other.1));
-        others.map(|other| other.1).collect()
-    };
-    boxes.iter().enumerate().map(others).collect()
-}
-
-fn meet([a, b]: [DVec3; 2], [c, d]: [DVec3; 2]) -> bool {
-    a.cmple(d).all() && c.cmple(b).all()
-}
-
-/// Values of a point array and the components of a tuple.
-type Column<'a> = (&'a [f64], usize);
-
-fn columns_of_points(piece: &RawGrid) -> Vec<Column<'_>> {
-    let scalar = piece.scalar.iter().filter(|scalar| scalar.association == Association::Point);
-    let scalar = scalar.map(|scalar| (&scalar.values[..], 1));
-    scalar
-        .chain(piece.point_arrays.values().map(|array| (&array.values[..], array.component_count)))
-        .collect()
-}
-
-/// Bits of a number: −0 is 0, and all NaNs are one.
-fn bits(x: f64) -> u64 {
-    if x.is_nan() { u64::MAX } else { (x + 0.0).to_bits() }
-}
-
-/// A key made of another and further bits: the finaliser of Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators".
-fn mixed(key: u64, bits: u64) -> u64 {
-    let mut z = (key ^ bits).wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
-}
 
 /// A point that several pieces hold, in one of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -131,7 +26,7 @@ pub(super) struct SharedPoint {
 type Place = [u32; 2];
 
 /// The shared points of the pieces of a grid.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct SharedPoints {
     /// For each piece its shared points, by their numbers there.
     of_pieces: Vec<Vec<SharedPoint>>,
@@ -157,8 +52,13 @@ impl SharedPoints {
             let (mut ids, mut places) = (Vec::new(), Vec::new());
             for index in members {
                 let number = index as u32;
-                ids.extend(pieces[index].ids.iter().zip(0..).map(|(&id, point)| (id, [number, point])));
-                places.extend(pieces[index].places.iter().map(|&(key, point)| (key, [number, point])));
+                let place = |key: usize| [number, pieces[index].point(key)];
+                match &pieces[index].keys {
+                    Keys::Ids(own) => ids.extend(own.iter().enumerate().map(|(key, &id)| (id, place(key)))),
+                    Keys::Places(own) => {
+                        places.extend(own.iter().enumerate().map(|(key, &own)| (own, place(key))));
+                    }
+                }
             }
             add_holders(&mut holders, ids);
             add_holders(&mut holders, places);
@@ -177,9 +77,9 @@ impl SharedPoints {
         lists.par_iter_mut().for_each(|list| list.sort_unstable_by_key(|shared| shared.point));
         let counts = classes.iter().map(|same| same.len() as u32).collect();
         let (mut ranks, is_contradictory) = merged(&lists, counts);
-        let has_ids = pieces.iter().any(|piece| !piece.ids.is_empty());
+        let has_ids = pieces.iter().any(|piece| matches!(&piece.keys, Keys::Ids(ids) if !ids.is_empty()));
         let firsts = (is_contradictory && has_ids).then(|| {
-            let id = |[piece, point]: Place| pieces[piece as usize].ids.get(point as usize);
+            let id = |[piece, point]: Place| pieces[piece as usize].id(point);
             let mut firsts: Vec<(Place, usize)> =
                 classes.iter().enumerate().map(|(class, same)| (same[0].0, class)).collect();
             firsts.par_sort_by_key(|first| (id(first.0), first.0));
@@ -404,8 +304,13 @@ fn merged(lists: &[Vec<SharedPoint>], mut counts: Vec<u32>) -> (Vec<u32>, bool) 
 
 /// The shared points of pieces that are all there.
 pub(super) fn shared_points(pieces: &[RawGrid]) -> SharedPoints {
+    SharedPoints::find(&keys_of_all(pieces))
+}
+
+/// Keys of points of pieces that are all there.
+pub(super) fn keys_of_all(pieces: &[RawGrid]) -> Vec<PointKeys> {
     let has_ghosts = pieces.iter().any(|piece| piece.ghost.is_some());
-    let keys: Vec<PointKeys> = match pieces.iter().all(|piece| piece.global_ids.is_some()) {
+    match pieces.iter().all(|piece| piece.global_ids.is_some()) {
         true => pieces.par_iter().map(|piece| PointKeys::of_ids(piece, has_ghosts)).collect(),
         false => {
             let boxes: Vec<(usize, Option<[DVec3; 2]>)> =
@@ -414,6 +319,5 @@ pub(super) fn shared_points(pieces: &[RawGrid]) -> SharedPoints {
             let keyed = pieces.par_iter().zip(&others);
             keyed.map(|(piece, others)| PointKeys::of_places(piece, others)).collect()
         }
-    };
-    SharedPoints::find(&keys)
+    }
 }

@@ -200,7 +200,7 @@ impl Mesh {
             } else {
                 Side::Negative
             };
-            (side, extent::longest_edge([a, b, c, d]))
+            (side, extent::longest_edges_of_cell([a, b, c, d]))
         };
         let max = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].max(b[1])];
         let parts: Vec<(Vec<Side>, [f64; 2])> = grid

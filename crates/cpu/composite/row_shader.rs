@@ -82,7 +82,7 @@ impl RowShader {
             cutter: (frame.events.is_some() || frame.axes.is_some())
                 .then(|| Box::new(SegmentCutter::new(frame))),
             values: frame.axes.map(|_| Box::new(Batch::new(frame.attribute_count(), frame.scalar_count))),
-            recorder: frame.records_stretches.then(StretchRecorder::new),
+            recorder: frame.records_stretches.then(|| StretchRecorder::new(frame.events.is_some())),
         }
     }
 

@@ -2,10 +2,9 @@
 
 use super::demand::Demand;
 use super::origins::{Origins, ResolvedPipeline};
-use super::parts::GridPart;
+use super::parts::{GridPart, SweptParts};
 use super::ranks::{self, Ranks};
 use super::value::{CellValues, PortType, Revision, StagePayload, TransferFunctionSpec, Value, Wiring};
-use glam::DVec3;
 use std::any::{Any, TypeId};
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
@@ -163,8 +162,8 @@ pub(crate) trait RunServices {
     fn parts(&self) -> Vec<usize>;
     /// Notes that all parts were gone through.
     fn end_parts(&self);
-    /// Bounds of the grids of all parts of this process at an edge; `None` until parts were gone through.
-    fn bounds_of_parts(&self, edge: usize) -> Option<Option<[DVec3; 2]>>;
+    /// See [`RunContext::swept_parts`].
+    fn swept_parts(&self, edge: usize) -> Option<SweptParts>;
     /// Runs what feeds the node for a part, and hands the services and the values at its inputs to `of_part`. Nothing where the part
     /// has no cells.
     fn with_part(&self, part: usize, of_part: &mut PartCallback) -> Result<()>;
@@ -352,6 +351,11 @@ impl RunContext<'_> {
         self.inputs.iter().any(|(value, _)| matches!(value, Value::InParts(_)))
     }
 
+    /// Number of parts of this process.
+    pub fn part_count(&self) -> usize {
+        self.services.parts().len()
+    }
+
     /// Runs what feeds the node for each part of the grid, one after the other, and hands `of_part` the context with the values of the
     /// part at its inputs. Counts and warnings of all parts are put together.
     ///
@@ -397,12 +401,12 @@ impl RunContext<'_> {
         Ok(())
     }
 
-    /// Bounds of the parts of this process at an input, where they are known since all parts were gone through, on every process alike.
+    /// Findings about the parts of this process at an input; `None` until all parts were gone through, on every process alike.
     ///
     /// # Errors
     /// - nothing is wired to the input.
-    pub fn known_bounds(&self, port: &str) -> Result<Option<Option<[DVec3; 2]>>> {
-        Ok(self.services.bounds_of_parts(self.edge(port)?))
+    pub fn swept_parts(&self, port: &str) -> Result<Option<SweptParts>> {
+        Ok(self.services.swept_parts(self.edge(port)?))
     }
 
     /// The processes that run the graph together, each with its own parts of the grid.

@@ -102,9 +102,9 @@ pub struct Node {
     pub part_work: PartWork,
     /// True if it drops cells of its grid, and with them what surrounds a part.
     pub drops_cells: bool,
-    /// Prepares the reading of parts, once for all that this process reads: its pieces, none where it has no part. All processes call it
-    /// together.
-    pub begin_parts: &'static (dyn Fn(&mut RunContext, &GridPart) -> Result<()> + Send + Sync),
+    /// Prepares the reading of the parts of this process, once, before the first of them is read. All processes call it together, also one
+    /// without parts.
+    pub begin_parts: &'static (dyn Fn(&mut RunContext, &[GridPart]) -> Result<()> + Send + Sync),
     /// Memory that each piece of the file that it reads takes when it is drawn, bytes, from headers alone; none where it reads no file in pieces.
     pub piece_bytes: &'static (dyn Fn(&Preparation) -> Result<Vec<u64>> + Send + Sync),
     /// Numbers of the steps of the time series at its inputs, of so many, that it looks at beside the one that is read: its outputs

@@ -1,5 +1,7 @@
 //! Parts of a grid, which are read and drawn one after the other.
 
+use glam::DVec3;
+
 /// Name of the count of times that a piece of a file was read, by all processes together.
 pub const PIECES_READ: &str = "pieces_read";
 
@@ -10,6 +12,13 @@ pub struct GridPart {
     pub pieces: Vec<usize>,
     /// Rings of cells of other pieces around them that nodes may look at.
     pub layers: usize,
+}
+
+/// Findings about the grids of all parts of a process, once all were gone through.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SweptParts {
+    /// Box around their points; `None` where no part has any.
+    pub bounds: Option<[DVec3; 2]>,
 }
 
 /// Rings of cells around a part that means of cell values look at.

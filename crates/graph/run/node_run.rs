@@ -9,11 +9,10 @@ use crate::api::context::{
 use crate::api::demand::Demand;
 use crate::api::node::Steps;
 use crate::api::origins::{FileRead, FileStamp, Origins, Stamp};
-use crate::api::parts::{GridPart, PIECES_READ};
+use crate::api::parts::{GridPart, PIECES_READ, SweptParts};
 use crate::api::ranks::Ranks;
 use crate::api::value::{Edge, PortType, Revision, Value, diagonal};
 use crate::build::graph::{Graph, GraphNode};
-use glam::DVec3;
 use std::any::TypeId;
 use std::cell::Cell;
 use std::collections::{BTreeSet, HashMap};
@@ -275,13 +274,13 @@ impl RunServices for NodeRun<'_> {
 
     fn begin_parts(&self) -> Result<()> {
         let Some(runs) = self.part_runs.filter(|runs| runs.begins()) else { return Ok(()) };
-        let Division { is_mapped, own, .. } = runs.division;
+        let Division { is_mapped, parts } = runs.division;
         let sources = self.graph.order.iter().filter(|&&place| is_mapped[place]);
         for &place in sources.filter(|&&place| self.graph.nodes[place].inputs.is_empty()) {
             let node = &self.graph.nodes[place];
             let run = NodeRun { place, ..*self };
             let mut call = run.context(&node.parameters, &runs.demands[place], Vec::new(), (false, false));
-            (node.node.begin_parts)(&mut call, own).map_err(|error| node.locate(error))?;
+            (node.node.begin_parts)(&mut call, parts).map_err(|error| node.locate(error))?;
             runs.add_notes(place, std::mem::take(&mut call.notes));
         }
         Ok(())
@@ -291,8 +290,8 @@ impl RunServices for NodeRun<'_> {
         self.part_runs.into_iter().for_each(PartRuns::end);
     }
 
-    fn bounds_of_parts(&self, edge: usize) -> Option<Option<[DVec3; 2]>> {
-        self.part_runs?.bounds(self.source(edge))
+    fn swept_parts(&self, edge: usize) -> Option<SweptParts> {
+        self.part_runs?.swept(self.source(edge))
     }
 
     fn parts(&self) -> Vec<usize> {

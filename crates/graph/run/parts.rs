@@ -5,7 +5,7 @@ use super::plan::Done;
 use crate::api::context::{Make, Preparation, RetainedValue};
 use crate::api::demand::Demand;
 use crate::api::node::PartWork;
-use crate::api::parts::{GRADIENT_LAYERS, GridPart, MEAN_LAYERS};
+use crate::api::parts::{GRADIENT_LAYERS, GridPart, MEAN_LAYERS, SweptParts};
 use crate::api::ranks::Ranks;
 use crate::api::value::{Edge, PortType, Revision, Value};
 use crate::build::graph::Graph;
@@ -23,9 +23,8 @@ use voltet_core::{Error, Result};
 pub(super) struct Division {
     /// True for each node of the graph that runs once for each part.
     pub is_mapped: Vec<bool>,
+    /// Parts of this process; none where it has no pieces.
     pub parts: Vec<GridPart>,
-    /// All parts of this process together.
-    pub own: GridPart,
 }
 
 impl Division {
@@ -111,9 +110,8 @@ impl Division {
                 }
             }
         }
-        let own = GridPart { pieces: groups.concat(), layers };
         let parts = groups.into_iter().map(|pieces| GridPart { pieces, layers }).collect();
-        Ok(Some(Division { is_mapped, parts, own }))
+        Ok(Some(Division { is_mapped, parts }))
     }
 }
 
@@ -250,10 +248,10 @@ impl<'a> PartRuns<'a> {
         *known = extent::joined(*known, own);
     }
 
-    /// Bounds of all parts at an output; `None` until all parts were gone through.
-    pub fn bounds(&self, output: (usize, usize)) -> Option<Option<[DVec3; 2]>> {
+    /// Findings about all parts at an output; `None` until all parts were gone through.
+    pub fn swept(&self, output: (usize, usize)) -> Option<SweptParts> {
         let state = self.lock();
-        state.has_ended.then(|| state.bounds.get(&output).copied().flatten())
+        state.has_ended.then(|| SweptParts { bounds: state.bounds.get(&output).copied().flatten() })
     }
 
     /// True the first time that a part runs, for what is counted once.

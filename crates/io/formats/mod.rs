@@ -124,9 +124,10 @@ pub fn piece_sizes(path: &Path, request: &Request) -> Result<Vec<PieceSize>> {
 }
 
 /// Borders between a file's pieces, for [`read_part`] with the same request. `layers` of cells around a part serve it as ghosts: for
-/// gradients of point values as many as the filter looks at rings of neighbours; for means of cell values at points one more. Reads the
-/// pieces one after the other and keeps what is near the borders. `share`: the pieces that this process reads, of the several that
-/// call this together, and the others, which it exchanges the borders with; `None`: it reads all pieces.
+/// gradients of point values as many as the filter looks at rings of neighbours; for means of cell values at points one more. `first`: the
+/// pieces that are read first, together, which are kept until then; where they are all of this process, it reads them in no other
+/// way. Of the others, read one after the other, what is near the borders is kept. `share`: the pieces that this process reads, of
+/// the several that call this together, and the others, which it exchanges the borders with; `None`: it reads all pieces.
 ///
 /// # Errors
 /// As [`read`], but for what shows only when the grid is built.
@@ -134,11 +135,12 @@ pub fn piece_borders(
     path: &Path,
     request: &Request,
     layers: usize,
+    first: &[usize],
     share: Option<(&[usize], &dyn Ranks)>,
     progress: &dyn Progress,
 ) -> Result<PieceBorders> {
     let dataset = open(path, request)?;
-    parts::borders(&dataset, request, layers, &Share::new(share), progress)
+    parts::borders(&dataset, request, (layers, first), &Share::new(share), progress)
         .map_err(|error| error.in_file(path))
 }
 

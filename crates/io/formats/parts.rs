@@ -1,12 +1,14 @@
 //! Parts of a grid: some pieces of a file at a time, with cells of the other pieces around them as ghosts. Each part has at its own cells
 //! what the grid of all pieces has there (docs/src/explanation/optics.md, section 2).
 //!
-//! [`borders`] reads the pieces one after the other: keys of points that may be shared, then the cells near those that are. Of several
-//! processes each reads its own, sends all others the keys, and each the cells that lie near the pieces of that one. In memory are,
-//! beside one piece, at first 24 bytes a point with global ids, or 48 a point in the box of another piece where there are none; then 12
-//! for each shared point of each piece, and the cells near the borders with their values: of pieces of compact shape a share that
-//! falls with their size, of cells scattered over the pieces all. Of 2.1 million hexahedra in 8 cubes, two layers are 17 MiB, in 64
-//! cubes 50 MiB.
+//! [`borders`] finds the keys of points that may be shared, then the cells near those that are. It reads the pieces of the part that comes
+//! first, all that fit into memory, once, and keeps them for that part; the others one after the other, for the keys and for the
+//! cells. Of several processes each reads its own, finds with the others which keys are shared ([`PointKeys::retain_shared`]), sends
+//! all others these, and each the cells that lie near the pieces of that one. In memory are, beside the pieces that are kept and one
+//! other, at first 24 bytes a point of the own pieces with global ids, or 36 a point in the box of another piece where there are none;
+//! then 12 for each shared point of each piece, and the cells near the borders with their values: of pieces of compact shape a share
+//! that falls with their size, of cells scattered over the pieces all. Of 2.1 million hexahedra in 8 cubes, two layers are 17 MiB, in
+//! 64 cubes 50 MiB.
 
 use super::assemble::{
     choices, describe, fetch, global_ids, has_volume, is_averaged, is_unsplit, load, load_all, of_each,
@@ -17,6 +19,7 @@ use super::piece_share::Share;
 use super::request::{ArraySelection, Request};
 use super::{assemble, blocks, cells};
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Mutex, PoisonError};
 use voltet_core::grid::{
     self, Association, Cells, Grid, Halo, Options, PointKeys, RawGrid, SharedPoints, extent,
 };
@@ -33,7 +36,7 @@ pub struct PieceSize {
 }
 
 /// Borders between the pieces of a file: the points that several of them hold, in one order, and the cells near these.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct PieceBorders {
     /// For each piece: true if a picture may show it.
     is_drawn: Vec<bool>,
@@ -43,6 +46,8 @@ pub struct PieceBorders {
     first_cells: Vec<u64>,
     /// True if means of cell values are those of an adaptive grid.
     is_adaptive: bool,
+    /// Pieces of the part that is read first.
+    kept: Mutex<BTreeMap<usize, RawGrid>>,
     /// Times that this process has read a piece for them.
     reads: u64,
 }
@@ -58,7 +63,13 @@ impl PieceBorders {
         self.is_drawn.get(piece).is_some_and(|is_drawn| *is_drawn)
     }
 
-    /// Memory that they take.
+    /// Number of some pieces that are kept for the part that is read first, and so are not read again for it.
+    pub fn kept_count(&self, pieces: &[usize]) -> usize {
+        let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        pieces.iter().filter(|piece| kept.contains_key(piece)).count()
+    }
+
+    /// Memory that they take, beside pieces that are kept.
     pub fn byte_count(&self) -> u64 {
         self.shared.byte_count() + self.halos.iter().flatten().map(Halo::byte_count).sum::<u64>()
     }
@@ -70,26 +81,27 @@ pub(super) fn sizes(dataset: &Dataset) -> Vec<PieceSize> {
     dataset.pieces.iter().map(size).collect()
 }
 
-/// Finds the borders between the pieces.
+/// Finds the borders between the pieces. `first`: the pieces of the part that is read first, which are kept for it.
 pub(super) fn borders(
     dataset: &Dataset,
     request: &Request,
-    layers: usize,
+    (layers, first): (usize, &[usize]),
     share: &Share,
     progress: &dyn Progress,
 ) -> Result<PieceBorders> {
-    // Keys, of positions after boxes; then halos.
+    // Of what is not kept: keys, of positions after boxes; then halos.
     let meter = Meter::new(progress, dataset.file_bytes.saturating_mul(3));
-    let choices = choices(dataset, request)?;
-    let mut reads = 0;
-    let pieces = drawn_pieces(dataset, request, &choices, (share, &mut reads), &meter)?;
+    let choices = &choices(dataset, request)?;
+    let mut own = OwnPieces { dataset, request, choices, meter: &meter, kept: BTreeMap::new(), reads: 0 };
+    let pieces = drawn_pieces(&mut own, share)?;
     let mut found = PieceBorders {
         is_drawn: vec![false; dataset.pieces.len()],
         shared: SharedPoints::default(),
         halos: vec![None; dataset.pieces.len()],
         first_cells: vec![0; dataset.pieces.len()],
-        is_adaptive: is_averaged(request, &choices)
+        is_adaptive: is_averaged(request, choices)
             && pieces.iter().any(|piece| matches!(piece.1.geometry, Geometry::Adaptive(_))),
+        kept: Mutex::default(),
         reads: 0,
     };
     let mut cell_count = 0_u64;
@@ -104,14 +116,14 @@ pub(super) fn borders(
     // A ghost cell is without owner only where no other piece has its original.
     let has_ghosts = pieces.iter().any(|piece| has_ghost_flags(piece.1));
     let layers = layers.max(usize::from(has_ghosts));
-    let own: Vec<NumberedPiece> = pieces.iter().copied().filter(|piece| share.has(piece.0)).collect();
+    let numbered: Vec<NumberedPiece> = pieces.iter().copied().filter(|piece| share.has(piece.0)).collect();
+    own.keep(numbered.iter().copied().filter(|piece| first.contains(&piece.0)).collect())?;
     let own_keys = match global_ids(dataset) {
-        Some(ids) => keys_of_ids(dataset, &own, ids, has_ghosts, request, &meter)?,
-        None => keys_of_places(dataset, &own, request, &choices, share, &meter)?,
+        Some(ids) => own.keys_of_ids(&numbered, ids, has_ghosts)?,
+        None => own.keys_of_places(&numbered, share)?,
     };
-    reads += own_keys.reads;
     let mut keys = vec![PointKeys::default(); dataset.pieces.len()];
-    for (index, of_piece) in share.gather(own_keys.keys)? {
+    for (index, of_piece) in share.gather(share.shared_keys(own_keys)?)? {
         keys[index] = of_piece;
     }
     let bytes = keys.iter().map(|keys| keys.byte_count().saturating_mul(3)).fold(0, u64::saturating_add);
@@ -119,34 +131,21 @@ pub(super) fn borders(
     refuse_beyond_memory(progress, what, bytes)?;
     found.shared = SharedPoints::find(&keys);
     drop(keys);
-    let mut halos = Vec::new();
-    let own_pieces = own.iter().map(|piece| piece.0).collect();
-    for own @ (index, piece) in own {
-        // Points that curved cells add on a border are numbered by all cells there.
-        let is_needed =
-            layers > 0 || global_ids(dataset).is_some() || cells::has_types(piece, grid::is_curved, &meter)?;
-        if is_needed && !found.shared.is_empty_at(index) {
-            let cells = cells::load(piece, &meter)?;
-            let loaded = load_all(dataset, vec![(own, cells)], request, &choices, &meter)?;
-            reads += 1;
-            for (index, raw) in loaded {
-                let halo = Halo::from_piece(raw, &found.shared, index, layers)?;
-                halos.extend(halo.map(|halo| (index, halo)));
-            }
-        }
-        forget(piece);
-    }
+    let halos = own.halos(&numbered, &found.shared, layers)?;
+    let own_numbers: Vec<usize> = numbered.iter().map(|piece| piece.0).collect();
+    // Other parts of this process need them.
+    let is_one_part = own_numbers.iter().all(|piece| first.contains(piece));
     // A piece with curved cells has a layer more.
     let reached = match share.is_alone() {
         true => BTreeMap::new(),
-        false => within(&found.shared.neighbours(), own_pieces, layers + 1),
+        false => within(&found.shared.neighbours(), own_numbers, layers + 1),
     };
     let reaches =
         |from: usize, to: &BTreeSet<usize>| reached.get(&from).is_some_and(|own| !own.is_disjoint(to));
     for (index, halo) in share.exchange(halos, reaches)? {
-        found.halos[index] = Some(halo);
+        found.halos[index] = Some(halo).filter(|_| !(is_one_part && share.has(index)));
     }
-    found.reads = reads;
+    (found.kept, found.reads) = (Mutex::new(own.kept), own.reads);
     Ok(found)
 }
 
@@ -167,36 +166,164 @@ fn within(
     pieces.into_iter().map(of_piece).collect()
 }
 
-/// Keys of the points of pieces, with the pieces' numbers, and how often a piece was read for them.
-#[derive(Default)]
-struct KeysOfPieces {
-    keys: Vec<(usize, PointKeys)>,
+/// Keys of points of pieces, with the pieces' numbers.
+type NumberedKeys = Vec<(usize, PointKeys)>;
+
+/// The pieces of this process.
+struct OwnPieces<'a> {
+    dataset: &'a Dataset,
+    request: &'a Request,
+    choices: &'a [ArraySelection],
+    meter: &'a Meter<'a>,
+    /// Pieces of the part that is read first.
+    kept: BTreeMap<usize, RawGrid>,
+    /// Times that a piece was read.
     reads: u64,
 }
 
+impl OwnPieces<'_> {
+    /// Reads pieces with all that is requested, and keeps them.
+    fn keep(&mut self, pieces: Vec<NumberedPiece>) -> Result<()> {
+        let external = fetch(self.dataset, &pieces, self.request, self.meter.progress())?;
+        let cells: Vec<Cells> = of_each(pieces.clone(), |piece| cells::load(piece.1, self.meter))?;
+        self.reads += pieces.len() as u64;
+        let with_cells = pieces.iter().copied().zip(cells).collect();
+        let loaded = load_all(self.dataset, with_cells, self.request, self.choices, self.meter)?;
+        self.kept.extend(loaded);
+        if let Some(first) = self.kept.values_mut().next() {
+            let warnings = external.iter().flat_map(|external| external.ready().warnings.clone());
+            first.origin.warnings.extend(warnings);
+        }
+        pieces.iter().for_each(|piece| forget(piece.1));
+        Ok(())
+    }
+
+    /// Work on a piece, as it is kept or as `read` reads it.
+    fn with<T>(
+        &mut self,
+        (index, piece): NumberedPiece,
+        read: impl FnOnce(&Self) -> Result<RawGrid>,
+        work: impl FnOnce(&mut RawGrid) -> Result<T>,
+    ) -> Result<T> {
+        if let Some(kept) = self.kept.get_mut(&index) {
+            return work(kept);
+        }
+        let mut raw = read(self)?;
+        raw.block = assemble::group(self.dataset, piece, index);
+        self.reads += 1;
+        let done = work(&mut raw);
+        forget(piece);
+        done
+    }
+
+    /// Keys of global ids; with ghosts, cells decide which points are another piece's.
+    fn keys_of_ids(&mut self, pieces: &[NumberedPiece], ids: &str, has_ghosts: bool) -> Result<NumberedKeys> {
+        let bare = request_of(self.request, Vec::new(), true);
+        let mut found = Vec::new();
+        for &numbered @ (index, piece) in pieces {
+            let read = |own: &Self| match has_ghosts {
+                true => own.load(piece, cells::load(piece, own.meter)?, &bare),
+                false => {
+                    let ids = piece.array(Association::Point, ids);
+                    let ids = ids.map(|ids| ids.load(own.meter)).transpose()?;
+                    Ok(RawGrid { global_ids: ids, ..RawGrid::new(SharedSlice::default(), no_cells()) })
+                }
+            };
+            let keys = self.with(numbered, read, |raw| {
+                grid::check_cells(raw).map_err(|error| error.at_item(format!("piece {index}")))?;
+                Ok(PointKeys::of_ids(raw, has_ghosts))
+            })?;
+            found.push((index, keys));
+        }
+        Ok(found)
+    }
+
+    /// Keys of positions and values.
+    fn keys_of_places(&mut self, pieces: &[NumberedPiece], share: &Share) -> Result<NumberedKeys> {
+        let bare = request_of(self.request, Vec::new(), true);
+        let mut own = Vec::new();
+        for &numbered @ (index, piece) in pieces {
+            let read = |own: &Self| own.load(piece, no_cells(), &bare);
+            own.push(self.with(numbered, read, |raw| Ok((index, raw.block, extent::bounds(&raw.points))))?);
+        }
+        let mut boxes = vec![(0, None); self.dataset.pieces.len()];
+        for (index, block, bounds) in share.gather(own)? {
+            boxes[index] = (block, bounds);
+        }
+        let others = grid::boxes_of_others(&boxes);
+        // Points are one where all values on points are equal.
+        let (request, choices) = (self.request, self.choices);
+        let with_scalar = !request.without_scalar
+            && choices.first().is_some_and(|choice| choice.association == Association::Point);
+        let of_arrays = assemble::unique(&request.point_arrays).into_iter();
+        let of_arrays = of_arrays.zip(&choices[usize::from(!request.without_scalar)..]);
+        let names = of_arrays.filter(|(_, choice)| choice.association == Association::Point);
+        let wanted = request_of(request, names.map(|(name, _)| name.clone()).collect(), !with_scalar);
+        let mut found = Vec::new();
+        for &numbered @ (index, piece) in pieces.iter().filter(|piece| !others[piece.0].is_empty()) {
+            let read = |own: &Self| own.load(piece, no_cells(), &wanted);
+            let keys = self.with(numbered, read, |raw| Ok(PointKeys::of_places(raw, &others[index])))?;
+            found.push((index, keys));
+        }
+        Ok(found)
+    }
+
+    /// The cells near the shared points.
+    fn halos(
+        &mut self,
+        pieces: &[NumberedPiece],
+        shared: &SharedPoints,
+        layers: usize,
+    ) -> Result<Vec<(usize, Halo)>> {
+        let mut halos = Vec::new();
+        for &numbered @ (index, piece) in pieces.iter().filter(|piece| !shared.is_empty_at(piece.0)) {
+            // Points that curved cells add on a border are numbered by all cells there.
+            let is_needed = layers > 0
+                || global_ids(self.dataset).is_some()
+                || cells::has_types(piece, grid::is_curved, self.meter)?;
+            if is_needed {
+                let read = |own: &Self| {
+                    let cells = vec![(numbered, cells::load(piece, own.meter)?)];
+                    let loaded = load_all(own.dataset, cells, own.request, own.choices, own.meter)?;
+                    loaded.into_iter().next().map(|own| own.1).ok_or_else(|| Error::run("a piece is missing"))
+                };
+                let halo = self.with(numbered, read, |raw| Halo::from_piece(raw, shared, index, layers))?;
+                halos.extend(halo.map(|halo| (index, halo)));
+            }
+        }
+        Ok(halos)
+    }
+
+    fn load(&self, piece: &Piece, cells: Cells, request: &Request) -> Result<RawGrid> {
+        let choices = choices(self.dataset, request)?;
+        let ids = global_ids(self.dataset);
+        load(
+            piece,
+            cells,
+            &assemble::PieceRequest { request, choices: &choices, ids, fills: false },
+            self.meter,
+        )
+    }
+}
+
 /// The pieces that a picture may show. Errors: none has a volume and the arrays.
-fn drawn_pieces<'a>(
-    dataset: &'a Dataset,
-    request: &Request,
-    choices: &[ArraySelection],
-    (share, reads): (&Share, &mut u64),
-    meter: &Meter,
-) -> Result<Vec<NumberedPiece<'a>>> {
+fn drawn_pieces<'a>(own: &mut OwnPieces<'a>, share: &Share) -> Result<Vec<NumberedPiece<'a>>> {
+    let dataset = own.dataset;
     let mut pieces = pieces_with_cells(dataset);
-    if !dataset.has_blocks || is_unsplit(request, choices) {
+    if !dataset.has_blocks || is_unsplit(own.request, own.choices) {
         pieces.retain(|piece| !is_flat(piece.1));
         return Ok(pieces);
     }
     let mut flags = Vec::new();
     for &(index, piece) in pieces.iter().filter(|piece| share.has(piece.0)) {
-        flags.push((index, has_volume(&cells::load(piece, meter)?)));
-        *reads += 1;
+        flags.push((index, has_volume(&cells::load(piece, own.meter)?)));
+        own.reads += 1;
         forget(piece);
     }
     let flags: BTreeMap<usize, bool> = share.gather(flags)?.into_iter().collect();
     let flagged = pieces.into_iter().map(|piece| (piece, flags.get(&piece.0).is_some_and(|flag| *flag)));
     let flagged = flagged.collect();
-    let (drawn, _) = blocks::drawn_pieces(dataset, flagged, |has_volume| *has_volume, choices)?;
+    let (drawn, _) = blocks::drawn_pieces(dataset, flagged, |has_volume| *has_volume, own.choices)?;
     Ok(drawn.into_iter().map(|piece| piece.0).collect())
 }
 
@@ -221,74 +348,6 @@ fn has_ghost_flags(piece: &Piece) -> bool {
     piece.arrays.iter().any(|array| [GHOST_TYPE, GHOST_LEVELS].contains(&array.stored.name.as_str()))
 }
 
-/// Keys of global ids; with ghosts, cells decide which points are another piece's.
-fn keys_of_ids(
-    dataset: &Dataset,
-    pieces: &[NumberedPiece],
-    ids: &str,
-    has_ghosts: bool,
-    request: &Request,
-    meter: &Meter,
-) -> Result<KeysOfPieces> {
-    let bare = request_of(request, Vec::new(), true);
-    let mut found = KeysOfPieces::default();
-    for &(index, piece) in pieces {
-        let raw = match has_ghosts {
-            true => load_one(dataset, piece, cells::load(piece, meter)?, &bare, meter)?,
-            false => {
-                let ids = piece.array(Association::Point, ids).map(|ids| ids.load(meter)).transpose()?;
-                RawGrid { global_ids: ids, ..RawGrid::new(SharedSlice::default(), no_cells()) }
-            }
-        };
-        grid::check_cells(&raw).map_err(|error| error.at_item(format!("piece {index}")))?;
-        let raw = RawGrid { block: assemble::group(dataset, piece, index), ..raw };
-        found.keys.push((index, PointKeys::of_ids(&raw, has_ghosts)));
-        found.reads += 1;
-        forget(piece);
-    }
-    Ok(found)
-}
-
-/// Keys of positions and values.
-fn keys_of_places(
-    dataset: &Dataset,
-    pieces: &[NumberedPiece],
-    request: &Request,
-    choices: &[ArraySelection],
-    share: &Share,
-    meter: &Meter,
-) -> Result<KeysOfPieces> {
-    let bare = request_of(request, Vec::new(), true);
-    let mut found = KeysOfPieces::default();
-    let mut own = Vec::new();
-    for &(index, piece) in pieces {
-        let raw = load_one(dataset, piece, no_cells(), &bare, meter)?;
-        own.push((index, assemble::group(dataset, piece, index), extent::bounds(&raw.points)));
-        found.reads += 1;
-        forget(piece);
-    }
-    let mut boxes = vec![(0, None); dataset.pieces.len()];
-    for (index, block, bounds) in share.gather(own)? {
-        boxes[index] = (block, bounds);
-    }
-    let others = grid::boxes_of_others(&boxes);
-    // Points are one where all values on points are equal.
-    let with_scalar = !request.without_scalar
-        && choices.first().is_some_and(|choice| choice.association == Association::Point);
-    let of_arrays = assemble::unique(&request.point_arrays).into_iter();
-    let of_arrays = of_arrays.zip(&choices[usize::from(!request.without_scalar)..]);
-    let names = of_arrays.filter(|(_, choice)| choice.association == Association::Point);
-    let wanted = request_of(request, names.map(|(name, _)| name.clone()).collect(), !with_scalar);
-    for &(index, piece) in pieces.iter().filter(|piece| !others[piece.0].is_empty()) {
-        let raw = load_one(dataset, piece, no_cells(), &wanted, meter)?;
-        let raw = RawGrid { block: boxes[index].0, ..raw };
-        found.keys.push((index, PointKeys::of_places(&raw, &others[index])));
-        found.reads += 1;
-        forget(piece);
-    }
-    Ok(found)
-}
-
 fn no_cells() -> Cells {
     Cells::Tetrahedra(SharedSlice::default())
 }
@@ -296,18 +355,6 @@ fn no_cells() -> Cells {
 /// The request with these arrays on points and none on cells.
 fn request_of(request: &Request, point_arrays: Vec<String>, without_scalar: bool) -> Request {
     Request { without_scalar, point_arrays, cell_arrays: Vec::new(), ..request.clone() }
-}
-
-fn load_one(
-    dataset: &Dataset,
-    piece: &Piece,
-    cells: Cells,
-    request: &Request,
-    meter: &Meter,
-) -> Result<RawGrid> {
-    let choices = choices(dataset, request)?;
-    let ids = global_ids(dataset);
-    load(piece, cells, &assemble::PieceRequest { request, choices: &choices, ids, fills: false }, meter)
 }
 
 /// Reads some pieces and builds their grid.
@@ -338,21 +385,37 @@ pub(super) fn read(
     if borders.is_drawn.iter().filter(|is_drawn| **is_drawn).count() == 1 {
         return assemble::assemble(dataset, request, progress).map(Some);
     }
+    let mut kept = std::mem::take(&mut *borders.kept.lock().unwrap_or_else(PoisonError::into_inner));
     let meter = Meter::new(progress, dataset.file_bytes);
-    let external = fetch(dataset, &own, request, progress)?;
-    let cells: Vec<Cells> = of_each(own.clone(), |piece| cells::load(piece.1, &meter))?;
+    let unread: Vec<NumberedPiece> =
+        own.iter().copied().filter(|piece| !kept.contains_key(&piece.0)).collect();
+    let external = fetch(dataset, &unread, request, progress)?;
+    let pieces = own.iter().map(|&piece| (piece, kept.remove(&piece.0))).collect();
+    let found: Vec<ReadPiece> = of_each(pieces, |(piece, kept)| match kept {
+        Some(kept) => Ok(ReadPiece::Whole(Box::new(kept))),
+        None => Ok(ReadPiece::Cells(cells::load(piece.1, &meter)?)),
+    })?;
+    drop(kept);
     let choices = choices(dataset, request)?;
     let is_unsplit = is_unsplit(request, &choices);
-    if !is_unsplit && !cells.iter().any(has_volume) {
+    if !is_unsplit && !found.iter().any(|piece| has_volume(piece.cells())) {
         return Ok(None);
     }
     let left = unread_of(dataset, own.iter().map(|piece| piece.1), &choices)?;
-    let with_cells = own.into_iter().zip(cells).collect();
-    let (kept, sentences) = match is_unsplit {
-        true => (with_cells, blocks::blocks_to_fill(dataset, &choices)),
-        false => blocks::drawn_pieces(dataset, with_cells, has_volume, &choices)?,
+    let found = own.into_iter().zip(found).collect();
+    let (drawn, sentences) = match is_unsplit {
+        true => (found, blocks::blocks_to_fill(dataset, &choices)),
+        false => blocks::drawn_pieces(dataset, found, |piece| has_volume(piece.cells()), &choices)?,
     };
-    let loaded = load_all(dataset, kept, request, &choices, &meter)?;
+    let (mut loaded, mut with_cells) = (Vec::new(), Vec::new());
+    for (piece, own) in drawn {
+        match own {
+            ReadPiece::Whole(raw) => loaded.push((piece.0, *raw)),
+            ReadPiece::Cells(cells) => with_cells.push((piece, cells)),
+        }
+    }
+    loaded.extend(load_all(dataset, with_cells, request, &choices, &meter)?);
+    loaded.sort_unstable_by_key(|piece| piece.0);
     let mut parts = grid::join_part(loaded, &borders.halos, &borders.shared, &borders.first_cells)?;
     describe(&mut parts, dataset, request, &choices)?;
     parts.origin.warnings.extend(sentences);
@@ -362,4 +425,21 @@ pub(super) fn read(
         parts.hanging.get_or_insert_default();
     }
     grid::build_part(parts, &Options { without_tetrahedra: is_unsplit, ..request.options }, progress)
+}
+
+/// A piece of a part that is read.
+enum ReadPiece {
+    /// It was kept.
+    Whole(Box<RawGrid>),
+    /// Its cells are read, its points and values are not.
+    Cells(Cells),
+}
+
+impl ReadPiece {
+    fn cells(&self) -> &Cells {
+        match self {
+            ReadPiece::Whole(raw) => &raw.cells,
+            ReadPiece::Cells(cells) => cells,
+        }
+    }
 }

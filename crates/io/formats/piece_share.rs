@@ -3,8 +3,9 @@
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::BTreeSet;
+use voltet_core::grid::PointKeys;
 use voltet_core::{Error, Result};
-use voltet_graph::ranks::Ranks;
+use voltet_graph::ranks::{OneRank, Ranks};
 
 /// Pieces that this process reads; all of them where it is alone.
 pub(super) struct Share<'a> {
@@ -26,6 +27,17 @@ impl<'a> Share<'a> {
     /// True if this process reads a piece.
     pub fn has(&self, piece: usize) -> bool {
         self.others.as_ref().is_none_or(|(own, _)| own.contains(&piece))
+    }
+
+    /// Keys of own pieces that another piece has, too.
+    ///
+    /// # Errors
+    /// As [`Share::gather`].
+    pub fn shared_keys(&self, own: Vec<(usize, PointKeys)>) -> Result<Vec<(usize, PointKeys)>> {
+        let ranks = self.others.as_ref().map_or(&OneRank as &dyn Ranks, |others| others.1);
+        let (numbers, mut keys): (Vec<usize>, Vec<PointKeys>) = own.into_iter().unzip();
+        PointKeys::retain_shared(&mut keys, ranks.count(), &|to_each| ranks.exchange(to_each))?;
+        Ok(numbers.into_iter().zip(keys).collect())
     }
 
     /// Values of all processes, this one's included.

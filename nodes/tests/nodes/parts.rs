@@ -2,14 +2,12 @@
 
 use super::graph;
 use std::path::Path;
-use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex};
+use voltet_core::Result;
 use voltet_core::picture::Picture;
-use voltet_core::{Error, Result};
-use voltet_graph::ranks::Ranks;
 use voltet_graph::{NoObserver, RunReport, Session};
 use voltet_nodes::session;
 use voltet_testing::files::pieces::{SIDE, write_pieces};
+use voltet_testing::thread_ranks::on_ranks;
 
 /// Difference of any channel: rounding of sums of some hundred layers.
 const SAME: f32 = 1e-6;
@@ -156,13 +154,13 @@ fn processes_make_the_picture_of_one() {
             assert_eq!(drawn[0].counts["cells_total"], whole.counts["cells_total"], "{name}");
             let [sent, least] = ["bytes_sent", "bytes_sent_least"].map(|name| drawn[0].counts[name]);
             assert!(0 < least && least < sent, "{name}: {sent} bytes, at least {least}");
-            // Each piece by the process whose it is alone: boxes, keys of points, cells near the borders, and for the picture.
+            // Each piece once, by the process whose it is alone.
             let pieces = match grid {
                 "slabs" => 6,
                 "blocks" => 8,
                 _ => 5,
             };
-            assert_eq!(drawn[0].counts["pieces_read"], 4 * pieces, "{name}");
+            assert_eq!(drawn[0].counts["pieces_read"], pieces, "{name}");
             assert_eq!(drawn.iter().map(|report| report.files.len()).sum::<usize>(), drawn[0].files.len());
         }
     }
@@ -246,56 +244,4 @@ fn what_needs_the_whole_grid_is_refused_by_name() {
         let error = session().with_memory(1).run(&built, &NoObserver).map(drop).unwrap_err().to_string();
         assert!(error.contains(wanted), "{wanted}: {error}");
     }
-}
-
-/// A process of a run as a thread, for tests without MPI.
-#[derive(Debug)]
-struct ThreadRank {
-    rank: usize,
-    to: Vec<Sender<Vec<u8>>>,
-    from: Mutex<Vec<Receiver<Vec<u8>>>>,
-}
-
-impl Ranks for ThreadRank {
-    fn rank(&self) -> usize {
-        self.rank
-    }
-
-    fn count(&self) -> usize {
-        self.to.len()
-    }
-
-    fn exchange(&self, to_each: Vec<Vec<u8>>) -> Result<Vec<Vec<u8>>> {
-        assert_eq!(to_each.len(), self.to.len(), "a message to each process");
-        let gone = || Error::run("another process ended");
-        for (to, bytes) in self.to.iter().zip(to_each) {
-            to.send(bytes).map_err(|_| gone())?;
-        }
-        self.from.lock().unwrap().iter().map(|from| from.recv().map_err(|_| gone())).collect()
-    }
-}
-
-/// Runs work on so many threads; gives what each gave, in order.
-fn on_ranks<T: Send>(count: usize, work: impl Fn(Arc<dyn Ranks>) -> T + Sync) -> Vec<T> {
-    let mut to: Vec<Vec<Sender<Vec<u8>>>> = (0..count).map(|_| Vec::new()).collect();
-    let mut from: Vec<Vec<Receiver<Vec<u8>>>> = (0..count).map(|_| Vec::new()).collect();
-    for sender in &mut to {
-        for receiver in &mut from {
-            let (one, other) = channel();
-            sender.push(one);
-            receiver.push(other);
-        }
-    }
-    std::thread::scope(|scope| {
-        let threads: Vec<_> = to
-            .into_iter()
-            .zip(from)
-            .enumerate()
-            .map(|(rank, (to, from))| {
-                let work = &work;
-                scope.spawn(move || work(Arc::new(ThreadRank { rank, to, from: Mutex::new(from) })))
-            })
-            .collect();
-        threads.into_iter().map(|thread| thread.join().unwrap()).collect()
-    })
 }

@@ -4,57 +4,13 @@ use crate::drawn::temperature;
 use crate::library::{PIPELINE, assert_same, folder, picture, start, step};
 use crate::steps::two_grids;
 use crate::tree::Tree;
-use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 use voltet_core::picture::Picture;
-use voltet_core::{Error, Result};
 use voltet_graph::ranks::{OneRank, Ranks};
+use voltet_testing::thread_ranks::on_ranks;
 
-/// Largest difference of a channel: rays that graze cells of a part see another rounding of the points.
-pub const GRAZING: f32 = 1e-5;
-
-/// A process as a thread.
-#[derive(Debug)]
-struct ThreadRank {
-    rank: usize,
-    to: Vec<Sender<Vec<u8>>>,
-    from: Mutex<Vec<Receiver<Vec<u8>>>>,
-}
-
-impl Ranks for ThreadRank {
-    fn rank(&self) -> usize {
-        self.rank
-    }
-
-    fn count(&self) -> usize {
-        self.to.len()
-    }
-
-    fn exchange(&self, to_each: Vec<Vec<u8>>) -> Result<Vec<Vec<u8>>> {
-        let gone = || Error::run("another process ended");
-        for (to, bytes) in self.to.iter().zip(to_each) {
-            to.send(bytes).map_err(|_| gone())?;
-        }
-        self.from.lock().unwrap().iter().map(|from| from.recv().map_err(|_| gone())).collect()
-    }
-}
-
-/// Runs work on so many threads; gives what each gave, in order.
-fn on_ranks<T: Send>(count: usize, work: impl Fn(Arc<dyn Ranks>) -> T + Sync) -> Vec<T> {
-    let mut ranks: Vec<ThreadRank> =
-        (0..count).map(|rank| ThreadRank { rank, to: Vec::new(), from: Mutex::default() }).collect();
-    for from in 0..count {
-        for to in 0..count {
-            let (sender, receiver) = channel();
-            ranks[from].to.push(sender);
-            ranks[to].from.get_mut().unwrap().push(receiver);
-        }
-    }
-    std::thread::scope(|scope| {
-        let threads: Vec<_> = ranks.into_iter().map(|rank| scope.spawn(|| work(Arc::new(rank)))).collect();
-        threads.into_iter().map(|thread| thread.join().unwrap()).collect()
-    })
-}
+/// Largest difference of any channel: rounding of sums of some hundred layers.
+pub const SAME: f32 = 1e-6;
 
 /// Cells along the longest side of the box of the tests.
 const SIDE: usize = 8;
@@ -122,7 +78,7 @@ fn several_processes_draw_the_picture_of_one() {
         }
         let largest = largest_difference(&found, &expected);
         println!("{count} processes: largest difference {largest:e}");
-        assert!(largest <= GRAZING, "{count} processes: {largest}");
+        assert!(largest <= SAME, "{count} processes: {largest}");
         assert_same(&picture(&folder.path().join("001.exr")), &found);
     }
 }
@@ -229,7 +185,7 @@ fn a_block_is_its_name_on_every_process() {
         })
     });
     let largest = largest_difference(&alone, &together);
-    assert!(largest <= GRAZING, "{largest}");
+    assert!(largest <= SAME, "{largest}");
 }
 
 #[test]
@@ -242,7 +198,7 @@ fn a_process_whose_domains_lack_the_field_has_no_part() {
         })
     });
     let largest = largest_difference(&alone, &together);
-    assert!(largest <= GRAZING, "{largest}");
+    assert!(largest <= SAME, "{largest}");
 }
 
 #[test]

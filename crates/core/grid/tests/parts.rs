@@ -4,10 +4,12 @@ use super::boxes::{Kind, box_of};
 use super::*;
 use crate::field::{CellAverage, GradientFilter, LeastSquares, QuadraticFit, VolumeWeighted};
 use crate::grid::halo::{Halo, join_part};
-use crate::grid::shared_points::{SharedPoints, shared_points};
+use crate::grid::point_keys::PointKeys;
+use crate::grid::shared_points::{SharedPoints, keys_of_all, shared_points};
 use crate::parameters::Parameters;
 use crate::progress::NoProgress;
 use std::collections::BTreeMap;
+use std::sync::{Barrier, Mutex};
 
 /// A box in cells of a kind, with values at points and cells.
 fn whole(kind: Kind, n: usize, seed: u64) -> RawGrid {
@@ -131,8 +133,9 @@ fn built(raw: RawGrid) -> Option<Grid> {
 }
 
 fn halos(pieces: &[RawGrid], shared: &SharedPoints, layers: usize) -> Vec<Option<Halo>> {
-    let halo =
-        |(index, piece): (usize, &RawGrid)| Halo::from_piece(piece.clone(), shared, index, layers).unwrap();
+    let halo = |(index, piece): (usize, &RawGrid)| {
+        Halo::from_piece(&mut piece.clone(), shared, index, layers).unwrap()
+    };
     pieces.iter().enumerate().map(halo).collect()
 }
 
@@ -364,6 +367,48 @@ fn curved_cells_add_the_same_points_on_both_sides() {
                 found.sort_by(|a, b| a.0.cmp(&b.0));
                 assert_same(&found, &drawn(&all, layers), &format!("{kind:?} in {name}, {layers} layers"));
             }
+        }
+    }
+}
+
+/// The keys that are left where the pieces are dealt out to processes, which are threads here.
+fn retained_by_processes(keys: &[PointKeys], count: usize) -> Vec<PointKeys> {
+    let (messages, barrier) = (Mutex::new(vec![Vec::new(); count]), Barrier::new(count));
+    let process = |rank: usize| {
+        let exchange = |to_each: Vec<Vec<u8>>| {
+            messages.lock().unwrap()[rank] = to_each;
+            barrier.wait();
+            let received =
+                messages.lock().unwrap().iter().map(|own: &Vec<Vec<u8>>| own[rank].clone()).collect();
+            barrier.wait();
+            Ok(received)
+        };
+        let mut own: Vec<PointKeys> = keys.iter().skip(rank).step_by(count).cloned().collect();
+        PointKeys::retain_shared(&mut own, count, &exchange).unwrap();
+        own
+    };
+    let of_ranks: Vec<Vec<PointKeys>> = std::thread::scope(|scope| {
+        let process = &process;
+        let threads: Vec<_> = (0..count).map(|rank| scope.spawn(move || process(rank))).collect();
+        threads.into_iter().map(|thread| thread.join().unwrap()).collect()
+    });
+    (0..keys.len()).map(|piece| of_ranks[piece % count][piece / count].clone()).collect()
+}
+
+#[test]
+fn processes_keep_the_keys_that_several_pieces_have() {
+    let whole = whole(Kind::Hexahedra, 4, 5);
+    for (name, owners) in owners(whole.cells.count(), 9) {
+        for case in 0..8 {
+            let way = Cut { ids: case & 1 > 0, ghosts: case & 2 > 0, mixed: case & 4 > 0 };
+            let keys = keys_of_all(&cut(&whole, &owners, way));
+            for count in [1, 2, 5] {
+                let retained = retained_by_processes(&keys, count);
+                let what = format!("{name}, {way:?}, {count} processes");
+                assert_eq!(SharedPoints::find(&retained), SharedPoints::find(&keys), "{what}");
+            }
+            // Of a piece that is alone none.
+            assert_eq!(retained_by_processes(&keys[..1], 2)[0].byte_count(), 0);
         }
     }
 }

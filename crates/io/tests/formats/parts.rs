@@ -39,8 +39,10 @@ fn drawn(grid: &Grid, filters: &[&dyn GradientFilter]) -> Vec<Tetrahedron> {
 
 /// The grids of groups of pieces.
 fn parts(path: &Path, request: &Request, layers: usize, groups: usize) -> Vec<Grid> {
-    let borders = piece_borders(path, request, layers, None, &NoProgress).unwrap();
     let count = piece_sizes(path, request).unwrap().len();
+    // The first part is made of pieces that are kept, the others are read.
+    let first: Vec<usize> = (0..count).step_by(groups).collect();
+    let borders = piece_borders(path, request, layers, &first, None, &NoProgress).unwrap();
     let part = |group: usize| {
         let own: Vec<usize> = (group..count).step_by(groups).collect();
         read_part(path, request, &own, &borders, &NoProgress).unwrap()
@@ -218,7 +220,7 @@ fn pieces_that_are_not_there_are_errors() {
     let folder = tempfile::tempdir().unwrap();
     let path = file(&folder, "box.vtu", box_in_pieces(|[i, _, _]| i / 2, false, false).as_bytes());
     let request = Request { scalar: Some("p".into()), ..Request::default() };
-    let borders = piece_borders(&path, &request, 1, None, &NoProgress).unwrap();
+    let borders = piece_borders(&path, &request, 1, &[], None, &NoProgress).unwrap();
     assert!(borders.byte_count() > 0);
     assert!(read_part(&path, &request, &[0], &borders, &NoProgress).unwrap().is_none());
     assert!(read_part(&path, &request, &[], &borders, &NoProgress).unwrap().is_none());
@@ -250,11 +252,12 @@ fn damage_is_an_error_or_another_grid() {
             bytes[place] = b"0123456789 -n<"[random(14)];
         }
         let path = file(&folder, "box.vtu", &bytes);
-        let of_parts = piece_borders(&path, &request, 2, None, &NoProgress).and_then(|borders| {
-            let count = piece_sizes(&path, &request)?.len();
-            let part = |piece| read_part(&path, &request, &[piece], &borders, &NoProgress);
-            (0..count).map(part).collect::<Result<Vec<_>, _>>()
-        });
+        let of_parts =
+            piece_borders(&path, &request, 2, &[case % 4], None, &NoProgress).and_then(|borders| {
+                let count = piece_sizes(&path, &request)?.len();
+                let part = |piece| read_part(&path, &request, &[piece], &borders, &NoProgress);
+                (0..count).map(part).collect::<Result<Vec<_>, _>>()
+            });
         match (read(&path, &request, &NoProgress), of_parts) {
             (Ok(whole), Ok(parts)) => {
                 grids += 1;
