@@ -4,9 +4,9 @@
 # A round over a pipeline: open, orbit, undo, add a node, wire it from port to port, drag a widget, save, run in the window, run
 # headless, compare the two pictures bit for bit; idle, light and dark, unsaved work. With the path of a data file as the second
 # argument: from an empty window to a saved picture of two materials by the mouse alone. Pictures of the window are kept in the
-# folder that the first argument names, else target/editor.
+# folder that the first argument names, else target/editor. With VOLTET_WRITE_DOCS=1 those that the pages show are written there.
 #
-# Needs Xvfb, xdotool, import and compare (ImageMagick), and a built program: cargo build --features editor.
+# Needs Xvfb, xdotool, import, convert and compare (ImageMagick), and a built program: cargo build --features editor.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 program=$(realpath "${VOLTET:-target/debug/voltet}")
@@ -181,11 +181,12 @@ if [ -n "$data" ]; then
     click 640 289 # "Open data or a pipeline …"
     shot 12-asking
     # The one file of the folder.
-    at 480 225
-    xdotool click --repeat 2 --delay 80 1
+    click 480 225
+    click 804 549 # "Open"
     until_true rests || true
     sleep 4
     until_true rests || true
+    at 60 380
     shot 13-data
     click 226 11 # "Save"
     click 270 11 # "Run"
@@ -196,6 +197,21 @@ if [ -n "$data" ]; then
     shot 14-written
     cp "$work/data/$stem.png" "$shots/15-picture.png"
     end
+fi
+
+if [ -n "${VOLTET_WRITE_DOCS:-}" ]; then
+    [ -n "$data" ] || fail "the pages show a data file: name data/heat_sink.vtu as the second argument"
+    begin . pipelines/quickstart.toml
+    sleep 4
+    until_true rests || true
+    at 60 380
+    sleep 1
+    shot 17-quickstart
+    end
+    page() { convert "$shots/$1.png" ${3:+-resize "$3"} -colors 256 -strip "png8:docs/src/images/$2.png"; }
+    page 17-quickstart editor
+    page 13-data editor_data
+    page 11-empty editor_empty 800x450
 fi
 
 # Screens of a high density: the same window of 1280 x 720 points.

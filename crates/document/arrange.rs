@@ -7,6 +7,12 @@ use voltet_graph::NodeEntry;
 const GAP: [f64; 2] = [70.0, 40.0];
 /// The size of a node that nobody has drawn yet.
 pub const USUAL: [f64; 2] = [170.0, 100.0];
+/// Most nodes one above the other; where a layer has more, chains are grouped.
+const MAX_ROWS: usize = 8;
+/// Nodes that a source feeds at least if it belongs to no chain.
+const SHARED: usize = 3;
+/// Width of grouped chains over their height, about.
+const ASPECT: f64 = 1.5;
 /// Number of passes that order the layers by their neighbours.
 const SWEEPS: usize = 4;
 
@@ -44,9 +50,74 @@ pub enum Align {
 
 /// A place for each node: in the layer that the longest way from a source leads to, a source in the one before the first that it
 /// feeds; within the layers in the order of the mean place of their neighbours, swept back and forth (Sugiyama, Tagawa, Toda
-/// 1981), the best order kept. Equal pipelines have equal places.
+/// 1981), the best order kept. Where layers would be long, nodes that are wired to each other are laid out in groups, which stand beside
+/// each other in lines; sources that many chains share come first. Equal pipelines have equal places.
 pub fn tidy(nodes: &[NodeEntry], size: &dyn Fn(&str) -> [f64; 2]) -> Vec<[f64; 2]> {
     let feeding = feeding(nodes);
+    let laid_out: Vec<PlacedGroup> =
+        groups(&feeding).into_iter().map(|group| layered(group, &feeding, nodes, size)).collect();
+    let area: f64 = laid_out.iter().map(|group| (group.size[0] + GAP[0]) * (group.size[1] + GAP[1])).sum();
+    let widest = laid_out.iter().map(|group| group.size[0]).fold((ASPECT * area).sqrt(), f64::max);
+    let mut places = vec![[0.0; 2]; nodes.len()];
+    let (mut left, mut top, mut height) = (0.0, 0.0, 0.0);
+    for group in laid_out {
+        if left > 0.0 && left + group.size[0] > widest {
+            (left, top, height) = (0.0, top + height + 2.0 * GAP[1], 0.0);
+        }
+        for (i, [x, y]) in group.places {
+            places[i] = [left + x, top + y];
+        }
+        left += group.size[0] + 2.0 * GAP[0];
+        height = group.size[1].max(height);
+    }
+    places
+}
+
+/// Nodes that are laid out together: the place of each, by its number, and the size of all.
+struct PlacedGroup {
+    places: Vec<(usize, [f64; 2])>,
+    size: [f64; 2],
+}
+
+/// Numbers of the nodes that are laid out together.
+fn groups(feeding: &[Vec<usize>]) -> Vec<Vec<usize>> {
+    let layer = layer_of(feeding);
+    let longest = layer.iter().map(|own| layer.iter().filter(|other| *other == own).count()).max();
+    if longest.unwrap_or(0) <= MAX_ROWS {
+        return vec![(0..feeding.len()).collect()];
+    }
+    let fed = |i: usize| feeding.iter().filter(|from| from.contains(&i)).count();
+    let is_shared = |i: usize| feeding[i].is_empty() && fed(i) >= SHARED;
+    let shared: Vec<usize> = (0..feeding.len()).filter(|&i| is_shared(i)).collect();
+    let mut groups: Vec<Vec<usize>> = vec![shared.clone()];
+    for i in (0..feeding.len()).filter(|i| !shared.contains(i)) {
+        let wired = |group: &Vec<usize>| {
+            group
+                .iter()
+                .any(|&k| !shared.contains(&k) && (feeding[i].contains(&k) || feeding[k].contains(&i)))
+        };
+        let (mut joined, others): (Vec<_>, Vec<_>) = groups.into_iter().partition(wired);
+        let mut group = joined.drain(..).flatten().chain([i]).collect::<Vec<usize>>();
+        group.sort_unstable();
+        groups = others;
+        groups.push(group);
+    }
+    groups.retain(|group| !group.is_empty());
+    groups.sort_by_key(|group| (*group != shared, group[0]));
+    groups
+}
+
+/// Layers of a group of nodes from left to right.
+fn layered(
+    group: Vec<usize>,
+    feeding: &[Vec<usize>],
+    nodes: &[NodeEntry],
+    size: &dyn Fn(&str) -> [f64; 2],
+) -> PlacedGroup {
+    let number = |i: &usize| group.iter().position(|k| k == i);
+    let feeding: Vec<Vec<usize>> =
+        group.iter().map(|&i| feeding[i].iter().filter_map(number).collect()).collect();
+    let size = |i: usize| size(&nodes[group[i]].name);
     let layer = layer_of(&feeding);
     let count = layer.iter().max().map_or(0, |last| last + 1);
     let mut layers: Vec<Vec<usize>> = vec![Vec::new(); count];
@@ -54,10 +125,10 @@ pub fn tidy(nodes: &[NodeEntry], size: &dyn Fn(&str) -> [f64; 2]) -> Vec<[f64; 2
         layers[layer].push(i);
     }
     order(&mut layers, &feeding);
-    let mut places = vec![[0.0; 2]; nodes.len()];
+    let mut places = Vec::new();
     let mut left = 0.0;
     let heights = |layer: &[usize]| {
-        let heights = layer.iter().map(|&i| size(&nodes[i].name)[1]);
+        let heights = layer.iter().map(|&i| size(i)[1]);
         heights.sum::<f64>() + GAP[1] * (layer.len().max(1) - 1) as f64
     };
     let tallest = layers.iter().map(|layer| heights(layer)).fold(0.0, f64::max);
@@ -65,14 +136,14 @@ pub fn tidy(nodes: &[NodeEntry], size: &dyn Fn(&str) -> [f64; 2]) -> Vec<[f64; 2
         let mut top = ((tallest - heights(layer)) / 2.0).round();
         let mut width: f64 = 0.0;
         for &i in layer {
-            let [own_width, height] = size(&nodes[i].name);
-            places[i] = [left, top];
+            let [own_width, height] = size(i);
+            places.push((group[i], [left, top]));
             top += height + GAP[1];
             width = width.max(own_width);
         }
         left += width + GAP[0];
     }
-    places
+    PlacedGroup { places, size: [left - GAP[0], tallest] }
 }
 
 /// For each node those that feed it, by their numbers.

@@ -71,6 +71,11 @@ impl Document {
         &self.survey.pipeline
     }
 
+    /// Comment of a part of a node: the lines directly above it, or the one behind it. `None` where there is none.
+    pub fn comment(&self, node: &str, path: &crate::Path) -> Option<String> {
+        self.syntax.comment(&self.text, &crate::Path::from(["nodes", node]).and(path))
+    }
+
     /// Contents of the table `[editor]`.
     pub fn view(&self) -> &View {
         &self.view

@@ -3,7 +3,7 @@
 
 use crate::editor::{Editor, Making, Next, Panels};
 use crate::files::{Disk, FileDialog, Recover, age, ask, begun, free_path, is_pipeline};
-use crate::jobs::{Arrays, Job};
+use crate::jobs::{Arrays, Job, reads};
 use crate::picture::milliseconds;
 use crate::scene::{Action, Command, FilePurpose, error_text};
 use crate::view::View;
@@ -18,6 +18,7 @@ use voltet_document::arrange::{PlacedNode, align, tidy};
 use voltet_document::{Annotation, AnnotationId, Document, Edit, Recovery};
 use voltet_graph::NodeEntry;
 use voltet_graph::pipeline::Pipeline;
+use voltet_io::formats::{ArrayChoice, Association};
 use voltet_nodes::VIEW_PARAMETERS;
 use voltet_nodes::files::{folder, refuse_unwritable, relative_to};
 
@@ -92,7 +93,13 @@ impl Editor {
         let mut added = BTreeSet::new();
         for edit in edits {
             match edit {
-                Edit::AddNode { name, .. } => drop(added.insert(name.clone())),
+                Edit::AddNode { name, .. } => {
+                    added.insert(name.clone());
+                    self.new_readers.insert(name.clone());
+                }
+                Edit::Set { node, path, .. } if *path == "path".into() => {
+                    self.new_readers.insert(node.clone());
+                }
                 Edit::Rename { node, to } if self.selection.remove(node) => {
                     self.selection.insert(to.clone());
                 }
@@ -103,6 +110,32 @@ impl Editor {
         if !added.is_empty() {
             self.select(added);
         }
+    }
+
+    /// Has each reader that was given a file name the array that it draws, as `voltet start` does, where the file leaves that open.
+    pub(crate) fn name_arrays(&mut self, ctx: &Context) {
+        for name in std::mem::take(&mut self.new_readers) {
+            let entry = self.document.pipeline().nodes.iter().find(|node| node.name == name);
+            let Some(entry) = entry.filter(|entry| reads(entry, &self.registry)) else { continue };
+            if entry.setting("scalar").is_some() {
+                continue;
+            }
+            let found = self.arrays.feeding(ctx, &self.document, &self.registry, &name);
+            match &found.first {
+                Some(Some(first)) => self.name_array(&name, first),
+                Some(None) => {}
+                None => drop(self.new_readers.insert(name)),
+            }
+        }
+    }
+
+    fn name_array(&mut self, reader: &str, ArrayChoice { scalar, association }: &ArrayChoice) {
+        let mut edits = vec![Edit::set(reader, ["scalar"], scalar.as_str().into())];
+        if *association == Some(Association::Cell) {
+            edits.push(Edit::set(reader, ["association"], "cell".into()));
+        }
+        self.edit(format!("draw '{scalar}'"), &edits);
+        self.say(format!("{reader}: draws '{scalar}', the first array that varies; 'scalar' names another"));
     }
 
     pub(crate) fn move_camera(&mut self, to: impl FnOnce(View) -> View) {

@@ -87,6 +87,8 @@ pub struct Editor {
     pub(crate) selection: BTreeSet<String>,
     pub(crate) shown_node: Option<String>,
     pub(crate) arrays: Arrays,
+    /// Readers that were given a file in this window, and take its first array where none is named.
+    pub(crate) new_readers: BTreeSet<String>,
     pub(crate) message: Option<(String, bool)>,
     pub(crate) recover: Recover,
     pub(crate) disk: Disk,
@@ -127,6 +129,7 @@ impl Editor {
             selection: BTreeSet::new(),
             shown_node: None,
             arrays: Arrays::default(),
+            new_readers: BTreeSet::new(),
             message: None,
             recover: Recover::default(),
             disk: Disk::default(),
@@ -288,6 +291,7 @@ impl Editor {
         self.take_probed();
         self.panels.study.take_found();
         self.show_run();
+        self.name_arrays(ctx);
         self.settle_on_nodes();
         self.follow_answers(ctx);
         self.gesture = self.gestures.gesture(ctx);
@@ -394,7 +398,7 @@ fn parts(ui: &mut Ui, scene: &Scene, panels: &mut Panels) {
     right.fit(ctx, "right", width);
     let shown = Panel::right("right")
         .resizable(true)
-        .default_size(0.5 * width)
+        .default_size(right.share_or(0.5) * width)
         .size_range(280.0..=0.75 * width)
         .show(ui, |ui| {
             if panels.transfer.is_wanted(scene) {
@@ -402,7 +406,7 @@ fn parts(ui: &mut Ui, scene: &Scene, panels: &mut Panels) {
                 transfer.fit(ctx, "transfer", height);
                 let shown = Panel::bottom("transfer")
                     .resizable(true)
-                    .default_size(0.42 * height)
+                    .default_size(transfer.share_or(0.42) * height)
                     .size_range(140.0..=0.75 * height)
                     .frame(Frame::NONE)
                     .show(ui, |ui| panels.transfer.show(ui, scene));
@@ -417,7 +421,7 @@ fn parts(ui: &mut Ui, scene: &Scene, panels: &mut Panels) {
     parameters.fit(ctx, "parameters", height);
     let shown = Panel::bottom("parameters")
         .resizable(true)
-        .default_size(0.42 * height)
+        .default_size(parameters.share_or(0.42) * height)
         .size_range(80.0..=0.75 * height)
         .show(ui, |ui| panels.parameters.show(ui, scene));
     parameters.keep(ctx, shown.response.rect.height(), height);

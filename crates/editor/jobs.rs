@@ -113,19 +113,29 @@ pub(crate) fn path_of(entry: &NodeEntry) -> Option<&str> {
     entry.setting("path").and_then(LocatedValue::text)
 }
 
+/// Arrays of a data file.
+#[derive(Debug, Default)]
+pub(crate) struct FileArrays {
+    pub choices: Vec<ArrayChoice>,
+    /// Blocks by their names, with `/` after each group, once all of the file was read.
+    pub blocks: Vec<String>,
+    /// Once all of the file was read: the array to draw that a reader must name, since there are several and the file marks none.
+    pub first: Option<Option<formats::ArrayChoice>>,
+}
+
 /// Arrays of data files; none while a file is being read.
 #[derive(Default)]
-pub(crate) struct Arrays(Arc<Mutex<HashMap<PathBuf, Arc<Vec<ArrayChoice>>>>>);
+pub(crate) struct Arrays(Arc<Mutex<HashMap<PathBuf, Arc<FileArrays>>>>);
 
 impl Arrays {
-    /// The arrays of the files that feed a node; empty while they are not known.
+    /// The arrays of the file that feeds a node; empty while they are not known.
     pub fn feeding(
         &self,
         ctx: &Context,
         document: &Document,
         registry: &Registry,
         node: &str,
-    ) -> Arc<Vec<ArrayChoice>> {
+    ) -> Arc<FileArrays> {
         let nodes = &document.pipeline().nodes;
         let feeding = upstream(nodes, node);
         let reader =
@@ -138,7 +148,7 @@ impl Arrays {
             let (known, ctx, path) = (self.0.clone(), ctx.clone(), path.clone());
             // Without a thread there are no choices, and the name is typed.
             let _ = std::thread::Builder::new().name("arrays".into()).spawn(move || {
-                let tell = |found: Vec<ArrayChoice>| {
+                let tell = |found: FileArrays| {
                     let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
                     known.insert(path.clone(), Arc::new(found));
                     drop(known);
@@ -150,9 +160,15 @@ impl Arrays {
                     return;
                 };
                 let heads = formats::arrays(&path, &request).unwrap_or_default();
-                tell(heads.iter().flat_map(|head| choices(head, None)).collect());
+                let of_heads = heads.iter().flat_map(|head| choices(head, None)).collect();
+                tell(FileArrays { choices: of_heads, ..FileArrays::default() });
                 if let Ok(found) = formats::inspect(&path, &request, &NoProgress) {
-                    tell(found.arrays.iter().flat_map(|array| choices(&array.head, array.range)).collect());
+                    let arrays = found.arrays.iter();
+                    let choices = arrays.flat_map(|array| choices(&array.head, array.range)).collect();
+                    let is_open = found.active_scalars.is_none() && found.quantities().nth(1).is_some();
+                    let first = found.first_quantity().filter(|_| is_open);
+                    let blocks = found.blocks.iter().map(|block| block.name.clone()).collect();
+                    tell(FileArrays { choices, blocks, first: Some(first) });
                 }
             });
             Arc::default()

@@ -1,7 +1,9 @@
 //! voltet-editor: the node editor, a window over the pipeline file. The only crate that names egui.
 
 mod apply_actions;
+mod blocks;
 mod editor;
+mod fields;
 mod files;
 mod graph;
 mod jobs;

@@ -1,26 +1,27 @@
 //! The parameter panel: the rows that the document makes of the selected node's declaration, as widgets by their controls; lists of
 //! tables; and texts that are being typed.
 
+use crate::blocks::block_tree;
+use crate::fields::{color, gradient, number_field, numbers};
 use crate::scene::{Action, FilePurpose, Scene, error_text};
 use crate::theme::{self, button};
 use eframe::egui::collapsing_header::CollapsingState;
 use eframe::egui::{
-    CollapsingHeader, Color32, ComboBox, DragValue, FocusDirection, Grid, Label, Response, Rgba, RichText,
-    ScrollArea, Sense, Slider, TextEdit, Ui, WidgetInfo, WidgetType, vec2,
+    CollapsingHeader, Color32, ComboBox, FocusDirection, Grid, Label, RichText, ScrollArea, Sense, TextEdit,
+    Ui, WidgetInfo, WidgetType, vec2,
 };
 use std::collections::HashMap;
-use voltet_core::arithmetic::decimal;
-use voltet_document::panel::{Control, Row, Scale, default_value, to_text, typed};
+use voltet_core::colormap::Colormap;
+use voltet_document::panel::{Control, Row, default_value, to_text, typed};
 use voltet_document::{Edit, Path};
-use voltet_graph::{DefaultValue, LocatedValue, NodeEntry, ParameterValue, Range, VariantSchema};
+use voltet_graph::{
+    DefaultValue, LocatedValue, NodeEntry, ParameterType, ParameterValue, Range, VariantSchema,
+};
 
-/// The largest span that a slider of equal steps serves: beyond, a drag of a few points is a large step.
-const SPAN_OF_SLIDER: f64 = 1000.0;
+/// Width of the panel below which names stand above their values, points.
+const NARROW_WIDTH: f32 = 480.0;
 
-/// Share of a number that a drag over one point changes, and its least step.
-const SPEED: f64 = 0.01;
-const MIN_STEP: f64 = 1e-3;
-
+/// Width of what is said below a field, points.
 const REASON: f32 = 280.0;
 
 #[derive(Default)]
@@ -29,6 +30,12 @@ struct Typing {
     /// A text that says nothing right: whose, itself, why.
     refused: Option<[String; 3]>,
     wants_focus: Option<String>,
+    /// Most of a field's width, points.
+    width: f32,
+    /// Reason for which a number field holds another number than was typed in it in this frame.
+    remark: Option<String>,
+    /// The last such remark: whose, itself.
+    remarked: Option<[String; 2]>,
 }
 
 impl Typing {
@@ -50,6 +57,7 @@ impl Typing {
     fn line(&mut self, ui: &mut Ui, key: &str, now: &str, width: f32, hint: &str) -> Option<String> {
         let begun = self.texts.get(key).or_else(|| self.refused(key).map(|refused| &refused[1]));
         let mut text = begun.cloned().unwrap_or_else(|| now.to_string());
+        let width = width.min(self.width);
         let field = TextEdit::singleline(&mut text).id_salt(key).desired_width(width).hint_text(hint);
         let response = ui.add(field);
         ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(key));
@@ -85,8 +93,18 @@ impl Typing {
         }
     }
 
+    /// Keeps the remark of this frame on the row of a key; another value of it ends the one before.
+    fn keep_remark(&mut self, key: &str, is_changed: bool) {
+        match self.remark.take() {
+            Some(remark) => self.remarked = Some([key.to_string(), remark]),
+            None if is_changed => self.remarked = self.remarked.take().filter(|[whose, _]| whose != key),
+            None => {}
+        }
+    }
+
     fn say_why_refused(&self, ui: &mut Ui, key: &str) {
-        if let Some([_, _, why]) = self.refused(key) {
+        let remark = self.remarked.as_ref().filter(|[whose, _]| whose == key).map(|[_, remark]| remark);
+        if let Some(why) = self.refused(key).map(|[_, _, why]| why).or(remark) {
             let color = theme::wrong(ui.visuals().dark_mode);
             ui.set_max_width(REASON);
             ui.add(Label::new(RichText::new(why).small().color(color)).wrap());
@@ -97,6 +115,8 @@ impl Typing {
 #[derive(Default)]
 pub(crate) struct ParameterPanel {
     typing: Typing,
+    /// True if names stand above their values.
+    is_narrow: bool,
     /// True if the first value is to get the focus.
     pub begins: bool,
     /// True if the field before the first value has it, from which it goes on.
@@ -140,6 +160,8 @@ impl ParameterPanel {
         };
         let Some(entry) = scene.entry(name) else { return };
         self.move_focus(ui, entry);
+        self.is_narrow = ui.available_width() < NARROW_WIDTH;
+        self.typing.width = (ui.available_width() - 90.0).max(80.0);
         self.head(ui, scene, entry);
         let rows = scene.document.rows(scene.registry, name);
         ScrollArea::vertical().auto_shrink([false, false]).id_salt(("parameters", name)).show(ui, |ui| {
@@ -204,13 +226,26 @@ impl ParameterPanel {
     fn table(&mut self, ui: &mut Ui, of: Of, path: &Path, rows: &[Row]) {
         use Control::{Entries, Table};
         let is_line = |row: &&Row| !matches!(row.control, Table | Entries(_));
-        let salt = ("rows", of.node, path.to_string());
-        Grid::new(salt).num_columns(3).spacing([8.0, 4.0]).show(ui, |ui| {
-            for row in rows.iter().filter(is_line) {
-                self.line(ui, of, row);
-                ui.end_row();
+        let lines = rows.iter().filter(is_line);
+        if self.is_narrow {
+            for row in lines {
+                ui.horizontal(|ui| {
+                    self.name(ui, row);
+                    self.way_back(ui, of, row);
+                });
+                ui.indent(of.key(row), |ui| self.values(ui, of, row));
             }
-        });
+        } else {
+            let salt = ("rows", of.node, path.to_string());
+            Grid::new(salt).num_columns(3).spacing([8.0, 4.0]).show(ui, |ui| {
+                for row in lines {
+                    self.name(ui, row);
+                    self.values(ui, of, row);
+                    self.way_back(ui, of, row);
+                    ui.end_row();
+                }
+            });
+        }
         for row in rows {
             match row.control {
                 Entries(kinds) => self.entries(ui, of, row, kinds),
@@ -220,8 +255,7 @@ impl ParameterPanel {
         }
     }
 
-    /// Its name, its value, its unit; and the way back to the standard value.
-    fn line(&mut self, ui: &mut Ui, of: Of, row: &Row) {
+    fn name(&self, ui: &mut Ui, row: &Row) {
         let dark = ui.visuals().dark_mode;
         let parameter = row.parameter;
         let color = match (row.is_missing(), &row.set_value) {
@@ -233,8 +267,14 @@ impl ParameterPanel {
         let what = parameter.parameter_type.describe();
         let help = format!("{}\n{what}{unit}\nstandard: {}", parameter.help, row.default_text());
         ui.label(RichText::new(parameter.name).color(color)).on_hover_text(&help);
+    }
+
+    /// The value of a row with its unit.
+    fn values(&mut self, ui: &mut Ui, of: Of, row: &Row) {
+        let (dark, parameter) = (ui.visuals().dark_mode, row.parameter);
         let shown = ui.vertical(|ui| {
-            ui.horizontal(|ui| {
+            let is_narrow = self.is_narrow;
+            let line = |ui: &mut Ui| {
                 if let (None, Some(first), DefaultValue::Unset(meaning)) =
                     (&row.set_value, row.begin(), parameter.default)
                 {
@@ -245,17 +285,29 @@ impl ParameterPanel {
                     ui.label(RichText::new(meaning).small().color(theme::weak(dark)));
                     return;
                 }
-                if let Some(value) = self.value(ui, of, row) {
+                let value = self.value(ui, of, row);
+                self.typing.keep_remark(&of.key(row), value.is_some());
+                if let Some(value) = value {
                     of.set(row, value);
                 }
                 if !parameter.unit.is_empty() {
                     ui.label(RichText::new(parameter.unit).small().color(theme::weak(dark)));
                 }
-            });
+            };
+            if is_narrow {
+                ui.horizontal_wrapped(line)
+            } else {
+                ui.horizontal(line)
+            };
             self.typing.say_why_refused(ui, &of.key(row));
         });
         // The value's fields and buttons stand under the name of the parameter.
         shown.response.widget_info(|| WidgetInfo::labeled(WidgetType::Panel, true, of.key(row)));
+    }
+
+    /// The way back to the standard value.
+    fn way_back(&self, ui: &mut Ui, of: Of, row: &Row) {
+        let parameter = row.parameter;
         if row.set_value.is_some() && !matches!(parameter.default, DefaultValue::Required) {
             let standard = format!("back to the standard: {}", row.default_text());
             if button(ui, "↺", &format!("standard {}", of.key(row)), &standard).clicked() {
@@ -288,7 +340,14 @@ impl ParameterPanel {
             let head = state.show_header(ui, |ui| {
                 swatch(ui, &entry.rows);
                 let kind = entry.kind.map_or("of no kind that is known", |kind| kind.name);
-                ui.label(format!("{} {kind}", place + 1));
+                let stated = entry.rows.iter().find(|row| row.parameter.name == "name");
+                let stated =
+                    stated.and_then(Row::value).map(texts).and_then(|texts| texts.into_iter().next());
+                let name = of.scene.name_of(of.node, &entry.path, stated.as_deref());
+                ui.label(
+                    name.map_or(format!("{} {kind}", place + 1), |name| format!("{} {name}", place + 1)),
+                )
+                .on_hover_text(kind);
                 let name = |what: &str| format!("{what} {}", entry.path);
                 for (text, what, help, to) in [
                     ("⬆", "earlier", "before the one above", place.saturating_sub(1)),
@@ -341,7 +400,8 @@ impl ParameterPanel {
                 self.typing.value(ui, &key, row, 160.0, "")
             }
             Control::Integer(range) => {
-                number_field(ui, now.and_then(number), range, None).map(|x| ParameterValue::Integer(x as i64))
+                let given = number_field(ui, now.and_then(number), range, None, &mut self.typing.remark);
+                given.map(|x| ParameterValue::Integer(x as i64))
             }
             Control::Number { range, scale, word, relative } => {
                 if let Some(word) = word {
@@ -356,7 +416,8 @@ impl ParameterPanel {
                 if row.is_relative() || self.typing.holds(&key) {
                     return self.typing.value(ui, &key, row, 160.0, "2.5, 25 %, p90");
                 }
-                let given = number_field(ui, now.and_then(number), range, Some(*scale));
+                let remark = &mut self.typing.remark;
+                let given = number_field(ui, now.and_then(number), range, Some(*scale), remark);
                 self.offer_typing(ui, *relative, &key, now);
                 given.map(ParameterValue::Number)
             }
@@ -364,21 +425,29 @@ impl ParameterPanel {
                 if row.is_relative() || self.typing.holds(&key) {
                     return self.typing.value(ui, &key, row, 200.0, "2.5, 25 %, p90");
                 }
-                let given = numbers(ui, now, count.unwrap_or_default(), range, *whole);
+                let remark = &mut self.typing.remark;
+                let given = numbers(ui, now, count.unwrap_or_default(), range, *whole, remark);
                 self.offer_typing(ui, *relative || count.is_none(), &key, now);
                 given
             }
-            Control::Colour { most } => color(ui, now, *most),
+            Control::Colour { most } => color(ui, now, *most, &mut self.typing.remark),
             Control::Choice(words) => choice(ui, &key, now, words),
             Control::Text => self.typing.value(ui, &key, row, 160.0, ""),
             Control::Array | Control::Arrays => self.arrays(ui, of, row, &key),
             Control::InputFile | Control::OutputFile => {
+                // A colour map is a word or a file.
+                if let ParameterType::ChoiceOrPath(words, _) = row.parameter.parameter_type
+                    && let Some(taken) = choice(ui, &key, now, words)
+                {
+                    return Some(taken);
+                }
                 let given = self.typing.value(ui, &key, row, 200.0, "path");
                 if button(ui, "…", &format!("choose {key}"), "choose a file").clicked() {
                     of.scene.actions.push(browse(of, row));
                 }
                 given
             }
+            Control::Texts if row.parameter.name == "blocks" => self.blocks(ui, of, row, &key),
             Control::Texts | Control::Rows { .. } => self.typing.value(ui, &key, row, 260.0, "[…]"),
             Control::Table | Control::Entries(_) => None,
         }
@@ -392,15 +461,29 @@ impl ParameterPanel {
         }
     }
 
+    /// Names of blocks, typed or ticked.
+    fn blocks(&mut self, ui: &mut Ui, of: Of, row: &Row, key: &str) -> Option<ParameterValue> {
+        let found = of.scene.arrays.feeding(ui.ctx(), of.scene.document, of.scene.registry, of.node);
+        match block_tree(ui, &row.value().map(texts).unwrap_or_default(), &found.blocks) {
+            // Without a name all blocks are read.
+            Some(none) if none.is_empty() => {
+                of.unset(&row.path);
+                None
+            }
+            Some(names) => Some(names.iter().map(String::as_str).collect()),
+            None => self.typing.value(ui, key, row, 260.0, "all"),
+        }
+    }
+
     /// Names of arrays, typed or chosen among those that the data have: one, or several.
     fn arrays(&mut self, ui: &mut Ui, of: Of, row: &Row, key: &str) -> Option<ParameterValue> {
         let several = matches!(row.control, Control::Arrays);
         let mut taken = None;
         let arrays = of.scene.arrays.feeding(ui.ctx(), of.scene.document, of.scene.registry, of.node);
-        if !arrays.is_empty() {
+        if !arrays.choices.is_empty() {
             let names = row.value().map(texts).unwrap_or_default();
             ComboBox::from_id_salt(("arrays", key)).selected_text("data").width(48.0).show_ui(ui, |ui| {
-                for array in arrays.iter() {
+                for array in &arrays.choices {
                     let mut is_taken = names.contains(&array.name);
                     if several && ui.checkbox(&mut is_taken, &array.label).changed() {
                         let others = names.iter().filter(|name| **name != array.name);
@@ -443,102 +526,6 @@ fn browse(of: Of, row: &Row) -> Action {
     Action::ChooseFile(FilePurpose::Parameter { node, path: row.path.clone(), writes }, at)
 }
 
-/// True if the user changed it; rounding for display, or clamping to its range, is no change.
-pub(crate) fn by_hand(response: &Response) -> bool {
-    response.changed()
-        && (response.dragged() || response.drag_stopped() || response.lost_focus() || response.has_focus())
-}
-
-/// Result of a drag, with the digits that its step resolves; a typed number stays as it is.
-fn meant(response: &Response, x: f64, step: f64) -> f64 {
-    if response.dragged() || response.drag_stopped() { decimal(x, 0.1 * step) } else { x }
-}
-
-/// A field for one number; a whole one where it has no scale. With a slider where the range has two ends that are not too far.
-fn number_field(ui: &mut Ui, now: Option<f64>, range: &Range, scale: Option<Scale>) -> Option<f64> {
-    let mut x = now.unwrap_or(range.min.max(0.0).min(range.max));
-    let span = range.max - range.min;
-    let is_logarithmic = scale == Some(Scale::Logarithmic);
-    let mut slid = None;
-    if scale.is_some() && span.is_finite() && (is_logarithmic || span <= SPAN_OF_SLIDER) {
-        let slider = Slider::new(&mut x, range.min..=range.max).logarithmic(is_logarithmic).show_value(false);
-        let response = ui.add(slider.smart_aim(true));
-        let step = span / f64::from(response.rect.width().max(1.0));
-        let step = if is_logarithmic { step.min(SPEED * x.abs()) } else { step };
-        slid = (by_hand(&response) && range.holds(x)).then(|| meant(&response, x, step));
-    }
-    let step = match scale {
-        Some(_) => (SPEED * x.abs()).max(MIN_STEP),
-        None => 0.2,
-    };
-    let before = x;
-    let (response, x) = drag(ui, x, range, step, scale.is_none());
-    slid.or((by_hand(&response) && x != before && range.holds(x)).then_some(x))
-}
-
-/// A number as a file has it, with all its digits: what is edited from there loses none.
-fn stated(x: f64) -> String {
-    ParameterValue::Number(x).to_string()
-}
-
-/// A field for a number, and the number that a hand leaves there.
-pub(crate) fn drag(ui: &mut Ui, before: f64, range: &Range, step: f64, whole: bool) -> (Response, f64) {
-    let mut x = before;
-    let field = DragValue::new(&mut x).range(range.min..=range.max).speed(step).update_while_editing(false);
-    let field = if whole { field.max_decimals(0) } else { field.custom_formatter(|x, _| stated(x)) };
-    let response = ui.add(field);
-    let x = if whole { x.round() } else { meant(&response, x, step) };
-    (response, x)
-}
-
-fn numbers(
-    ui: &mut Ui,
-    now: Option<&ParameterValue>,
-    count: usize,
-    range: &Range,
-    whole: bool,
-) -> Option<ParameterValue> {
-    let mut list = match now {
-        Some(ParameterValue::List(list)) => list.iter().map(|part| part.number().unwrap_or(0.0)).collect(),
-        _ => vec![range.min.max(0.0).min(range.max); count],
-    };
-    list.resize(list.len().max(count), 0.0);
-    let mut changed = false;
-    for number in &mut list {
-        let step = if whole { 1.0 } else { (SPEED * number.abs()).max(MIN_STEP) };
-        let (response, x) = drag(ui, *number, range, step, whole);
-        if by_hand(&response) && x != *number && range.holds(x) {
-            (*number, changed) = (x, true);
-        }
-    }
-    changed.then(|| {
-        let datum =
-            |x: f64| if whole { ParameterValue::Integer(x as i64) } else { ParameterValue::Number(x) };
-        list.into_iter().map(datum).collect()
-    })
-}
-
-/// A colour, linear in the file; brighter than the screen is kept by its factor.
-fn color(ui: &mut Ui, now: Option<&ParameterValue>, most: f64) -> Option<ParameterValue> {
-    let linear = now.and_then(channels).unwrap_or([1.0; 3]);
-    match edited_color(ui, linear) {
-        Some(channels) => Some(channels.into_iter().collect()),
-        None => numbers(ui, now, 3, &Range::within(0.0, most), false),
-    }
-}
-
-/// A linear colour as a button that edits it; the new one.
-pub(crate) fn edited_color(ui: &mut Ui, linear: [f64; 3]) -> Option<[f64; 3]> {
-    let brightest = linear.iter().copied().fold(1.0, f64::max);
-    let [r, g, b] = linear.map(|x| (x / brightest) as f32);
-    let mut display: Color32 = Rgba::from_rgb(r, g, b).into();
-    ui.color_edit_button_srgba(&mut display).changed().then(|| {
-        let linear = Rgba::from(display);
-        // A screen has 256 levels of each.
-        [linear.r(), linear.g(), linear.b()].map(|x| decimal(f64::from(x) * brightest, 1e-5 * brightest))
-    })
-}
-
 fn channels(datum: &ParameterValue) -> Option<[f64; 3]> {
     LocatedValue::from(datum.clone()).color()
 }
@@ -553,9 +540,15 @@ fn choice(
     let mut taken = None;
     ComboBox::from_id_salt(("choice", key)).selected_text(&now).width(150.0).show_ui(ui, |ui| {
         for (word, meaning) in words {
-            if ui.selectable_label(now == *word, *word).on_hover_text(*meaning).clicked() {
-                taken = Some((*word).into());
-            }
+            ui.horizontal(|ui| {
+                if let Some(map) = Colormap::named(word) {
+                    gradient(ui, map);
+                }
+                if ui.selectable_label(now == *word, *word).on_hover_text(*meaning).clicked() {
+                    taken = Some((*word).into());
+                    ui.close();
+                }
+            });
         }
     });
     taken

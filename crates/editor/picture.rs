@@ -1,12 +1,13 @@
 //! The picture: what the worker drew last, and the hand that moves the camera.
 
-use crate::scene::{Action, Command, EARLIER, Scene, command_buttons, error_text};
+use crate::scene::{Action, Command, EARLIER, Scene, command_buttons};
 use crate::theme::{self, button};
 use crate::view::View;
 use crate::worker::Pixels;
+use eframe::egui::scroll_area::ScrollSource;
 use eframe::egui::{
-    Align2, Color32, ColorImage, ComboBox, FontId, PointerButton, Pos2, Rect, Response, RichText, Sense,
-    Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, WidgetInfo, WidgetType, pos2, vec2,
+    Align2, Color32, ColorImage, ComboBox, FontId, PointerButton, Pos2, Rect, Response, RichText, ScrollArea,
+    Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, WidgetType, pos2, vec2,
 };
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -45,6 +46,8 @@ pub(crate) struct PicturePanel {
     /// True if a drag is a box to be probed, as it is with Alt, which some window managers keep for themselves.
     boxes: bool,
     boxed: Option<Pos2>,
+    /// True if each pixel of the picture is one of the screen.
+    is_own_size: bool,
     /// The picture in the window.
     pub rect: Option<Rect>,
     /// Pixels that it can show.
@@ -54,10 +57,24 @@ pub(crate) struct PicturePanel {
 impl PicturePanel {
     pub fn show(&mut self, ui: &mut Ui, scene: &Scene) {
         self.head(ui, scene);
+        let own = scene
+            .picture_size
+            .map(|[width, height]| vec2(width as f32, height as f32) / ui.pixels_per_point());
+        match own.filter(|_| self.is_own_size) {
+            Some(own) => {
+                let area = ScrollArea::both().scroll_source(ScrollSource::SCROLL_BAR);
+                area.show(ui, |ui| self.image(ui, scene, own));
+            }
+            None => self.image(ui, scene, vec2(16.0, 16.0)),
+        }
+    }
+
+    /// The picture, as large as fits and at least of a size.
+    fn image(&mut self, ui: &mut Ui, scene: &Scene, least: Vec2) {
         let (rect, response) =
-            ui.allocate_exact_size(ui.available_size().max(vec2(16.0, 16.0)), Sense::click_and_drag());
-        let room = rect.size() * ui.ctx().pixels_per_point();
-        self.room = [room.x.max(1.0) as u32, room.y.max(1.0) as u32];
+            ui.allocate_exact_size(ui.available_size().max(least), Sense::click_and_drag());
+        let room = if self.is_own_size { least } else { rect.size() } * ui.pixels_per_point();
+        self.room = [room.x.round().max(1.0) as u32, room.y.round().max(1.0) as u32];
         self.take(ui, scene);
         ui.painter().rect_filled(rect, 0.0, Color32::BLACK);
         let aspect = scene.picture_size.map_or(4.0 / 3.0, |[width, height]| width as f32 / height as f32);
@@ -66,6 +83,7 @@ impl PicturePanel {
         } else {
             vec2(rect.width(), rect.width() / aspect)
         };
+        let size = if self.is_own_size { least } else { size };
         let picture = Rect::from_center_size(rect.center(), size);
         self.rect = Some(picture);
         if let Some(texture) = self.texture.as_ref().filter(|_| scene.pixels.is_some()) {
@@ -73,6 +91,7 @@ impl PicturePanel {
         }
         self.over(ui, scene, rect);
         if let Some(view) = scene.view {
+            triad(ui, picture.intersect(ui.clip_rect()), view);
             self.hand(ui, scene, &response, view);
         }
         let name = format!("picture {}", scene.shown_node.unwrap_or("none"));
@@ -124,6 +143,10 @@ impl PicturePanel {
                 if ui.selectable_label(self.boxes, "box").on_hover_text(help).clicked() {
                     self.boxes = !self.boxes;
                 }
+                let help = "a pixel of the picture is a pixel of the screen";
+                if ui.selectable_label(self.is_own_size, "1:1").on_hover_text(help).clicked() {
+                    self.is_own_size = !self.is_own_size;
+                }
                 if ui.small_button("section").on_hover_text("s on a plane through the data (K)").clicked() {
                     scene.actions.command(Section);
                 }
@@ -161,7 +184,7 @@ impl PicturePanel {
             (_, None) => {
                 say("No node gives a picture yet: add a renderer (Space).", Color32::from_gray(200));
             }
-            (Some(failure), Some(_)) => say(&error_text(failure, scene.document), theme::wrong(dark)),
+            (Some(failure), Some(_)) => say(&scene.reason("picture", failure), theme::wrong(dark)),
             (None, Some(_)) if scene.pixels.is_none() => {
                 say(scene.running.as_deref().unwrap_or("drawing …"), Color32::from_gray(200));
             }
@@ -218,7 +241,7 @@ impl PicturePanel {
             return;
         }
         let mut to = view;
-        if delta != eframe::egui::Vec2::ZERO {
+        if delta != Vec2::ZERO {
             let modifiers = ui.input(|input| input.modifiers);
             let middle = response.dragged_by(PointerButton::Middle);
             let at = response.interact_pointer_pos().unwrap_or(picture.center());
@@ -251,6 +274,30 @@ impl PicturePanel {
         if to != view {
             scene.actions.push(Action::MoveCamera(to));
         }
+    }
+}
+
+/// Length of an axis of the triad, and its distance from the corner, points.
+const AXIS: f32 = 24.0;
+const CORNER: f32 = 38.0;
+
+/// Directions of the axes of the data, in the lower left corner of the picture; the nearest above the others.
+fn triad(ui: &Ui, picture: Rect, view: View) {
+    let Some([right, up]) = view.sides().filter(|_| picture.height() > 3.0 * CORNER) else { return };
+    let towards = right.cross(up);
+    let origin = picture.left_bottom() + vec2(CORNER, -CORNER);
+    let mut axes = [("x", [235, 90, 80]), ("y", [110, 200, 90]), ("z", [100, 150, 255])]
+        .into_iter()
+        .enumerate()
+        .map(|(k, (name, [r, g, b]))| {
+            (towards[k], vec2(right[k] as f32, -up[k] as f32), name, Color32::from_rgb(r, g, b))
+        })
+        .collect::<Vec<_>>();
+    axes.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (_, way, name, color) in axes {
+        ui.painter().line_segment([origin, origin + AXIS * way], Stroke::new(2.0, color));
+        let at = origin + (AXIS + 8.0) * way;
+        ui.painter().text(at, Align2::CENTER_CENTER, name, FontId::proportional(12.0), color);
     }
 }
 

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use voltet_core::{Error, Result};
 use voltet_document::arrange::Align;
-use voltet_document::{Document, Edit};
+use voltet_document::{Document, Edit, Path};
 use voltet_graph::{Node, NodeEntry, PortType, Registry, RunReport};
 
 /// View of the editor in one frame, and what the parts of the window request.
@@ -56,6 +56,37 @@ pub(crate) struct Scene<'a> {
     pub faults: &'a [Error],
     /// The document's nodes by name: looked up for every port and wire of a frame.
     pub entries: HashMap<&'a str, &'a NodeEntry>,
+}
+
+/// Most letters of a title that is made of a comment.
+const TITLE: usize = 28;
+
+/// The beginning of a comment, up to where it explains.
+fn beginning(comment: &str) -> String {
+    let end = [". ", ": ", "; ", ", ", " ("].iter().filter_map(|mark| comment.find(mark)).min();
+    let words = comment[..end.unwrap_or(comment.len())].trim_end_matches(['.', ':']);
+    match words.char_indices().nth(TITLE) {
+        Some((end, _)) => format!("{} …", words[..end].trim_end()),
+        None => words.to_string(),
+    }
+}
+
+impl Scene<'_> {
+    /// Reason for which there is no picture or histogram: the error, or where it is said already.
+    pub fn reason(&self, what: &str, error: &Error) -> String {
+        let is_same = |said: &&Error| said.location.node == error.location.node && said.what == error.what;
+        let of_picture = self.failure.iter().filter(|said| !std::ptr::eq(*said, error));
+        match (self.faults.iter().chain(of_picture).find(is_same), &error.location.node) {
+            (Some(_), Some(node)) => format!("no {what}: '{node}' has a fault"),
+            _ => error_text(error, self.document),
+        }
+    }
+
+    /// Name of an entry of a node: the one that the file states, else its comment; `None` without both.
+    pub fn name_of(&self, node: &str, path: &Path, stated: Option<&str>) -> Option<String> {
+        let stated = stated.filter(|name| !name.is_empty()).map(str::to_string);
+        stated.or_else(|| Some(beginning(&self.document.comment(node, path)?)))
+    }
 }
 
 /// An error as the window says it: without the place in the document's own file, and without what is right in the words of that file alone.
@@ -168,7 +199,7 @@ pub enum FilePurpose {
     /// Names it in a parameter of a node, which reads or writes it.
     Parameter {
         node: String,
-        path: voltet_document::Path,
+        path: Path,
         writes: bool,
     },
 }

@@ -3,15 +3,17 @@
 use crate::editor::{Editor, Start};
 use crate::files::{Recent, is_pipeline};
 use crate::keys::InputQueue;
+use crate::panes::WindowLayout;
 use crate::study::Study;
 use crate::theme;
-use eframe::egui::{Context, RawInput, Ui, ViewportBuilder, ViewportCommand};
+use eframe::egui::{Context, RawInput, Ui, Vec2, ViewportBuilder, ViewportCommand};
 use eframe::{App, Frame, NativeOptions, Renderer};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 use voltet_document::Document;
 use voltet_graph::Registry;
+use voltet_nodes::files::state_folder;
 
 /// Width and height at the first start, points.
 const SIZE: [f32; 2] = [1280.0, 720.0];
@@ -36,11 +38,13 @@ pub fn run(file: Option<&Path>, registry: &Registry, start: Start, study: Study)
         refuse_without_display(&|name| std::env::var_os(name).is_some_and(|value| !value.is_empty()))?;
     }
     let data = file.filter(|path| !is_pipeline(path)).map(Path::to_path_buf);
+    let kept = state_folder().map(|folder| folder.join("window"));
+    let layout = kept.as_deref().and_then(WindowLayout::read);
     let options = NativeOptions {
         viewport: ViewportBuilder::default()
             .with_title("voltet")
             .with_app_id("voltet")
-            .with_inner_size(SIZE)
+            .with_inner_size(layout.map_or(SIZE, |layout| layout.size))
             .with_min_inner_size(MIN_SIZE),
         renderer: Renderer::Glow,
         // Text and textures need no depth, and smooth edges come from feathering.
@@ -61,6 +65,7 @@ pub fn run(file: Option<&Path>, registry: &Registry, start: Start, study: Study)
         if let Some(place) = voltet_document::Recovery::usual() {
             editor.keep_in(place);
         }
+        editor.panels.panes = layout.map(|layout| layout.panes()).unwrap_or_default();
         editor.recent = Recent::usual();
         if let Some(path) = editor.document.path().map(Path::to_path_buf) {
             editor.recent.add(&path);
@@ -68,7 +73,7 @@ pub fn run(file: Option<&Path>, registry: &Registry, start: Start, study: Study)
         if let Some(data) = data {
             editor.open_any(&context.egui_ctx, &data);
         }
-        Ok(Box::new(Window::new(editor)))
+        Ok(Box::new(Window { kept, ..Window::new(editor) }))
     };
     eframe::run_native("voltet", options, Box::new(made)).map_err(|error| failed(&error))
 }
@@ -96,11 +101,14 @@ pub(crate) struct Window {
     pub editor: Editor,
     title: String,
     pub presses: InputQueue,
+    /// The file in which the layout is kept, and the size of the last frame, points.
+    kept: Option<PathBuf>,
+    size: Vec2,
 }
 
 impl Window {
     pub fn new(editor: Editor) -> Window {
-        Window { editor, title: String::new(), presses: InputQueue::default() }
+        Window { editor, title: String::new(), presses: InputQueue::default(), kept: None, size: Vec2::ZERO }
     }
 }
 
@@ -109,6 +117,9 @@ impl App for Window {
         // The person ended it and was asked: nothing is left behind.
         if self.editor.ends() {
             self.editor.recover.forget();
+        }
+        if let Some(file) = self.kept.as_deref().filter(|_| self.size != Vec2::ZERO) {
+            WindowLayout::from_panes(self.size, &self.editor.panels.panes).write(file);
         }
     }
 
@@ -119,6 +130,7 @@ impl App for Window {
     }
 
     fn ui(&mut self, ui: &mut Ui, _frame: &mut Frame) {
+        self.size = ui.ctx().content_rect().size();
         self.editor.frame(ui);
         let ctx = ui.ctx();
         let document = self.editor.document();

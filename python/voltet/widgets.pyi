@@ -10,6 +10,7 @@ def uniform(
     color: Sequence[float] | str,
     extinction: float,
     region: Mapping[str, Any],
+    name: str | None = None,
 ) -> dict[str, Any]:
     """The same extinction everywhere in its region."""
 def gaussian(
@@ -20,6 +21,7 @@ def gaussian(
     sigma: Sequence[float | str] | None = None,
     matrix: Sequence[Sequence[float | str]] | None = None,
     region: Mapping[str, Any] | None = None,
+    name: str | None = None,
 ) -> dict[str, Any]:
     """A Gaussian over the scalar and its gradient magnitude."""
 def gaussian_nd(
@@ -31,6 +33,7 @@ def gaussian_nd(
     sigma: Sequence[float | str] | None = None,
     matrix: Sequence[Sequence[float | str]] | None = None,
     region: Mapping[str, Any] | None = None,
+    name: str | None = None,
 ) -> dict[str, Any]:
     """A Gaussian over one to eight point arrays."""
 def triangular_gaussian(
@@ -40,6 +43,7 @@ def triangular_gaussian(
     centre: float | str,
     sigma: float | str,
     region: Mapping[str, Any] | None = None,
+    name: str | None = None,
 ) -> dict[str, Any]:
     """exp(-((s - centre) / (sigma g))²): a Gaussian in s that widens with the gradient magnitude."""
 def triangular_gaussian_nd(
@@ -52,6 +56,7 @@ def triangular_gaussian_nd(
     sigma: Sequence[float | str] | None = None,
     matrix: Sequence[Sequence[float | str]] | None = None,
     region: Mapping[str, Any] | None = None,
+    name: str | None = None,
 ) -> dict[str, Any]:
     """A Gaussian over one to seven point arrays that widens with the magnitude of all their gradients."""
 def triangle_wave(
@@ -64,6 +69,7 @@ def triangle_wave(
     period: float | str,
     band_width: float | None = None,
     region: Mapping[str, Any] | None = None,
+    name: str | None = None,
 ) -> dict[str, Any]:
     """Bands with straight flanks."""
 def sine_wave(
@@ -76,12 +82,14 @@ def sine_wave(
     period: float | str,
     band_width: float | None = None,
     region: Mapping[str, Any] | None = None,
+    name: str | None = None,
 ) -> dict[str, Any]:
     """Bands shaped like |sin|."""
 def piecewise_linear(
     *,
     points: Sequence[Sequence[float | str]],
     region: Mapping[str, Any] | None = None,
+    name: str | None = None,
 ) -> dict[str, Any]:
     """Colour and extinction linear between control points in s, constant beyond the ends."""
 def colormap(
@@ -96,6 +104,7 @@ def colormap(
     below: Sequence[float] | str | None = None,
     above: Sequence[float] | str | None = None,
     region: Mapping[str, Any] | None = None,
+    name: str | None = None,
 ) -> dict[str, Any]:
     """A colour map along s, and an opacity curve over it: a piecewise-linear function of s."""
 def gaussian_colormap(
@@ -108,6 +117,7 @@ def gaussian_colormap(
     reversed: bool | None = None,
     steps: int | None = None,
     region: Mapping[str, Any] | None = None,
+    name: str | None = None,
 ) -> dict[str, Any]:
     """A Gaussian over the scalar and its gradient magnitude, in the colours of a map along s."""
 def table(
@@ -118,5 +128,6 @@ def table(
     s: Sequence[float | str],
     g: Sequence[float | str],
     region: Mapping[str, Any] | None = None,
+    name: str | None = None,
 ) -> dict[str, Any]:
     """A picture over the (s, g) plane: its colour, and its alpha times the extinction."""

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use voltet_document::{AnnotationId, Document, Edit};
+use voltet_document::{AnnotationId, Document, Edit, Path};
 use voltet_graph::{LocatedValue, ParameterValue};
 
 const FILE: &str = "\
@@ -280,4 +280,20 @@ fn after(text: &str, edits: &[Edit]) -> String {
     let mut document = Document::from_text(text.to_string(), None);
     edits.iter().for_each(|edit| document.edit(edit).unwrap());
     document.text().to_string()
+}
+
+#[test]
+fn a_comment_above_or_behind_names_a_part_of_a_node() {
+    let text = "[nodes.look]\ntype = \"transfer-function\"\n\n# of nobody\n\n# Bone: hard.\n# And white.\n[[nodes.look.widgets]]\nkind = \"a\"\n\
+                \n[[nodes.look.widgets]] # skin\nkind = \"b\" # not this\n\n[[nodes.look.widgets]]\nkind = \"c\" # fat\n\n[[nodes.look.widgets]]\nkind = \"# no comment\"\n\
+                \n[nodes.other]\nwidgets = [\n  { kind = \"d\" }, # muscle\n  # blood\n  { kind = \"e\" },\n]\n";
+    let document = Document::from_text(text.into(), None);
+    let comment = |node: &str, place: usize| document.comment(node, &Path::from("widgets").with(place));
+    let of_look: Vec<_> = (0..5).map(|place| comment("look", place)).collect();
+    let wanted = [Some("Bone: hard. And white."), Some("skin"), Some("fat"), None, None];
+    assert_eq!(of_look, wanted.map(|words| words.map(String::from)));
+    assert_eq!(
+        [0, 1].map(|place| comment("other", place)),
+        ["muscle", "blood"].map(|words| Some(words.into()))
+    );
 }

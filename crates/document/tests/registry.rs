@@ -224,6 +224,42 @@ fn layers_lead_from_left_to_right_and_do_not_overlap() {
     }
 }
 
+/// Chains that share a camera.
+#[test]
+fn a_hundred_nodes_are_grouped_by_chains_side_by_side() {
+    let chain = |i: usize| {
+        format!(
+            "[nodes.grid{i}]\ntype = \"wavelet\"\n[nodes.gradient{i}]\ntype = \"gradient-magnitude\"\ninputs = {{ grid = \"grid{i}\" }}\n\
+             [nodes.picture{i}]\ntype = \"renderer\"\ninputs = {{ volume = \"gradient{i}\", camera = \"view\" }}\n"
+        )
+    };
+    let chains: String = (0..33).map(chain).collect();
+    let document = Document::from_text(format!("[nodes.view]\ntype = \"camera\"\n{chains}"), None);
+    let nodes = &document.pipeline().nodes;
+    assert_eq!(nodes.len(), 100);
+    let size = |name: &str| [150.0, if name.len().is_multiple_of(2) { 90.0 } else { 200.0 }];
+    let places = arrange::tidy(nodes, &size);
+    let corners = |range: std::ops::Range<usize>| {
+        range.fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], i| {
+            let end = [0, 1].map(|k: usize| places[i][k] + size(&nodes[i].name)[k]);
+            [[0, 1].map(|k: usize| low[k].min(places[i][k])), [0, 1].map(|k: usize| high[k].max(end[k]))]
+        })
+    };
+    let boxes: Vec<_> =
+        std::iter::once(corners(0..1)).chain((0..33).map(|i| corners(3 * i + 1..3 * i + 4))).collect();
+    for (i, [low, high]) in boxes.iter().enumerate() {
+        for [other_low, other_high] in &boxes[..i] {
+            assert!(
+                (0..2).any(|k| low[k] >= other_high[k] || other_low[k] >= high[k]),
+                "chain {i} lies on another"
+            );
+        }
+    }
+    let [low, high] = corners(0..100);
+    let aspect = (high[0] - low[0]) / (high[1] - low[1]);
+    assert!((0.7..3.0).contains(&aspect), "{aspect}");
+}
+
 #[test]
 fn nodes_are_brought_in_line() {
     use arrange::{Align, PlacedNode, align};

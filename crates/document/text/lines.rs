@@ -50,6 +50,19 @@ pub fn with_comments_above(text: &str, at: usize, floor: usize) -> usize {
     from
 }
 
+/// Words of comment lines, as one text; `None` where there are none.
+pub fn comment(text: &str) -> Option<String> {
+    let words = text.lines().map(|line| line.trim().trim_start_matches('#').trim());
+    let joined = words.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
+    Some(joined).filter(|joined| !joined.is_empty())
+}
+
+/// Words of the comment that follows on the line of a byte at which a value, or a header, ends.
+pub fn comment_after(text: &str, at: usize) -> Option<String> {
+    let rest = text[at..end(text, at)].trim_start_matches([',', ' ', '\t']);
+    if is_comment(rest) { comment(rest) } else { None }
+}
+
 /// End of the comment lines directly below the line which ends at `at`, where a blank line, or `ceiling`, which
 /// is the beginning of a line, follows them after no other.
 pub fn with_comments_below(text: &str, at: usize, ceiling: usize) -> usize {

@@ -263,6 +263,30 @@ impl Syntax {
         Some(blocks.join("\n"))
     }
 
+    /// Comment of a table or value: the comment lines directly above it, else the one at the end of its first lines (a header's and its
+    /// first key's). `None` where there is none.
+    pub fn comment(&self, text: &str, path: &Path) -> Option<String> {
+        let above = |at: usize, floor: usize| {
+            let line = lines::start(text, at);
+            lines::comment(&text[lines::with_comments_above(text, line, floor)..line])
+        };
+        match self.find(&path.0).ok()? {
+            Match::Value(spot) => {
+                let span = spot.element.span();
+                above(span.start, 0).or_else(|| lines::comment_after(text, span.end))
+            }
+            Match::Pieces(pieces) => {
+                let section = pieces.iter().find_map(Piece::section)?;
+                let this = &self.sections[section];
+                let first = this.assignments.first().map(|first| first.value.span.end);
+                let ends = this.header.iter().map(|header| header.span.end).chain(first);
+                let at_ends = || ends.into_iter().find_map(|end| lines::comment_after(text, end));
+                above(this.start(), self.floor(text, section)).or_else(at_ends)
+            }
+            Match::Nothing => None,
+        }
+    }
+
     /// Start of the line after everything that comes before a section.
     pub fn floor(&self, text: &str, section: usize) -> usize {
         match section.checked_sub(1).map(|before| self.sections[before].end()) {

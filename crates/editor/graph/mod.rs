@@ -34,6 +34,9 @@ const FRAMES_TO_FIT: u32 = 3;
 /// Least and largest scale: the package draws no smaller, and beyond the other nothing else is seen.
 const ZOOM: [f32; 2] = [0.2, 2.0];
 
+/// Least scale at which all nodes are brought into view: some thousand of them.
+const MIN_FIT: f32 = 0.02;
+
 /// Height of letters, points, below which they are left out; and that of the names which are drawn then.
 const FAR_LETTERS: f32 = 6.0;
 const MIN_LETTER_HEIGHT: f32 = 9.0;
@@ -244,7 +247,7 @@ impl GraphView {
             (factor, pointer.hover_pos(), pointer.delta(), pans)
         });
         if let Some(at) = at.filter(|_| over) {
-            let zoom = (self.view.zoom * factor).clamp(ZOOM[0], ZOOM[1]);
+            let zoom = (self.view.zoom * factor).clamp(ZOOM[0].min(self.view.zoom), ZOOM[1]);
             let from = at - self.view.clip_rect.min;
             self.view.pan = from - (from - self.view.pan) * (zoom / self.view.zoom);
             self.view.zoom = zoom;
@@ -277,7 +280,7 @@ impl GraphView {
             return;
         }
         let room = self.view.clip_rect.size() - vec2(40.0, 40.0);
-        self.view.zoom = (room.x / all.width()).min(room.y / all.height()).clamp(ZOOM[0], 1.0);
+        self.view.zoom = (room.x / all.width()).min(room.y / all.height()).clamp(MIN_FIT, 1.0);
         self.view.pan = self.view.clip_rect.size() / 2.0 - self.view.zoom * all.center().to_vec2();
     }
 

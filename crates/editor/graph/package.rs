@@ -124,7 +124,8 @@ impl Face {
     fn new(scene: &Scene, entry: &NodeEntry, node: Option<&'static Node>, pictures: &Pictures) -> Face {
         let status = scene.nodes.get(&entry.name);
         let is_at = |error: &&voltet_core::Error| error.location.node.as_deref() == Some(&entry.name);
-        let fault = scene.faults.iter().find(is_at).or(scene.failure.as_ref().filter(is_at));
+        let failures = scene.failure.iter().chain(&scene.distribution_fault);
+        let fault = scene.faults.iter().chain(failures).find(is_at);
         let view = scene.document.view().nodes.get(&entry.name);
         let aspect = |size: eframe::egui::Vec2| size.x / size.y.max(1.0);
         Face {

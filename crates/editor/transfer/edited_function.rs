@@ -13,6 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::FRAC_1_SQRT_2;
 use voltet_core::probing::{Histogram, ProbeResult, kernel};
 use voltet_core::transfer::AxisScale;
+use voltet_document::Path;
 use voltet_document::links::{self, upstream};
 use voltet_graph::{ArrayRef, Field, LocatedValue, NodeEntry, ParameterValue, PortType};
 use voltet_nodes::relative::{DataScope, RELATIVE_TO};
@@ -49,8 +50,13 @@ impl<'a> EditedFunction<'a> {
         let known = found.map(|found| &found.known);
         let scales = scales(node, &axes);
         let on = PlaneContext { axes: &axes, scales, extent: metric, known, images };
-        let widget = |entry: &LocatedValue| ScreenWidget::new(entry.table().unwrap_or_default(), &on);
-        let widgets: Vec<ScreenWidget> = list.iter().map(widget).collect();
+        let widget = |(place, entry): (usize, &LocatedValue)| {
+            let mut widget = ScreenWidget::new(entry.table().unwrap_or_default(), &on);
+            let path = Path::from("widgets").with(place);
+            widget.name = scene.name_of(&node.name, &path, widget.name.as_deref());
+            widget
+        };
+        let widgets: Vec<ScreenWidget> = list.iter().enumerate().map(widget).collect();
         let peak = former_peak.unwrap_or_else(|| {
             let most = widgets.iter().filter_map(ScreenWidget::peak_of_curve).fold(0.0, f64::max);
             if most > 0.0 { 1.1 * most } else { 1.0 }

@@ -6,7 +6,7 @@ use super::plane::S_AND_G;
 use super::pointer::FINE;
 use super::screen_widget::{self, ScreenWidget};
 use super::{TransferPanel, edit};
-use crate::parameters::{by_hand, drag, edited_color};
+use crate::fields::{by_hand, drag, edited_color};
 use crate::scene::Command;
 use crate::theme::{self, button};
 use crate::worker::{short, widget_count};
@@ -277,6 +277,7 @@ impl TransferPanel {
     fn of_widget(&mut self, ui: &mut Ui, look: &EditedFunction, widget: &ScreenWidget) {
         let (place, count) = (self.chosen, look.widgets.len());
         ui.label(format!("{} {}", place + 1, widget.kind));
+        self.name_field(ui, look, widget);
         self.color_and_strength(ui, look, widget);
         if button(ui, "×2", "duplicate the widget", "duplicate the widget (Ctrl+D)").clicked() {
             self.duplicate(look);
@@ -305,6 +306,30 @@ impl TransferPanel {
         if solo.clicked() {
             self.solo(place, count);
         }
+    }
+
+    /// The widget's name, which the file keeps; a comment before the widget stands in for one.
+    fn name_field(&mut self, ui: &mut Ui, look: &EditedFunction, widget: &ScreenWidget) {
+        let stated = find_setting(&widget.stated, "name").and_then(LocatedValue::text).unwrap_or_default();
+        let key = (look.node.name.clone(), self.chosen);
+        let typed = self.typed_name.take().filter(|(known, _)| *known == key);
+        let mut text = typed.map_or_else(|| stated.to_string(), |(_, text)| text);
+        let field = TextEdit::singleline(&mut text)
+            .id_salt(("name", &key))
+            .hint_text(widget.name.as_deref().unwrap_or("name"))
+            .desired_width(90.0);
+        let response = ui.add(field);
+        response.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "name of the widget"));
+        if response.has_focus() {
+            self.typed_name = Some((key, text));
+        } else if response.lost_focus() && text != stated {
+            let (node, path) = (look.node.name.clone(), Path::from("widgets").with(self.chosen).with("name"));
+            look.actions.edit(match text.is_empty() {
+                true => Edit::Unset { node, path },
+                false => Edit::Set { node, path, value: text.into() },
+            });
+        }
+        response.on_hover_text("name of the widget, such as \"bone\"; the file keeps it");
     }
 
     /// Share of the data in the selected widget, and its contribution to the picture.
@@ -375,7 +400,8 @@ impl TransferPanel {
         if place == self.chosen {
             ui.painter().rect_stroke(rect, 3.0, Stroke::new(1.5, theme::accent(dark)), StrokeKind::Middle);
         }
-        let name = format!("widget {} {}", place + 1, widget.kind);
+        let kind = format!("widget {} {}", place + 1, widget.kind);
+        let name = widget.name.as_ref().map_or(kind.clone(), |name| format!("{kind}: {name}"));
         let is_chosen = place == self.chosen;
         response.widget_info(|| WidgetInfo::selected(WidgetType::SelectableLabel, true, is_chosen, &name));
         if response.on_hover_text(name).clicked() {
@@ -390,7 +416,7 @@ impl TransferPanel {
         let mut entries: Vec<(String, WidgetCommand)> = Vec::new();
         if let Some(widget) = look.widgets.get(place) {
             let hide = if self.hidden.contains(&place) { "Show" } else { "Hide" };
-            ui.label(format!("{} {}", place + 1, widget.kind));
+            ui.label(format!("{} {}", place + 1, widget.title()));
             entries.extend([
                 ("Duplicate".into(), Self::duplicate as WidgetCommand),
                 (hide.into(), |panel, _| panel.hide(panel.chosen)),
@@ -429,7 +455,11 @@ impl TransferPanel {
             let before = widget.extinction;
             // What a file states stays until a hand changes it, however wrong.
             let range = Range::at_least(before.min(0.0));
-            let (response, extinction) = drag(ui, before, &range, (0.01 * before).max(1e-3), false);
+            ui.label("extinction");
+            let mut remark = None;
+            let step = (0.01 * before).max(1e-3);
+            let (response, extinction) = drag(ui, before, &range, step, false, &mut remark);
+            remark.into_iter().for_each(|remark| look.actions.say(remark));
             if by_hand(&response) && extinction != before {
                 set("extinction", ParameterValue::Number(extinction));
             }
@@ -519,7 +549,7 @@ fn choices(ui: &Ui, look: &EditedFunction) -> Vec<(ArrayRef, String)> {
         .unwrap_or_default();
     let named = look.list.iter().filter_map(LocatedValue::table).flat_map(screen_widget::arrays);
     let mut arrays: BTreeMap<String, String> = named.map(|name| (name.clone(), name)).collect();
-    arrays.extend(of_data.iter().map(|array| (array.name.clone(), array.label.clone())));
+    arrays.extend(of_data.choices.iter().map(|array| (array.name.clone(), array.label.clone())));
     let named = S_AND_G.into_iter().map(|axis| (axis.clone(), axis_name(&axis)));
     named.chain(arrays.into_iter().map(|(name, label)| (ArrayRef::Array(name), label))).collect()
 }

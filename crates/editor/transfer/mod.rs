@@ -12,7 +12,7 @@ mod screen_widget;
 #[cfg(test)]
 mod tests;
 
-use crate::scene::{Command, Scene, error_text};
+use crate::scene::{Command, Scene};
 use crate::theme;
 use crate::worker::{short, short_by};
 use edited_function::{EditedFunction, axis_name, axis_title};
@@ -39,12 +39,16 @@ pub(crate) struct TransferPanel {
     /// The quantities of the plane; s and g until a hand chose others.
     axes: Option<[ArrayRef; 2]>,
     typed_axis: [String; 2],
+    /// Name that is being typed, with the node and the place of its widget.
+    typed_name: Option<((String, usize), String)>,
     /// The shown part of the plane; all of the data until a hand chose another.
     shown: Option<[[f64; 2]; 2]>,
     /// The widget in hand, by its place, and the one before the last click.
     chosen: usize,
     before_click: usize,
     held: Option<Handle>,
+    /// Widget under the pointer, by its place, and the handle there.
+    hovered: Option<(usize, Option<Handle>)>,
     drag: Option<Drag>,
     counts: Counts,
     images: Images,
@@ -151,6 +155,7 @@ impl TransferPanel {
         }
         self.name(ui, &response, &look);
         self.move_plane(ui, &response, look.plane);
+        self.hover(ui, &response, &look);
         self.hand(ui, &response, &look);
         if look.widgets.is_empty() {
             self.invite(ui, &look);
@@ -178,12 +183,14 @@ impl TransferPanel {
         let others = (0..look.widgets.len()).filter(|place| *place != self.chosen);
         for place in others.chain([self.chosen]) {
             let Some(widget) = look.widgets.get(place) else { continue };
-            let handles = (place == self.chosen).then_some(self.held);
+            let hovered = self.hovered.filter(|(known, _)| *known == place && self.drag.is_none());
+            let handle = hovered.and_then(|(_, handle)| handle).or(self.held);
+            let handles = (place == self.chosen).then_some(handle);
             screen_widget::draw(ui, plane, widget, handles, self.hidden.contains(&place));
         }
         if look.scene.distribution.is_none() {
-            let fault =
-                look.scene.distribution_fault.as_ref().map(|fault| error_text(fault, look.scene.document));
+            let fault = look.scene.distribution_fault.as_ref();
+            let fault = fault.map(|fault| look.scene.reason("histogram", fault));
             let text = fault.unwrap_or_else(|| "computing the histogram …".into());
             let galley =
                 ui.painter().layout(text, FontId::proportional(12.0), theme::weak(dark), rect.width() - 20.0);
@@ -211,8 +218,8 @@ impl TransferPanel {
         let name = format!("plane of {x} and {y}");
         response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, &name));
         let Some(widget) = look.widgets.get(self.chosen) else { return };
-        for (handle, place) in widget.handles(&look.plane) {
-            let rect = Rect::from_center_size(look.plane.to_window(place), vec2(10.0, 10.0));
+        for screen_widget::Grip { handle, place, .. } in widget.grips(&look.plane) {
+            let rect = Rect::from_center_size(place, vec2(10.0, 10.0));
             let name = format!("{} of widget {}", handle.name(), self.chosen + 1);
             let grip = ui.interact(rect, ui.id().with((name.as_str(), "grip")), Sense::empty());
             grip.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, &name));

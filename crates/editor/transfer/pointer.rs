@@ -4,6 +4,7 @@ use super::edited_function::EditedFunction;
 use super::plane::{self, Handle, Plane, height_of};
 use super::screen_widget::{Drag, Region, ScreenWidget};
 use super::{TransferPanel, edit};
+use crate::theme;
 use eframe::egui::{self, PointerButton, Popup, Pos2, SetOpenCommand, Ui, Vec2};
 
 /// Distance from a handle, or from a curve, within which a pointer hits it (points).
@@ -85,7 +86,7 @@ impl TransferPanel {
         }
         // From where it was taken hold of the hand may have gone a little before that was a drag.
         let delta = match at.filter(|_| begins) {
-            Some(at) => at - plane.to_window(drag.from),
+            Some(at) => at - drag.grip,
             None => delta,
         };
         let way = plane.drag_in_values(delta);
@@ -130,8 +131,18 @@ impl TransferPanel {
         takes
     }
 
-    /// Starts a drag of the target of a press: a handle of the selected widget, another widget, or nothing.
-    fn take(&mut self, at: Pos2, look: &EditedFunction) {
+    /// Names what a press would take.
+    pub(super) fn hover(&mut self, ui: &Ui, response: &egui::Response, look: &EditedFunction) {
+        let at = response.hover_pos().filter(|at| self.drag.is_none() && look.plane.rect.contains(*at));
+        self.hovered = at.and_then(|at| self.target(at, look));
+        let Some((place, handle)) = self.hovered.filter(|_| !Popup::is_any_open(ui.ctx())) else { return };
+        let of = format!("widget {}: {}", place + 1, look.widgets[place].title());
+        let words = handle.map_or(of.clone(), |handle| format!("{} of {of}", handle.name()));
+        theme::words_at_pointer(ui, "widget", words);
+    }
+
+    /// Target of a press: a handle of the selected widget, another widget, or nothing.
+    fn target(&self, at: Pos2, look: &EditedFunction) -> Option<(usize, Option<Handle>)> {
         let plane = look.plane;
         let value = plane.to_values(at);
         // Handles and lines of others come before what others cover; of what covers the place, the strongest.
@@ -147,21 +158,27 @@ impl TransferPanel {
             strengths.filter(|(_, strength)| *strength > COVERS).max_by(|a, b| a.1.total_cmp(&b.1))
         };
         let other = || on_curve().or_else(|| local().map(|(place, _)| place));
-        let taken = by_handle.or_else(|| other().map(|place| (place, None)));
+        by_handle.or_else(|| other().map(|place| (place, None)))
+    }
+
+    /// Starts a drag of the target of a press.
+    fn take(&mut self, at: Pos2, look: &EditedFunction) {
+        let plane = look.plane;
+        let taken = self.target(at, look);
         self.held = taken.and_then(|(_, handle)| handle);
         let Some((place, handle)) = taken else { return };
         let widget = &look.widgets[place];
-        let is_held = |(known, _): &(Handle, [f64; 2])| Some(*known) == handle;
-        let from = widget.handles(&plane).into_iter().find(is_held).map_or(value, |(_, place)| place);
+        let held = widget.grips(&plane).into_iter().find(|grip| Some(grip.handle) == handle);
+        let (from, grip) = held.map_or((plane.to_values(at), at), |held| (held.at, held.place));
         (self.chosen, self.is_last) = (place, true);
-        self.drag = Some(Drag { widget: widget.clone(), handle, from, at: from, peak: plane.peak });
+        self.drag = Some(Drag { widget: widget.clone(), handle, grip, from, at: from, peak: plane.peak });
     }
 }
 
 /// The handle that a pointer means.
 pub(super) fn nearest(widget: &ScreenWidget, at: Pos2, plane: Plane) -> Option<Handle> {
-    let handles = widget.handles(&plane).into_iter();
-    let by_distance = handles.map(|(handle, place)| (plane.to_window(place).distance(at), handle));
+    let grips = widget.grips(&plane).into_iter();
+    let by_distance = grips.map(|grip| (grip.place.distance(at), grip.handle));
     let near = by_distance.filter(|(distance, _)| *distance <= NEAR);
     near.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, handle)| handle)
 }

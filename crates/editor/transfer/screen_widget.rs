@@ -7,7 +7,7 @@ use super::plane::{
 };
 use super::relative;
 use crate::theme;
-use eframe::egui::{self, Color32, Painter, Pos2, Rect, Stroke, StrokeKind, Ui, vec2};
+use eframe::egui::{self, Color32, Painter, Pos2, Rect, Stroke, StrokeKind, Ui, Vec2, vec2};
 use std::sync::Arc;
 use voltet_core::parameters::Parameters;
 use voltet_core::probing::Histogram;
@@ -18,6 +18,8 @@ use voltet_graph::{ArrayRef, Field, LocatedValue, SourceSpan, find_setting};
 #[derive(Debug, Clone)]
 pub(super) struct ScreenWidget {
     pub kind: String,
+    /// Stated in the file, or its comment.
+    pub name: Option<String>,
     /// The widget, with placeholders for unknown numbers; `None` if it is invalid.
     widget: Option<Widget>,
     /// `None` where it lies along other axes, or is not known.
@@ -42,6 +44,7 @@ impl ScreenWidget {
         let is_flat = on.is_of_s_and_g();
         let mut drawn = ScreenWidget {
             kind: find_setting(fields, "kind").and_then(LocatedValue::text).unwrap_or_default().to_string(),
+            name: find_setting(fields, "name").and_then(LocatedValue::text).map(str::to_string),
             widget: None,
             shape: None,
             region: Region::Whole,
@@ -67,6 +70,11 @@ impl ScreenWidget {
             }
         }
         drawn
+    }
+
+    /// Its name, else its kind.
+    pub fn title(&self) -> &str {
+        self.name.as_deref().unwrap_or(&self.kind)
     }
 
     /// Its largest extinction, where it is a curve of these.
@@ -121,6 +129,22 @@ impl ScreenWidget {
         let mut handles = self.shape.as_ref().map_or(Vec::new(), |shape| shape.handles(plane));
         handles.extend(self.region.handles(plane));
         handles
+    }
+
+    /// Its handles as they are drawn and taken: one that would lie on another stands beside it.
+    pub fn grips(&self, plane: &Plane) -> Vec<Grip> {
+        let mut grips: Vec<Grip> = Vec::new();
+        for (handle, at) in self.handles(plane) {
+            let place = plane.to_window(at);
+            let is_free = |place: &Pos2| grips.iter().all(|grip| grip.place.distance(*place) >= APART);
+            let around = (1..=3u8).flat_map(|ring| (0..8u8).map(move |turn| (ring, turn)));
+            let around = around.map(|(ring, turn)| {
+                place + APART * f32::from(ring) * Vec2::angled(f32::from(turn) * std::f32::consts::FRAC_PI_4)
+            });
+            let place = std::iter::once(place).chain(around).find(is_free).unwrap_or(place);
+            grips.push(Grip { handle, at, place });
+        }
+        grips
     }
 
     pub fn moved(&self, handle: Handle, to: [f64; 2], plane: &Plane) -> Vec<Change> {
@@ -188,17 +212,29 @@ fn main_color(widget: &Widget) -> [f64; 3] {
     }
 }
 
+/// A handle: where it lies in the plane, and where its grip is in the window.
+pub(super) struct Grip {
+    pub handle: Handle,
+    pub at: [f64; 2],
+    pub place: Pos2,
+}
+
+/// Least distance between the grips of a widget, points.
+const APART: f32 = 11.0;
+
 /// A drag: the widget as it was, what is held, and where that was and is.
 pub(super) struct Drag {
     pub widget: ScreenWidget,
     pub handle: Option<Handle>,
+    /// Place in the window of the grip, or of what was pressed.
+    pub grip: Pos2,
     pub from: [f64; 2],
     pub at: [f64; 2],
     /// The extinction at the top of the plot stands still meanwhile.
     pub peak: f64,
 }
 
-/// `handles`: of the widget in hand, with the one that was taken last.
+/// `handles`: of the widget in hand, with the one that was taken last, or that the pointer is at.
 pub(super) fn draw(
     ui: &Ui,
     plane: Plane,
@@ -217,8 +253,9 @@ pub(super) fn draw(
     }
     widget.region.draw(&pen, widget.is_its_region());
     if let Some(held) = handles {
-        for (handle, at) in widget.handles(&plane) {
-            grip(&pen.painter, plane.to_window(at), handle, held == Some(handle), base, dark);
+        for Grip { handle, at, place } in widget.grips(&plane) {
+            pen.painter.line_segment([plane.to_window(at), place], Stroke::new(1.0, base));
+            grip(&pen.painter, place, handle, held == Some(handle), base, dark);
         }
     }
 }

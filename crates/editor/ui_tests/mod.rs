@@ -13,6 +13,7 @@ mod probe;
 mod recovery;
 mod screens;
 mod session;
+mod slow;
 mod transfer;
 mod transfer_axes;
 mod transfer_more;
@@ -32,6 +33,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use voltet_core::Error;
 use voltet_document::Document;
+use voltet_graph::Registry;
 
 /// A pipeline with comments, drawn in one node.
 const TEXT: &str = include_str!("scene.toml");
@@ -94,23 +96,28 @@ impl Hand {
 
     /// Before a window of this width and height, points.
     fn before_window(text: &str, size: [f32; 2], write: &dyn Fn(&Path)) -> Hand {
+        let mut registry = voltet_nodes::registry().unwrap();
+        voltet_reference::register(&mut registry).unwrap();
+        let mut hand = Self::with_registry(text, size, write, &registry);
+        hand.settle();
+        hand
+    }
+
+    /// Before a window that knows these nodes, and has drawn nothing yet.
+    fn with_registry(text: &str, size: [f32; 2], write: &dyn Fn(&Path), registry: &Registry) -> Hand {
         let folder = tempfile::tempdir().unwrap();
         write(folder.path());
         let path = folder.path().join("scene.toml");
         std::fs::write(&path, text).unwrap();
         let document = Document::open(&path).unwrap();
         let start = Arc::new(|_: &Path, _: &Path| Err(Error::usage("no data here")));
-        let mut registry = voltet_nodes::registry().unwrap();
-        voltet_reference::register(&mut registry).unwrap();
-        let editor = Editor::new(document, &registry, start, Arc::new(|| {})).unwrap();
+        let editor = Editor::new(document, registry, start, Arc::new(|| {})).unwrap();
         let harness = Harness::builder().with_size(size).build_eframe(|context| {
             crate::theme::apply(&context.egui_ctx);
             Window::new(editor)
         });
         let ctx = harness.ctx.clone();
-        let mut hand = Hand { harness, ctx, at: pos2(5.0, 400.0), pause: 0.0, folder };
-        hand.settle();
-        hand
+        Hand { harness, ctx, at: pos2(5.0, 400.0), pause: 0.0, folder }
     }
 
     /// The window gets another size, points, and the screen another density, pixels a point.

@@ -119,6 +119,29 @@ fn arrays_of_the_data_are_chosen_one_or_several() {
     }
 }
 
+#[test]
+fn a_reader_that_is_given_a_file_takes_the_first_array_that_varies() {
+    let points = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
+    let data = format!(
+        "# vtk DataFile Version 3.0\ndata\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n{points}CELLS 1 5\n4 0 1 2 3\n\
+         CELL_TYPES 1\n10\nPOINT_DATA 4\nFIELD all 2\nsame 1 4 float\n1 1 1 1\nheat 1 4 float\n1 2 3 4\n"
+    );
+    let reader = "type = \"reader\"\npath = \"data.vtk\"";
+    let text = TEXT.replace("type = \"wavelet\"\nresolution = [12, 12, 12] # coarse", reader);
+    let mut hand = Hand::with_file(&text, "data.vtk", &data);
+    std::fs::copy(hand.folder.path().join("data.vtk"), hand.folder.path().join("other.vtk")).unwrap();
+    let fault = "the file holds several arrays";
+    until(&mut hand, "no fault", |hand| !hand.shown_beginning(fault).is_empty());
+    let of_node = hand.rect("node grid");
+    assert!(hand.shown_beginning(fault).iter().any(|at| of_node.contains(*at)), "the reader says it");
+    assert_eq!(hand.text(), text, "a file that is opened stays as it is");
+    hand.editor.edit("read".into(), &[voltet_document::Edit::set("grid", ["path"], "other.vtk".into())]);
+    until(&mut hand, "no array", |hand| hand.text().contains("scalar = \"heat\""));
+    assert!(hand.said().starts_with("grid: draws 'heat'"), "{}", hand.said());
+    hand.settle();
+    assert!(hand.shown_beginning(fault).is_empty());
+}
+
 /// The data are not there, so that nothing is drawn; what is wrong is shown, too.
 #[test]
 fn to_look_at_a_pipeline_that_ships_changes_nothing() {
@@ -173,4 +196,108 @@ fn what_is_unknown_is_said_with_the_plugins_that_were_asked() {
     {
         assert!(error.to_string().contains("of the plug-ins: one with nothing"), "{error}");
     }
+}
+
+#[test]
+fn a_number_field_says_why_it_holds_another_number_than_was_typed() {
+    let mut hand = Hand::in_tall_window(TEXT);
+    select(&mut hand, "look");
+    let field = |hand: &Hand| row(hand, "look.widgets.0.extinction").left_top() + vec2(14.0, 8.0);
+    let at = field(&hand);
+    type_at(&mut hand, at, "much");
+    assert_eq!(hand.texts("'much' is not a number; 4.0 stays").len(), 1);
+    assert_eq!(hand.text(), TEXT);
+    let at = field(&hand);
+    type_at(&mut hand, at, "-3");
+    assert_eq!(hand.texts("0.0 is the least: -3 is below it").len(), 1);
+    assert!(hand.text().contains("extinction = 0.0\n"), "{}", hand.text());
+    let at = field(&hand);
+    type_at(&mut hand, at, "12345678");
+    assert!(hand.text().contains("extinction = 12345678"), "{}", hand.text());
+    assert!(!hand.texts("1.2345678e7").is_empty(), "a long number has an exponent");
+    assert!(hand.texts("0.0 is the least: -3 is below it").is_empty());
+}
+
+#[test]
+fn a_colour_is_typed_as_its_code() {
+    let mut hand = Hand::in_tall_window(TEXT);
+    let button = hand.named("colour");
+    hand.click(button);
+    hand.frames(2);
+    assert!(hand.texts("Blending").is_empty() && hand.sees("code of the colour"));
+    hand.click_on("code of the colour");
+    hand.key(Key::A, Modifiers::COMMAND);
+    hand.typed("#ff0080");
+    hand.frames(2);
+    let nodes = &hand.editor.document().pipeline().nodes;
+    let look = nodes.iter().find(|node| node.name == "look").unwrap();
+    let widget = look.setting("widgets").unwrap().list().unwrap()[0].table().unwrap();
+    let color = voltet_graph::find_setting(widget, "color").unwrap().color().unwrap();
+    // sRGB 128 of 255 is 0.2159 of a linear channel (IEC 61966-2-1).
+    assert!(color[0] == 1.0 && color[1] == 0.0 && (color[2] - 0.2159).abs() < 1e-4, "{color:?}");
+    assert_eq!(hand.steps(), 1);
+}
+
+/// Texts of the parameters that their pane cuts at its sides.
+fn cut_texts(hand: &Hand) -> Vec<String> {
+    fn of(shape: &Shape, clip: Rect, found: &mut Vec<String>) {
+        match shape {
+            Shape::Vec(shapes) => shapes.iter().for_each(|shape| of(shape, clip, found)),
+            Shape::Text(text) => {
+                let rect = text.visual_bounding_rect();
+                if rect.intersects(clip)
+                    && (rect.right() > clip.right() + 1.0 || rect.left() < clip.left() - 1.0)
+                {
+                    found.push(text.galley.text().to_string());
+                }
+            }
+            _ => {}
+        }
+    }
+    let pane = hand.rect("name of look");
+    let mut found = Vec::new();
+    for clipped in hand.shapes() {
+        let clip = clipped.clip_rect;
+        if clip.left() <= pane.left()
+            && clip.right() < 0.8 * hand.ctx.content_rect().right()
+            && clip.bottom() > pane.bottom()
+        {
+            of(&clipped.shape, clip, &mut found);
+        }
+    }
+    found
+}
+
+#[test]
+fn no_text_of_a_transfer_function_is_cut_in_a_small_window() {
+    for size in [[700.0, 500.0], [900.0, 600.0], [1280.0, 720.0]] {
+        let mut hand = Hand::before_window(TEXT, size, &|_| {});
+        hand.frames(3);
+        let mut seen = 0;
+        for _ in 0..12 {
+            assert_eq!(cut_texts(&hand), Vec::<String>::new(), "{size:?}");
+            seen += usize::from(hand.sees("look.widgets.0.extinction"));
+            hand.move_to(hand.rect("name of look").left_bottom() + vec2(40.0, 60.0), Modifiers::NONE);
+            let delta = vec2(0.0, -2.0);
+            let unit = eframe::egui::MouseWheelUnit::Line;
+            let wheel =
+                Event::MouseWheel { unit, delta, phase: TouchPhase::Move, modifiers: Modifiers::NONE };
+            hand.frame(vec![wheel], Modifiers::NONE);
+            hand.frames(10);
+        }
+        assert!(seen > 0, "{size:?}");
+    }
+}
+
+#[test]
+fn colour_maps_are_chosen_by_their_colours() {
+    let gaussian = TEXT.split("kind = ").nth(1).and_then(|rest| rest.split("\n\n").next()).unwrap();
+    let text = TEXT.replace(gaussian, "\"colormap\"\ncolormap = \"viridis\"");
+    let mut hand = Hand::in_tall_window(&text);
+    hand.frames(3);
+    hand.click(hand.texts("viridis")[0]);
+    hand.frames(2);
+    assert!(hand.sees("colours of viridis") && hand.sees("colours of inferno"));
+    hand.click_on("inferno");
+    assert_eq!(hand.text(), text.replace("viridis", "inferno"));
 }

@@ -94,3 +94,41 @@ fn digits_store_and_recall_the_widgets() {
     hand.key(Key::Num3, Modifiers::NONE);
     assert_eq!(centre(&hand), [150.0, 20.0]);
 }
+
+#[test]
+fn a_widget_has_the_name_that_its_comment_or_a_hand_gives() {
+    let text = TEXT.replace("[[nodes.look.widgets]]", "# The shell: thin.\n[[nodes.look.widgets]]");
+    let mut hand = Hand::new(&text);
+    with_distribution(&mut hand);
+    assert!(hand.sees("widget 1 gaussian: The shell"));
+    hand.move_to(hand.named("centre of widget 1"), Modifiers::NONE);
+    hand.frames(3);
+    assert_eq!(hand.texts("centre of widget 1: The shell").len(), 1, "the pointer is told what it is at");
+    hand.click_on("name of the widget");
+    hand.typed("bone");
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(2);
+    assert!(hand.text().contains("\nname = \"bone\"\n"), "{}", hand.text());
+    assert!(hand.sees("widget 1 gaussian: bone"));
+    assert_eq!(hand.steps(), 1);
+    hand.key(Key::Z, Modifiers::COMMAND);
+    assert_eq!(hand.text(), text);
+}
+
+#[test]
+fn handles_of_a_widget_that_is_small_on_the_screen_are_told_apart() {
+    let mut hand = Hand::new(&TEXT.replace("sigma = [60.0, 40.0]", "sigma = [0.5, 0.5]"));
+    with_distribution(&mut hand);
+    let names = ["centre", "width 1", "width 2"].map(|name| format!("{name} of widget 1"));
+    let places = names.each_ref().map(|name| hand.named(name));
+    for (i, a) in places.iter().enumerate() {
+        for b in &places[..i] {
+            assert!(a.distance(*b) > 8.0, "{places:?}");
+        }
+    }
+    let sigma = |hand: &Hand| hand.text().lines().find(|line| line.starts_with("sigma")).unwrap().to_string();
+    let before = sigma(&hand);
+    hand.drag(places[1], places[1] + vec2(60.0, 0.0));
+    assert_eq!(centre(&hand), [150.0, 20.0]);
+    assert_ne!(sigma(&hand), before);
+}

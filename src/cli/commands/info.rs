@@ -5,7 +5,7 @@
 //! inputs: its demand is all that is read and computed.
 
 use super::blocks::tree;
-use super::shared::{ArrayChoice, DONE, Outcome, differs, open, with_bar};
+use super::shared::{DONE, Outcome, open, reader_keys, with_bar};
 use crate::cli::arguments::Info;
 use crate::cli::present::{self, grouped, name, print};
 use crate::core::grid::CellType;
@@ -15,7 +15,7 @@ use crate::graph::pipeline::Pipeline;
 use crate::graph::{Graph, LinkEntry, NodeEntry, ParameterValue, PortType, Registry};
 use crate::io::encode;
 use crate::io::formats::{
-    ArraySummary, Association, BlockSummary, FileArray, Request, Summary, inspect, unread,
+    ArrayChoice, ArraySummary, Association, BlockSummary, FileArray, Request, Summary, inspect, unread,
 };
 use crate::io::memory::GridSize;
 use crate::io::provenance::{CameraRecord, DataFile, PluginRecord, Provenance, SidecarFiles};
@@ -201,12 +201,12 @@ fn suggestion(arguments: &Info, wanted: &Request, summary: &Summary, registry: &
     if let Some(damage) = &summary.damage {
         return format!("\nNo pipeline to start with: {}\n", name(damage));
     }
-    let (Some(bounds), true) = (summary.bounds, summary.quantities().any(differs)) else {
+    let (Some(bounds), true) = (summary.bounds, summary.quantities().any(ArraySummary::varies)) else {
         return "\nNo array whose values differ: nothing to draw.\n".into();
     };
     let heads: Vec<FileArray> = summary.arrays.iter().map(|array| array.head.clone()).collect();
     let mut refusal = None;
-    for array in summary.quantities().filter(|array| differs(array)) {
+    for array in summary.quantities().filter(|array| array.varies()) {
         let choice = ArrayChoice::from_head(&array.head, &heads);
         let pipeline =
             pipeline(arguments, wanted.node_type(), &choice, array.range.unwrap_or_default(), bounds);
@@ -241,7 +241,7 @@ fn pipeline(
     [low, high]: [f64; 2],
     [from, to]: [glam::DVec3; 2],
 ) -> String {
-    let keys = choice.keys(&arguments.data, &arguments.options);
+    let keys = reader_keys(choice, &arguments.data, &arguments.options);
     let centre = 0.5 * from + 0.5 * to;
     let eye = centre + (to - from).length() * glam::DVec3::new(-0.8, -1.4, 0.9);
     let middle = 0.5 * low + 0.5 * high;

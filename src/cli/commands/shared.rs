@@ -8,7 +8,7 @@ use crate::core::{Error, Result};
 use crate::document::{self, LocatedError};
 use crate::graph::pipeline::{Pipeline, locate};
 use crate::graph::{NodeProgress, ParameterValue, Registry};
-use crate::io::formats::{ArraySummary, Association, FileArray};
+use crate::io::formats::{ArrayChoice, Association};
 use crate::nodes::files;
 use crate::{Document, Source};
 use std::path::{Path, PathBuf};
@@ -187,64 +187,15 @@ fn refuse_other_plots(path: &Path) -> Result<()> {
         .expected("a path that ends in .svg"))
 }
 
-/// An array, as parameters of a reader name it.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct ArrayChoice {
-    /// `scalar`: of several components the length.
-    pub scalar: String,
-    /// `association`: said only where an array of the other one has the name too.
-    pub association: Option<Association>,
-}
-
-impl ArrayChoice {
-    /// The choice of one of a file's arrays.
-    pub fn from_head(array: &FileArray, all: &[FileArray]) -> ArrayChoice {
-        let shadowed = |other: &FileArray| other.name == array.name && other.association != array.association;
-        let is_shadowed = array.association == Association::Cell && all.iter().any(shadowed);
-        ArrayChoice { scalar: scalar(array), association: is_shadowed.then_some(Association::Cell) }
+/// Keys of a `reader` node that reads an array from the file `data`.
+pub(super) fn reader_keys(choice: &ArrayChoice, data: &Path, options: &DataOptions) -> String {
+    let text = |text: &str| ParameterValue::Text(text.into());
+    let mut keys = format!("path = {}\nscalar = {}\n", text(&data.to_string_lossy()), text(&choice.scalar));
+    if choice.association == Some(Association::Cell) {
+        keys += "association = \"cell\"\n";
     }
-
-    /// The choice of an array by the name in an option; an array of several components is chosen by its length.
-    pub fn by_name(name: &str, all: &[FileArray]) -> ArrayChoice {
-        let bare = all.iter().find(|array| array.name == name && array.component_count > 1);
-        let as_it_is = || ArrayChoice { scalar: name.into(), association: None };
-        bare.map_or_else(as_it_is, |array| ArrayChoice::from_head(array, all))
-    }
-
-    /// Keys of a `reader` node that reads it from the file `data`.
-    pub fn keys(&self, data: &Path, options: &DataOptions) -> String {
-        let text = |text: &str| ParameterValue::Text(text.into());
-        let mut keys = format!("path = {}\nscalar = {}\n", text(&data.to_string_lossy()), text(&self.scalar));
-        if self.association == Some(Association::Cell) {
-            keys += "association = \"cell\"\n";
-        }
-        keys.extend(options.time_step.map(|step| format!("time_step = {step}\n")));
-        let solution = options.solution.as_ref();
-        keys.extend(solution.map(|path| format!("solution = {}\n", text(&path.to_string_lossy()))));
-        keys
-    }
-}
-
-/// Name of the array as a parameter of a reader.
-pub(super) fn scalar(array: &FileArray) -> String {
-    let magnitude = if array.component_count > 1 { ":magnitude" } else { "" };
-    format!("{}{magnitude}", array.name)
-}
-
-/// Roundings of the largest value within which values are the same: what sums in a solver leave of a constant.
-const ROUNDINGS: f64 = 64.0;
-
-/// True if its values differ by more than rounding.
-pub(super) fn differs(array: &ArraySummary) -> bool {
-    let epsilon = match array.number_type {
-        // Sums are of 64 bits, as a rule, and their result is rounded once.
-        "Float32" => f64::from(f32::EPSILON) / 32.0,
-        _ => f64::EPSILON,
-    };
-    array.range.is_some_and(|[low, high]| differ(low, high, epsilon))
-}
-
-/// True if two values differ by more than the rounding of numbers of this relative precision.
-pub(super) fn differ(low: f64, high: f64, epsilon: f64) -> bool {
-    high - low > ROUNDINGS * epsilon * low.abs().max(high.abs())
+    keys.extend(options.time_step.map(|step| format!("time_step = {step}\n")));
+    let solution = options.solution.as_ref();
+    keys.extend(solution.map(|path| format!("solution = {}\n", text(&path.to_string_lossy()))));
+    keys
 }

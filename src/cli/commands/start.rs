@@ -1,7 +1,7 @@
 //! `voltet start`: a pipeline file for a data file, with a transfer function over (s, g) found from the data.
 
 use super::first_view::view;
-use super::shared::{ArrayChoice, DONE, Outcome, differ, differs, scalar, with_bar};
+use super::shared::{DONE, Outcome, reader_keys, with_bar};
 use crate::cli::arguments::{DataOptions, Start};
 use crate::cli::present::{name, say};
 use crate::core::arithmetic::decimal;
@@ -16,7 +16,7 @@ use crate::core::{Error, Result, agreeing};
 use crate::graph::{ParameterValue, Registry};
 use crate::io::encode::format_by_ending;
 use crate::io::formats::{
-    ArraySummary, Association, FileArray, Request, Summary, arrays, files_beside, inspect, read,
+    ArrayChoice, FileArray, Request, Summary, arrays, differ, files_beside, inspect, read,
 };
 use crate::nodes::files::{
     Use, argument, collision, folder, is_standard_output, refuse_unwritable, relative_to, standard_output,
@@ -150,7 +150,7 @@ pub fn pipeline(
     let solution = arguments.options.solution.as_ref().map(|solution| relative_to(solution, own));
     let node_type = asked.node_type();
     let options = DataOptions { solution, ..arguments.options };
-    let keys = choice.keys(&relative_to(&arguments.data, own), &options);
+    let keys = reader_keys(&choice, &relative_to(&arguments.data, own), &options);
     let steepest = g.iter().copied().filter(|g| g.is_finite()).fold(g_axis.high, f64::max);
     // Finer than what can be told apart along either axis.
     let steps = [1e-6 * (high - low), 1e-6 * steepest];
@@ -322,7 +322,8 @@ inputs = {{ image = \"picture\", volume = \"gradient\", transfer_function = \"lo
 fn without_boundary(arguments: &Start, asked: &Request, named: &str, progress: &dyn Progress) -> Error {
     let error = Error::run(format!("'{named}' has no boundary: it is the same everywhere"));
     let found = inspect(&arguments.data, asked, progress).map(|summary| summary.arrays).unwrap_or_default();
-    let others: Vec<String> = found.iter().filter(|a| differs(a)).map(|a| scalar(&a.head)).collect();
+    let others: Vec<String> =
+        found.iter().filter(|a| a.varies()).map(|a| ArrayChoice::from_head(&a.head, &[]).scalar).collect();
     let expected = match others.is_empty() {
         true => "a file with an array whose values differ: this one has none".into(),
         false => format!("another array after --scalar: {}", others.join(", ")),
@@ -348,44 +349,19 @@ fn named_array(arguments: &Start, named: &str, all: &[FileArray]) -> Result<Arra
         .in_file(&arguments.data))
 }
 
-/// The file's own scalar, or the first that is a quantity; a flag or a number of something where nothing else differs.
+/// The array that is drawn where none is named.
 fn first_quantity(arguments: &Start, summary: &Summary) -> Result<ArrayChoice> {
     if !summary.has_volume() {
         return Err(without_volume(arguments));
     }
-    let heads: Vec<FileArray> = summary.arrays.iter().map(|array| array.head.clone()).collect();
-    let mut arrays: Vec<&ArraySummary> = summary.quantities().filter(|array| differs(array)).collect();
-    // Labels last; the file's own first, then scalars of the points, scalars of the cells, vectors, whole numbers.
-    arrays.sort_by_key(|array| {
-        let own = summary.active_scalars.as_deref() == Some(array.head.name.as_str());
-        let is_whole = !array.number_type.starts_with("Float");
-        let is_cell = array.head.association == Association::Cell;
-        (is_label(&array.head.name), !own, is_whole, array.head.component_count > 1, is_cell)
-    });
-    arrays.first().map(|array| ArrayChoice::from_head(&array.head, &heads)).ok_or_else(|| {
-        let names: Vec<&str> = heads.iter().map(|array| array.name.as_str()).collect();
+    summary.first_quantity().ok_or_else(|| {
+        let names: Vec<&str> = summary.arrays.iter().map(|array| array.head.name.as_str()).collect();
         let found = if names.is_empty() { "no arrays".into() } else { name(&names.join(", ")) };
         Error::run("no array is a quantity that varies")
             .got(found)
             .expected("a file with an array whose values differ")
             .in_file(&arguments.data)
     })
-}
-
-/// True if an array of this name holds numbers or marks of things, and no quantity.
-fn is_label(name: &str) -> bool {
-    const LABELS: &str =
-        "id ids flag flags mask ghost ghosttype rank part partition material index block region";
-    // As in GlobalNodeId; fluids end in "id", too.
-    let stem =
-        |word: &str| Some(word.strip_suffix("Id").or(word.strip_suffix("ID"))?.ends_with(char::is_lowercase));
-    if name.split(|c: char| !c.is_alphanumeric()).any(|word| stem(word) == Some(true)) {
-        return true;
-    }
-    let lower = name.to_lowercase();
-    let words = lower.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
-    let mut words = words.map(|word| word.trim_start_matches("vtk"));
-    words.any(|word| LABELS.split(' ').any(|label| label == word) || word.ends_with("ids"))
 }
 
 /// Over all of s, and g from where the data are not quiet to where nearly all of the volume is.

@@ -1,6 +1,6 @@
 //! `colormap`: the colours of a map along s, and an opacity curve over them; a piecewise-linear function of s.
 
-use super::properties::{ControlPoint, LoadFiles, REGION};
+use super::properties::{ControlPoint, LoadFiles, NAME, REGION};
 use crate::Result;
 use crate::colormap::{ColorCurve, Colormap, NAMES, limits};
 use crate::parameters::{
@@ -52,6 +52,7 @@ pub(super) const KIND: VariantSchema = VariantSchema {
             ..OUTSIDE_COLOR
         },
         REGION,
+        NAME,
     ],
 };
 

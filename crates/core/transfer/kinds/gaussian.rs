@@ -1,8 +1,8 @@
 //! `gaussian`: exp(−|K (v − centre)|²) over the (s, g) plane (Song et al. 2009, section 4.2; Kniss et al. 2003, Eq. 12).
 
 use super::properties::{
-    AxisOrigin, CENTRE, COLOR, EXTINCTION, MATRIX, POSITIVE_OR_INFINITE, Properties, REGION, SIGMA, finite,
-    kernel,
+    AxisOrigin, CENTRE, COLOR, EXTINCTION, MATRIX, NAME, POSITIVE_OR_INFINITE, Properties, REGION, SIGMA,
+    finite, kernel,
 };
 use crate::Result;
 use crate::parameters::{
@@ -26,6 +26,7 @@ pub(super) const KIND: VariantSchema = VariantSchema {
         },
         Parameter { parameter_type: FACTORS, unit: "1 / units of s, g", ..MATRIX },
         REGION,
+        NAME,
     ],
 };
 

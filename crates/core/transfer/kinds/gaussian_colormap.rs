@@ -1,7 +1,7 @@
 //! `gaussian-colormap`: a Gaussian over the (s, g) plane in the colours of a map along s, as a table fine enough for 32 bits.
 
 use super::colormap::{CURVE_PARAMETERS, RANGE, color_curve, range};
-use super::properties::{CENTRE, EXTINCTION, LoadFiles, REGION, SIGMA, Table};
+use super::properties::{CENTRE, EXTINCTION, LoadFiles, NAME, REGION, SIGMA, Table};
 use crate::Result;
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
@@ -30,6 +30,7 @@ pub(super) const KIND: VariantSchema = VariantSchema {
         CURVE_PARAMETERS[1],
         CURVE_PARAMETERS[2],
         REGION,
+        NAME,
     ],
 };
 

@@ -1,7 +1,7 @@
 //! `gaussian-nd`: exp(−|K (v − centre)|²) over a list of fields of its own (Kniss et al. 2003, Eq. 11 and 12).
 
 use super::properties::{
-    AxisOrigin, CENTRE_OF_FIELDS, COLOR, EXTINCTION, FIELDS, MATRIX_OF_FIELDS, MAX_FIELDS, Properties,
+    AxisOrigin, CENTRE_OF_FIELDS, COLOR, EXTINCTION, FIELDS, MATRIX_OF_FIELDS, MAX_FIELDS, NAME, Properties,
     REGION, SIGMA_OF_FIELDS, finite,
 };
 use crate::parameters::VariantSchema;
@@ -11,7 +11,16 @@ use crate::{Error, Result, counted};
 pub(super) const KIND: VariantSchema = VariantSchema {
     name: "gaussian-nd",
     summary: "A Gaussian over one to eight point arrays.",
-    parameters: &[COLOR, EXTINCTION, FIELDS, CENTRE_OF_FIELDS, SIGMA_OF_FIELDS, MATRIX_OF_FIELDS, REGION],
+    parameters: &[
+        COLOR,
+        EXTINCTION,
+        FIELDS,
+        CENTRE_OF_FIELDS,
+        SIGMA_OF_FIELDS,
+        MATRIX_OF_FIELDS,
+        REGION,
+        NAME,
+    ],
 };
 
 pub(super) fn properties<'a>(fields: &'a [String], centre: &[f64]) -> Properties<'a> {

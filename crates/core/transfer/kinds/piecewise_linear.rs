@@ -1,6 +1,6 @@
 //! `piecewise-linear`: colour and extinction linear between control points in s (Roettger & Ertl 2002; Moreland 2004).
 
-use super::properties::{ColorSource, ControlPoint, Properties, REGION, finite, not_negative};
+use super::properties::{ColorSource, ControlPoint, NAME, Properties, REGION, finite, not_negative};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, RelativeNumberType, StatisticKind,
     VariantSchema,
@@ -25,6 +25,7 @@ pub(super) const KIND: VariantSchema = VariantSchema {
             help: "control points [s, r, g, b, extinction], s rising",
         },
         REGION,
+        NAME,
     ],
 };
 

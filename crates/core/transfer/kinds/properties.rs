@@ -169,6 +169,15 @@ pub(super) const EXTINCTION: Parameter = Parameter {
     help: "peak of the extinction coefficient: light is dimmed by exp(-extinction) over one unit distance",
 };
 
+/// A name for people: no engine reads it.
+pub(super) const NAME: Parameter = Parameter {
+    name: "name",
+    parameter_type: ParameterType::Text,
+    unit: "",
+    default: DefaultValue::Unset("the comment before the widget"),
+    help: "what the widget shows, such as \"bone\": the editor's name for it",
+};
+
 pub(super) const REGION: Parameter = Parameter {
     name: "region",
     parameter_type: ParameterType::Table(REGION_KEYS),

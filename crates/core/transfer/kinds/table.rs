@@ -1,6 +1,6 @@
 //! `table`: a picture over the (s, g) plane (Song et al. 2009, section 3.3.2).
 
-use super::properties::{COLOR, ColorSource, EXTINCTION, LoadFiles, Properties, REGION, Table};
+use super::properties::{COLOR, ColorSource, EXTINCTION, LoadFiles, NAME, Properties, REGION, Table};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
     VariantSchema,
@@ -40,6 +40,7 @@ pub(super) const KIND: VariantSchema = VariantSchema {
             help: "range of the gradient magnitude up the picture, [bottom, top]",
         },
         REGION,
+        NAME,
     ],
 };
 

@@ -1,6 +1,6 @@
 //! `triangular-gaussian`: exp(−((s − centre)/(sigma g))²), 0 where g = 0 (Kniss et al. 2003, section 3.2).
 
-use super::properties::{AxisOrigin, COLOR, EXTINCTION, Properties, REGION, finite, positive};
+use super::properties::{AxisOrigin, COLOR, EXTINCTION, NAME, Properties, REGION, finite, positive};
 use crate::Result;
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Range, RelativeNumberType, StatisticKind, VariantSchema,
@@ -37,6 +37,7 @@ pub(super) const KIND: VariantSchema = VariantSchema {
             help: "width in s for each unit of g",
         },
         REGION,
+        NAME,
     ],
 };
 

@@ -5,7 +5,7 @@
 use super::gaussian_nd;
 use super::properties::{
     AxisOrigin, CENTRE_OF_FIELDS, COLOR, EXTINCTION, FIELDS, FieldsOfWidget, MATRIX_OF_FIELDS, MAX_FIELDS,
-    POSITIVE_OR_INFINITE, Properties, REGION, SIGMA_OF_FIELDS, fields_of,
+    NAME, POSITIVE_OR_INFINITE, Properties, REGION, SIGMA_OF_FIELDS, fields_of,
 };
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, RelativeNumberType, StatisticKind,
@@ -54,6 +54,7 @@ pub(super) const KIND: VariantSchema = VariantSchema {
             ..MATRIX_OF_FIELDS
         },
         REGION,
+        NAME,
     ],
 };
 

@@ -1,6 +1,8 @@
 //! `triangle-wave` and `sine-wave`: bands across the (s, g) plane (Song et al. 2009, sections 4.3 and 4.4).
 
-use super::properties::{BandSpacing, COLOR, EXTINCTION, PLACE, Properties, REGION, Wave, finite, positive};
+use super::properties::{
+    BandSpacing, COLOR, EXTINCTION, NAME, PLACE, Properties, REGION, Wave, finite, positive,
+};
 use crate::parameters::{
     AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
     VariantSchema,
@@ -68,6 +70,7 @@ const KEYS: &[Parameter] = &[
         help: "share of the profile that is kept around its peaks",
     },
     REGION,
+    NAME,
 ];
 
 pub(super) fn read(p: &Parameters) -> Result<Wave> {

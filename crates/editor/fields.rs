@@ -1,0 +1,255 @@
+//! Fields for numbers and colours: what a hand makes of them, and why a number is another than was typed.
+
+use crate::theme;
+use eframe::egui::color_picker::{Alpha, color_picker_color32};
+use eframe::egui::{
+    Button, Color32, DragValue, Popup, PopupCloseBehavior, Rect, Response, Rgba, RichText, Sense, Slider,
+    TextEdit, Ui, WidgetInfo, WidgetType, vec2,
+};
+use std::cell::RefCell;
+use voltet_core::arithmetic::decimal;
+use voltet_core::colormap::Colormap;
+use voltet_document::panel::Scale;
+use voltet_graph::{LocatedValue, ParameterValue, Range};
+
+/// The largest span that a slider of equal steps serves: beyond, a drag of a few points is a large step.
+const SPAN_OF_SLIDER: f64 = 1000.0;
+
+/// Share of a number that a drag over one point changes, and its least step.
+const SPEED: f64 = 0.01;
+const MIN_STEP: f64 = 1e-3;
+
+/// True if the user changed it; rounding for display, or clamping to its range, is no change.
+pub(crate) fn by_hand(response: &Response) -> bool {
+    response.changed()
+        && (response.dragged() || response.drag_stopped() || response.lost_focus() || response.has_focus())
+}
+
+/// Result of a drag, with the digits that its step resolves; a typed number stays as it is.
+fn meant(response: &Response, x: f64, step: f64) -> f64 {
+    if response.dragged() || response.drag_stopped() { decimal(x, 0.1 * step) } else { x }
+}
+
+/// A field for one number; a whole one where it has no scale. With a slider where the range has two ends that are not too far.
+pub(crate) fn number_field(
+    ui: &mut Ui,
+    now: Option<f64>,
+    range: &Range,
+    scale: Option<Scale>,
+    remark: &mut Option<String>,
+) -> Option<f64> {
+    let mut x = now.unwrap_or(range.min.max(0.0).min(range.max));
+    let span = range.max - range.min;
+    let is_logarithmic = scale == Some(Scale::Logarithmic);
+    let mut slid = None;
+    if scale.is_some() && span.is_finite() && (is_logarithmic || span <= SPAN_OF_SLIDER) {
+        let slider = Slider::new(&mut x, range.min..=range.max).logarithmic(is_logarithmic).show_value(false);
+        let response = ui.add(slider.smart_aim(true));
+        let step = span / f64::from(response.rect.width().max(1.0));
+        let step = if is_logarithmic { step.min(SPEED * x.abs()) } else { step };
+        slid = (by_hand(&response) && range.holds(x)).then(|| meant(&response, x, step));
+    }
+    let step = match scale {
+        Some(_) => (SPEED * x.abs()).max(MIN_STEP),
+        None => 0.2,
+    };
+    let before = x;
+    let (response, x) = drag(ui, x, range, step, scale.is_none(), remark);
+    slid.or((by_hand(&response) && x != before && range.holds(x)).then_some(x))
+}
+
+/// Magnitudes from which on a number has an exponent.
+const SCIENTIFIC: f64 = 1e6;
+
+/// A number as a file may have it, with all its digits: what is edited from there loses none.
+fn stated(x: f64) -> String {
+    if x.abs() >= SCIENTIFIC && x.is_finite() {
+        format!("{x:e}")
+    } else {
+        ParameterValue::Number(x).to_string()
+    }
+}
+
+/// The number that a text means, with any sign for minus.
+fn parsed(text: &str) -> Option<f64> {
+    let plain: String = text.chars().filter(|c| !c.is_whitespace()).collect();
+    plain.replace('−', "-").parse().ok().filter(|x: &f64| !x.is_nan())
+}
+
+/// Reason for which a number field holds another number than was typed; `None` where it does not.
+fn correction(text: &str, before: f64, range: &Range, whole: bool) -> Option<String> {
+    let Some(x) = parsed(text) else {
+        return Some(format!("'{text}' is not a number; {} stays", stated(before)));
+    };
+    match x.clamp(range.min, range.max) {
+        end if end != x && end == range.min => {
+            Some(format!("{} is the least: {text} is below it", stated(end)))
+        }
+        end if end != x => Some(format!("{} is the most: {text} is above it", stated(end))),
+        _ if !range.holds(x) => Some(format!("the number is not {text} itself; {} stays", stated(before))),
+        _ if whole && x.round() != x => Some(format!("{text} is rounded: the number is a whole one")),
+        _ => None,
+    }
+}
+
+/// A field for a number, and the number that a hand leaves there; `remark`: the reason for which that is another than was typed.
+pub(crate) fn drag(
+    ui: &mut Ui,
+    before: f64,
+    range: &Range,
+    step: f64,
+    whole: bool,
+    remark: &mut Option<String>,
+) -> (Response, f64) {
+    let (mut x, text) = (before, RefCell::new(None));
+    let parse = |typed: &str| {
+        *text.borrow_mut() = Some(typed.to_string());
+        parsed(typed)
+    };
+    let field = DragValue::new(&mut x).range(range.min..=range.max).speed(step).update_while_editing(false);
+    let field = field.custom_parser(parse);
+    let field = if whole { field.max_decimals(0) } else { field.custom_formatter(|x, _| stated(x)) };
+    let response = ui.add(field);
+    if let Some(typed) = text.into_inner() {
+        *remark = correction(&typed, before, range, whole).or(remark.take());
+    }
+    let x = if whole { x.round() } else { meant(&response, x, step) };
+    (response, x)
+}
+
+pub(crate) fn numbers(
+    ui: &mut Ui,
+    now: Option<&ParameterValue>,
+    count: usize,
+    range: &Range,
+    whole: bool,
+    remark: &mut Option<String>,
+) -> Option<ParameterValue> {
+    let mut list = match now {
+        Some(ParameterValue::List(list)) => list.iter().map(|part| part.number().unwrap_or(0.0)).collect(),
+        _ => vec![range.min.max(0.0).min(range.max); count],
+    };
+    list.resize(list.len().max(count), 0.0);
+    let mut changed = false;
+    for number in &mut list {
+        let step = if whole { 1.0 } else { (SPEED * number.abs()).max(MIN_STEP) };
+        let (response, x) = drag(ui, *number, range, step, whole, remark);
+        if by_hand(&response) && x != *number && range.holds(x) {
+            (*number, changed) = (x, true);
+        }
+    }
+    changed.then(|| {
+        let datum =
+            |x: f64| if whole { ParameterValue::Integer(x as i64) } else { ParameterValue::Number(x) };
+        list.into_iter().map(datum).collect()
+    })
+}
+
+/// A colour, linear in the file; brighter than the screen is kept by its factor.
+pub(crate) fn color(
+    ui: &mut Ui,
+    now: Option<&ParameterValue>,
+    most: f64,
+    remark: &mut Option<String>,
+) -> Option<ParameterValue> {
+    let linear = now.and_then(|now| LocatedValue::from(now.clone()).color()).unwrap_or([1.0; 3]);
+    match edited_color(ui, linear) {
+        Some(channels) => Some(channels.into_iter().collect()),
+        None => numbers(ui, now, 3, &Range::within(0.0, most), false, remark),
+    }
+}
+
+/// A linear colour as a button that edits it, by its hue or as the screen's code (sRGB); the new one.
+pub(crate) fn edited_color(ui: &mut Ui, linear: [f64; 3]) -> Option<[f64; 3]> {
+    let brightest = linear.iter().copied().fold(1.0, f64::max);
+    let [r, g, b] = linear.map(|x| (x / brightest) as f32);
+    let mut display: Color32 = Rgba::from_rgb(r, g, b).into();
+    let button = ui.add(Button::new("").fill(display).min_size(vec2(32.0, 16.0)));
+    button.widget_info(|| WidgetInfo::labeled(WidgetType::ColorButton, true, "colour"));
+    let (code, mut is_changed) = (hex(display), false);
+    Popup::menu(&button).close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
+        ui.spacing_mut().slider_width = 220.0;
+        is_changed = color_picker_color32(ui, &mut display, Alpha::Opaque);
+        ui.horizontal(|ui| {
+            ui.label("sRGB").on_hover_text("the code of colours on screens; the file has linear numbers");
+            if let Some(typed) = hex_field(ui, display) {
+                (display, is_changed) = (typed, true);
+            }
+        });
+    });
+    button.on_hover_text(format!("{code} in sRGB"));
+    is_changed.then(|| {
+        let linear = Rgba::from(display);
+        // A screen has 256 levels of each.
+        [linear.r(), linear.g(), linear.b()].map(|x| decimal(f64::from(x) * brightest, 1e-5 * brightest))
+    })
+}
+
+/// Width and steps of a colour map beside its name, points.
+const GRADIENT: f32 = 96.0;
+const STEPS: usize = 48;
+
+/// The colours of a map from left to right.
+pub(crate) fn gradient(ui: &mut Ui, map: Colormap) {
+    let (rect, response) = ui.allocate_exact_size(vec2(GRADIENT, 14.0), Sense::hover());
+    response
+        .widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, format!("colours of {}", map.name())));
+    let curve = map.curve();
+    let step = rect.width() / STEPS as f32;
+    for i in 0..STEPS {
+        let at = Rect::from_min_size(rect.min + vec2(i as f32 * step, 0.0), vec2(step + 0.5, rect.height()));
+        let color = theme::on_screen(curve.at((i as f64 + 0.5) / STEPS as f64));
+        ui.painter().rect_filled(at.intersect(rect), 0.0, color);
+    }
+}
+
+fn hex(color: Color32) -> String {
+    format!("#{:02x}{:02x}{:02x}", color.r(), color.g(), color.b())
+}
+
+/// A field for a colour's code, "#ff8020": the new colour, once it is one.
+fn hex_field(ui: &mut Ui, color: Color32) -> Option<Color32> {
+    let id = ui.id().with("code");
+    let mut text = ui.data(|data| data.get_temp::<String>(id)).unwrap_or_else(|| hex(color));
+    let response = ui.add(TextEdit::singleline(&mut text).desired_width(70.0).hint_text("#rrggbb"));
+    response.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "code of the colour"));
+    let is_whole = text.trim().len() == "#rrggbb".len();
+    let typed = Color32::from_hex(text.trim()).ok().filter(|_| is_whole);
+    let has_focus = response.has_focus();
+    ui.data_mut(|data| match has_focus {
+        true => drop(data.insert_temp(id, text.clone())),
+        false => data.remove::<String>(id),
+    });
+    if has_focus && typed.is_none() {
+        ui.label(RichText::new("#rrggbb").small().color(theme::wrong(ui.visuals().dark_mode)));
+    }
+    typed.filter(|_| response.changed())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_that_is_not_taken_as_typed_is_explained() {
+        let share = Range::within(0.0, 1.0);
+        let why = |text: &str| correction(text, 0.5, &share, false);
+        assert_eq!(why("0.25"), None);
+        assert_eq!(why(" −0 "), None);
+        assert_eq!(why("a bit").unwrap(), "'a bit' is not a number; 0.5 stays");
+        assert_eq!(why("3").unwrap(), "1.0 is the most: 3 is above it");
+        assert_eq!(why("-inf").unwrap(), "0.0 is the least: -inf is below it");
+        assert!(correction("2.5", 2.0, &Range::ANY, true).unwrap().contains("rounded"));
+        assert!(correction("0", 1.0, &Range::above(0.0), false).is_some());
+    }
+
+    #[test]
+    fn long_numbers_have_an_exponent_and_all_digits() {
+        for (x, text) in
+            [(2.5, "2.5"), (123456.5, "123456.5"), (1.0e6, "1e6"), (-12_345_678.25, "-1.234567825e7")]
+        {
+            assert_eq!(stated(x), text);
+            assert_eq!(parsed(text), Some(x));
+        }
+    }
+}
