@@ -15,4 +15,14 @@ gzip --no-name --best "$shared"/*.1
 "$program" completions bash > "$shared/voltet.bash"
 "$program" completions zsh > "$shared/_voltet"
 "$program" completions fish > "$shared/voltet.fish"
+gzip --no-name --best --stdout CHANGELOG.md > "$shared/changelog.gz"
+# Debian's own form, of this version alone.
+version=$("$program" --version)
+cat > "$shared/changelog.Debian" << END
+voltet (${version#voltet }-1) unstable; urgency=medium
+
+  * Upstream release: see changelog.gz.
+
+ -- The voltet developers <voltet@users.noreply.github.com>  $(date --rfc-email --date "@${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct)}")
+END
 cargo deb --no-build --output "$folder"

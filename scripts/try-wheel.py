@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Installs a wheel into an empty virtual environment, and uses it from another folder as a user does: python scripts/try-wheel.py FOLDER
 
-FOLDER holds one wheel. Without Rust, without files of the checkout: the program's commands, a picture by Python, a pipeline that is saved
-and drawn by the program, the plug-in of ParaView. Prints what was done; fails where something is missing.
+FOLDER holds wheels, of which pip chooses the one for this Python. Without Rust, without files of the checkout: the program's commands, a
+picture by Python, a pipeline that is saved and drawn by the program, the plug-in of ParaView. Prints what was done; fails where something
+is missing.
 """
 
 from __future__ import annotations
@@ -15,12 +16,14 @@ import time
 from pathlib import Path
 
 CODE = """
-import sys
+import sys, sysconfig
 import numpy as np, voltet
 from pathlib import Path
 import voltet.nodes, voltet.widgets
 
 x, y, z = np.mgrid[-1:1:9j, -1:1:9j, -1:1:9j]
+# The module needs no lock of the interpreter where there is none.
+assert getattr(sys, "_is_gil_enabled", lambda: True)() == (not sysconfig.get_config_var("Py_GIL_DISABLED"))
 pipeline = voltet.scene(x * x + y * y + z * z, cmap="inferno", size=(48, 36), engine="cpu")
 picture = pipeline.render()
 assert picture.shape == (36, 48, 4) and 0 < picture[18, 24, 3] < 1, picture[18, 24]
@@ -34,13 +37,16 @@ print(voltet.__version__)
 
 
 def main() -> int:
-    (wheel,) = Path(sys.argv[1]).resolve().glob("voltet-*.whl")
+    wheels = Path(sys.argv[1]).resolve()
     with tempfile.TemporaryDirectory() as folder:
         environment = Path(folder, "environment")
         subprocess.run([sys.executable, "-m", "venv", environment], check=True)
         programs = environment / ("Scripts" if os.name == "nt" else "bin")
         python = programs / "python"
-        subprocess.run([python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", wheel], check=True)
+        install = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+        # From the folder alone; then what it needs.
+        subprocess.run([*install, "--no-index", "--no-deps", "--find-links", wheels, "voltet"], check=True)
+        subprocess.run([*install, "voltet"], check=True)
         elsewhere = Path(folder, "elsewhere")
         elsewhere.mkdir()
         # No Rust, no checkout, no other Python package.
@@ -58,7 +64,7 @@ def main() -> int:
             return done.stdout + done.stderr
 
         voltet = programs / "voltet"
-        version = wheel.name.split("-")[1]
+        version = next(wheels.glob("voltet-*.whl")).name.split("-")[1]
         assert ran(voltet, "--version").strip() == f"voltet {version}"
         assert ran(python, "-c", CODE).strip() == version
         assert "in order" in ran(voltet, "check", "ball.toml")

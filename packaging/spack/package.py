@@ -6,8 +6,8 @@ from spack.package import *
 
 
 class Voltet(CargoPackage):
-    """Volume pictures of simulation results on unstructured grids, straight from the cells, with transfer functions over a scalar and
-    its gradient magnitude."""
+    """Volume pictures of simulation results on unstructured grids, straight from the cells, with
+    transfer functions over a scalar and its gradient magnitude."""
 
     homepage = "https://github.com/voltet/voltet"
     git = "https://github.com/voltet/voltet.git"
@@ -20,20 +20,21 @@ class Voltet(CargoPackage):
     version("main", branch="main")
     version("0.2.0", tag="v0.2.0")
 
+    # The system's Vulkan loader is opened at run time; without one the processor draws.
     variant("gpu", default=True, description="Draws on graphics devices by Vulkan, too")
     variant("mpi", default=False, description="Shares one grid out among processes")
     variant("editor", default=False, description="Node editor, voltet edit")
 
+    depends_on("c", type="build")
     depends_on("rust@1.89:", type="build")
+    depends_on("rust@1.95:", type="build", when="+editor")
     depends_on("mpi", when="+mpi")
     depends_on("llvm+clang", type="build", when="+mpi")
 
-    # The loader is opened at run time.
-    depends_on("vulkan-loader", type="run", when="+gpu")
-
     @property
     def build_args(self):
-        features = ["cli"] + [name for name in ("gpu", "mpi", "editor") if self.spec.satisfies(f"+{name}")]
+        optional = ("gpu", "mpi", "editor")
+        features = ["cli"] + [name for name in optional if self.spec.satisfies(f"+{name}")]
         return ["--locked", "--no-default-features", "--features", ",".join(features)]
 
     @property
@@ -45,10 +46,10 @@ class Voltet(CargoPackage):
         program = Executable(self.prefix.bin.voltet)
         program("man", self.prefix.share.man.man1)
         for shell, folder, name in (
-            ("bash", "bash-completion/completions", "voltet"),
-            ("zsh", "zsh/site-functions", "_voltet"),
-            ("fish", "fish/vendor_completions.d", "voltet.fish"),
+            ("bash", bash_completion_path(self.prefix), "voltet"),
+            ("zsh", zsh_completion_path(self.prefix), "_voltet"),
+            ("fish", fish_completion_path(self.prefix), "voltet.fish"),
         ):
-            mkdirp(join_path(self.prefix.share, folder))
-            with open(join_path(self.prefix.share, folder, name), "w") as file:
+            mkdirp(folder)
+            with open(folder / name, "w") as file:
                 program("completions", shell, output=file)

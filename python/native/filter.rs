@@ -32,7 +32,7 @@ thread_local! {
     static RUN: Cell<Option<Run>> = const { Cell::new(None) };
 }
 
-/// Python's numbers of the threads that are in a function, by the run that called it. Whoever changes it holds the interpreter's lock.
+/// Python's numbers of the threads that are in a function, by the run that called it.
 static CALLED: Mutex<BTreeMap<Run, c_long>> = Mutex::new(BTreeMap::new());
 
 /// A run whose functions can be interrupted.
@@ -55,7 +55,7 @@ impl Run {
     pub fn interrupt(self, py: Python<'_>) {
         if let Some(&thread) = CALLED.lock().unwrap_or_else(PoisonError::into_inner).get(&self) {
             let interrupt = py.get_type::<PyKeyboardInterrupt>();
-            // SAFETY: this thread holds the interpreter's lock, and the type lives; a number of no thread does nothing.
+            // SAFETY: this thread is attached to the interpreter, and the type lives; a number of no thread does nothing.
             unsafe { ffi::PyThreadState_SetAsyncExc(thread, interrupt.as_ptr()) };
         }
     }
@@ -135,8 +135,13 @@ pub fn register_filter(
         let mut registry = own_registry()?;
         registry.add_filter(filter.clone())?;
         let mut filters = FILTERS.lock().unwrap_or_else(PoisonError::into_inner);
-        filters.retain(|known| known.kind.name != filter.kind.name);
-        filters.push(filter);
+        let (former, mut kept): (Vec<_>, Vec<_>) =
+            filters.drain(..).partition(|known| known.kind.name == filter.kind.name);
+        kept.push(filter);
+        *filters = kept;
+        drop(filters);
+        // Freed without the lock: what it leads to may be code in Python, which other threads of Python wait for.
+        drop(former);
         REGISTERED.fetch_add(1, Ordering::AcqRel);
         Ok(())
     })

@@ -19,6 +19,10 @@ mod value;
 
 use pyo3::prelude::*;
 
+/// The program `voltet` reports the end of memory as cargo's does; in any other process of Python nothing changes.
+#[global_allocator]
+static ALLOCATOR: voltet::ExitOnOutOfMemory = voltet::ExitOnOutOfMemory;
+
 #[pymodule]
 mod _native {
     #[pymodule_export]

@@ -1,5 +1,9 @@
 """Gradient filters that are Python functions."""
 
+import subprocess
+import sys
+import textwrap
+
 import numpy as np
 import pytest
 
@@ -94,6 +98,29 @@ def test_names_that_are_taken_and_defaults_that_are_none():
         voltet.gradient_filter("x", parameters={"a": [1, 2]})(lambda points, tetrahedra, scalar, a: points)
     with pytest.raises(voltet.UsageError):
         voltet.gradient_filter("y", parameters={"type": 1.0})(lambda points, tetrahedra, scalar: points)
+
+
+def test_what_runs_when_a_former_filter_is_freed_may_register_another():
+    """The registry is not locked then: it would wait for itself, or for threads that wait for it."""
+    code = """
+        import gc, voltet
+
+        class Former:
+            __name__ = "filter"
+
+            def __call__(self, points, tetrahedra, scalar):
+                return points
+
+            def __del__(self):
+                voltet.gradient_filter("second")(lambda points, tetrahedra, scalar: points)
+                print("freed")
+
+        voltet.gradient_filter("first")(Former())
+        voltet.gradient_filter("first")(lambda points, tetrahedra, scalar: points)
+        gc.collect()
+    """
+    done = subprocess.run([sys.executable, "-c", textwrap.dedent(code)], capture_output=True, text=True, timeout=300)
+    assert (done.returncode, done.stdout) == (0, "freed\n"), done.stderr
 
 
 def test_pictures_name_the_filter(cube, tmp_path):

@@ -93,3 +93,9 @@ def test_without_matplotlib_the_remedy_is_said(monkeypatch, cube):
     monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)
     with pytest.raises(voltet.UsageError, match="matplotlib is missing: .*pip install matplotlib"):
         uniform(voltet.Grid(**cube)).imshow()
+
+
+def test_what_is_no_axes_is_said(cube):
+    scene = voltet.scene(voltet.Grid(**cube), size=(8, 8), engine="cpu")
+    with pytest.raises(voltet.UsageError, match="no axes of matplotlib: found a ndarray"):
+        scene.imshow(np.empty(2))

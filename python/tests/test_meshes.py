@@ -190,3 +190,32 @@ def test_words_in_attributes_of_ugrid_hide_no_variable():
         voltet.Grid.from_mesh(data.assign(volumes=data["volumes"][:, 0]))
     with pytest.raises(voltet.UsageError, match=r"node_coordinates of the mesh 'mesh' are not along the nodes: found dimensions \(node\), \(other\)"):
         voltet.Grid.from_mesh(data.assign_coords(y=(("other",), np.zeros(3))))
+
+
+def test_a_warning_of_a_mesh_is_told_once():
+    with pytest.warns(voltet.VoltetWarning) as told:
+        voltet.render(of_meshio(), "T", size=(8, 8), engine="cpu")
+    assert [str(warning.message) for warning in told] == ["grid: passed over, as only volume cells are drawn: cells of type line"]
+
+
+@pytest.mark.parametrize("words", [
+    {"extinction": "thin"}, {"extinction": [1.0, 2.0]}, {"camera": "xy"}, {"camera": {1: 2}}, {"method": 3}, {"look": "log"}, {"annotation": True},
+    {"annotation": "title"}, {"cmap": []}, {"cmap": ["red"]},
+])
+def test_words_of_a_wrong_type_are_refused_by_name(words):
+    (name,) = words
+    pytest.importorskip("matplotlib")
+    named = "colour map" if name == "cmap" else f"'{name}' is no "
+    with pytest.raises(voltet.UsageError, match=named) as raised:
+        voltet.render(np.zeros((3, 3, 3)), size=(8, 8), engine="cpu", **words)
+    assert raised.value.expected
+
+
+@pytest.mark.parametrize("name, value, message", [
+    ("mesh", {"topology_dimension": "three"}, "'mesh' of three dimensions"), ("volumes", {"start_index": "one"}, "an unknown start_index"),
+])
+def test_attributes_of_ugrid_that_are_no_numbers_are_said(name, value, message):
+    data = of_xarray()
+    data[name].attrs.update(value)
+    with pytest.raises(voltet.UsageError, match=message):
+        voltet.Grid.from_mesh(data, scalar="T")

@@ -19,8 +19,11 @@ def test_recipes_name_the_version():
     assert f'version("{VERSION}", tag="v{VERSION}")' in spack
     assert f"\nversion: {VERSION}\n" in (ROOT / "CITATION.cff").read_text()
     rust = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["package"]["rust-version"]
-    assert f'depends_on("rust@{rust}:"' in spack
+    assert f'depends_on("rust@{rust}:", type="build")' in spack
+    editor = tomllib.loads((ROOT / "crates/editor/Cargo.toml").read_text())["package"]["rust-version"]
+    assert f'depends_on("rust@{editor}:", type="build", when="+editor")' in spack
     compile(spack, "package.py", "exec")
+    assert max(map(len, spack.splitlines())) < 100, "Spack's style check takes no longer lines"
 
 
 def test_extras_and_limits_are_those_of_the_recipes():

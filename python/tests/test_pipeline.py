@@ -324,3 +324,14 @@ def test_a_threshold_takes_infinite_ends(cube):
     pipeline.add("again", "renderer", volume="part", transfer_function="look", camera="view", engine="cpu")
     part = pipeline.render("again")
     assert 0.0 < part[..., 3].sum() < pipeline.render("picture")[..., 3].sum()
+
+
+def test_backgrounds_and_nodes_that_are_none_are_said(slab, tmp_path):
+    picture = slab.render()
+    for background in ("white", (1, 1), 3):
+        for call in (lambda: picture.srgb8(background), lambda: picture.save(tmp_path / "a.png", background=background)):
+            with pytest.raises(voltet.UsageError, match="the background is no colour: found"):
+                call()
+    for call in (lambda: slab.figures("nosuch"), lambda: slab.volume("nosuch")):
+        with pytest.raises(voltet.UsageError, match="there is no node 'nosuch'; expected one of grid, gradient, look, view, picture"):
+            call()

@@ -349,3 +349,20 @@ def test_a_volume_that_is_moved_as_an_actor_says_so():
     p.render()
     assert v.error is None
     p.close()
+
+
+def test_arrays_are_volumes_and_what_is_no_data_set_is_said():
+    p = plotter()
+    drawn = p.voltet.add_volume(np.arange(27.0).reshape(3, 3, 3), opacity=[0.0, 1.0], show_scalar_bar=False, engine="cpu")
+    assert shown(p).any() and drawn.picture[..., 3].any()
+    for wrong, message in ((3, "a int"), (None, "a NoneType"), (np.zeros((3, 3)), r"shape \(3, 3\)")):
+        with pytest.raises(voltet.UsageError, match=message):
+            p.voltet.add_volume(wrong)
+    p.close()
+
+
+def test_cameras_and_limits_that_are_none_are_said():
+    with pytest.raises(voltet.UsageError, match="the camera is not known to PyVista: found 'nope'"):
+        cube().voltet.render("T", camera="nope", window_size=(8, 8))
+    with pytest.raises(voltet.UsageError, match="'clim' is no pair: found 'low'"):
+        cube().voltet.render("T", clim="low", window_size=(8, 8))

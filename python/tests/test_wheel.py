@@ -1,5 +1,6 @@
 """The wheel in an empty environment, from another folder: `scripts/try-wheel.py`."""
 
+import os
 import shutil
 import subprocess
 import sys
@@ -7,6 +8,8 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
+
+import voltet
 
 
 def test_the_wheel_works_in_an_empty_environment():
@@ -25,6 +28,24 @@ def test_the_program_of_the_wheel_is_that_of_the_module():
     code = "import sys; sys.argv = ['voltet', '--version']; from voltet._command import main; sys.exit(main())"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == f"voltet {version('voltet')}\n"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="a limit of addresses that the system keeps")
+def test_the_program_of_the_wheel_ends_with_one_line_where_memory_does(tmp_path):
+    pipeline = voltet.Pipeline()
+    # 100 million cells.
+    pipeline.add("grid", "wavelet", resolution=[256, 256, 256])
+    widget = voltet.widgets.uniform(color=[1, 1, 1], extinction=1.0, region={"s": [-1000.0, 1000.0]})
+    pipeline.add("look", "transfer-function", widgets=[widget])
+    pipeline.add("view", "camera", eye=[-50, 0, 0], target=[0, 0, 0], size=[8, 8])
+    pipeline.add("picture", "renderer", volume="grid", transfer_function="look", camera="view", engine="cpu")
+    pipeline.save(tmp_path / "wavelet.toml")
+    program = Path(sys.executable).with_name("voltet")
+    line = f"ulimit -v {2 << 20} && exec '{program}' run wavelet.toml"
+    few = os.environ | {"RAYON_NUM_THREADS": "2", "OPENBLAS_NUM_THREADS": "1"}
+    done = subprocess.run(["sh", "-c", line], cwd=tmp_path, env=few, capture_output=True, text=True)
+    assert done.returncode == 1 and done.stderr.startswith("error: memory ends: found no room for "), done.stderr
+    assert done.stderr.count("error:") == 1 and not (tmp_path / "wavelet.png").exists()
 
 
 def test_a_plug_in_in_a_process_of_its_own_is_started_by_the_program_of_the_wheel(tmp_path):

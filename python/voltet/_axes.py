@@ -28,6 +28,7 @@ def imshow(
 ) -> AxesImage:
     """See `Pipeline.imshow`."""
     try:
+        from matplotlib import axes
         from matplotlib.cm import ScalarMappable
         from matplotlib.colors import FuncNorm, ListedColormap, LogNorm, Normalize, to_rgb
 
@@ -37,6 +38,8 @@ def imshow(
             ax = pyplot.gca()
     except ImportError as error:
         raise usage("matplotlib is missing", error, "pip install matplotlib") from error
+    if not isinstance(ax, axes.Axes):
+        raise usage("these are no axes of matplotlib", f"a {type(ax).__qualname__}", "axes that plt.subplots gives, or None for the present ones")
     picture = pipeline.render(node, progress)
     about = json.loads(pipeline._native.picture_axes(node))
     (x, y), (width, height) = about["middle"], about["size"]

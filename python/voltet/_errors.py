@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from operator import index
 from typing import Any
 
@@ -112,6 +112,23 @@ def whole(name: str, value: object, low: int = 0, high: int = 2**32 - 1) -> int:
     if not low <= number <= high:
         raise usage(f"'{name}' is out of range", number, expected)
     return number
+
+
+def number(name: str, value: Any, expected: str = "a number") -> float:
+    """A real number of any type that is one, an array of one number among them."""
+    try:
+        return float("text" if isinstance(value, (str, bytes)) else value)
+    except (TypeError, ValueError):
+        raise argument_type(f"'{name}' is no number", repr(value)[:80], expected) from None
+
+
+def mapping(name: str, value: Any, expected: str) -> dict[str, Any]:
+    """A mapping by words, as a dictionary; None is an empty one. `expected`: an example of one."""
+    if value is None:
+        return {}
+    if not (isinstance(value, Mapping) and all(isinstance(word, str) for word in value)):
+        raise argument_type(f"'{name}' is no mapping", repr(value)[:80], expected)
+    return dict(value)
 
 
 def picture_size(name: str, value: Any) -> tuple[int, int]:

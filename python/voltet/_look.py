@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pyvista as pv
@@ -11,6 +11,9 @@ import pyvista as pv
 from . import _vtk_grid
 from ._errors import usage, whole
 from ._grid import Grid
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 #: Opacity beyond which nothing behind is seen in eight bits: it stands for 1, whose extinction has no end.
 _OPAQUE = 1.0 - 2.0**-12
@@ -44,6 +47,10 @@ class Look:
         self.data = data
         self._association = _vtk_grid.CELL if preference == "cell" else _vtk_grid.POINT
         self._taken: tuple[tuple, Grid] | None = None
+        if isinstance(data, np.ndarray):
+            data = self.data = _wrapped(data)
+        if not hasattr(data, "GetClassName"):
+            raise usage("this is no data set", f"a {type(data).__qualname__}", "a data set of PyVista with cells, or a three-dimensional array")
         if isinstance(scalars, np.ndarray):
             self.data = data.copy(deep=False)
             place = self.data.point_data if len(scalars) == data.n_points else self.data.cell_data
@@ -175,6 +182,13 @@ class Look:
         return [{"kind": "piecewise-linear", "points": points, "region": {"s": within}}, *widgets]
 
 
+def _wrapped(values: NDArray[Any]) -> Any:
+    """A three-dimensional array as PyVista takes it."""
+    if values.ndim != 3:
+        raise usage("an array is no volume", f"shape {values.shape}", "three dimensions")
+    return pv.wrap(values)
+
+
 def _limits(clim: float | Sequence[float] | None, range: Sequence[float], log: bool) -> tuple[float, float]:
     if clim is None:
         low, high = range
@@ -182,7 +196,10 @@ def _limits(clim: float | Sequence[float] | None, range: Sequence[float], log: b
             raise usage("'log_scale' needs values above 0", f"{low} to {high}", "clim=(low, high), both above 0")
         # A field that is the same everywhere.
         return (low, high) if high > low else (low, low + max(abs(low), 1.0) * 1e-6)
-    low, high = (-clim, clim) if isinstance(clim, (int, float)) else clim
+    try:
+        low, high = (-clim, clim) if isinstance(clim, (int, float)) else map(float, clim)
+    except (TypeError, ValueError):
+        raise usage("'clim' is no pair", repr(clim), "two numbers, or one for both sides of 0") from None
     if not (np.isfinite([low, high]).all() and low < high):
         raise usage("'clim' is out of range", clim, "two numbers, the first the less")
     if log and low <= 0.0:

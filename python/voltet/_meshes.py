@@ -125,7 +125,7 @@ def _of_ugrid(data: Any) -> tuple[dict[str, Any], list[str]]:
     if not hasattr(data, "data_vars"):
         raise usage("this is no data set of xarray", f"a {type(data).__qualname__}", "an xarray.Dataset, which holds the mesh, too")
     meshes = {name: array.attrs for name, array in data.variables.items() if array.attrs.get("cf_role") == "mesh_topology"}
-    volumes = {name: about for name, about in meshes.items() if int(about.get("topology_dimension", 0)) == 3}
+    volumes = {name: about for name, about in meshes.items() if _whole(about.get("topology_dimension")) == 3}
     if len(volumes) != 1:
         found = ", ".join(f"'{name}' of {about.get('topology_dimension')} dimensions" for name, about in meshes.items())
         raise usage("the data set has no mesh of volumes, or several", found or "no mesh_topology", "one of topology_dimension 3")
@@ -155,7 +155,11 @@ def _of_ugrid(data: Any) -> tuple[dict[str, Any], list[str]]:
         absent |= numbers == fill
     if about.get("volume_dimension") == table.dims[1]:
         numbers, absent = numbers.T, absent.T
-    numbers = np.where(absent, 0, numbers).astype(np.int64) - int(table.attrs.get("start_index", 0))
+    numbers = np.where(absent, 0, numbers).astype(np.int64)
+    first = table.attrs.get("start_index", 0)
+    if _whole(first) not in (0, 1):
+        raise usage(f"the mesh '{mesh}' counts its points from an unknown start_index", repr(first), "0 or 1")
+    numbers -= _whole(first)
     counts = (~absent).sum(axis=1)
     if unknown := sorted(set(counts.tolist()) - _UGRID.keys()):
         raise usage(f"the mesh '{mesh}' has a volume of a number of points that is not known", unknown[0], "4, 5, 6 or 8 points")
@@ -176,3 +180,11 @@ def _of_ugrid(data: Any) -> tuple[dict[str, Any], list[str]]:
     }
     left = sorted(str(name) for name, array in values.items() if array.dims not in ((at_points,), (at_cells,)))
     return piece, [f"left out, as they are not one number a point or volume: {', '.join(left)} (isel(time=0) takes one step)"] if left else []
+
+
+def _whole(attribute: Any) -> int | None:
+    """A whole number of an attribute, where it is one."""
+    try:
+        return int(attribute)
+    except (TypeError, ValueError):
+        return None

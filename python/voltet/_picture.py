@@ -60,7 +60,7 @@ class Picture(np.ndarray):
     def srgb8(self, background: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> NDArray[np.uint8]:
         """The picture over a background (linear RGB), for a screen: height × width × 3 bytes, sRGB."""
         rgba = self._checked()
-        linear = rgba[..., :3] + (1.0 - rgba[..., 3:]) * np.asarray(background, np.float32)
+        linear = rgba[..., :3] + (1.0 - rgba[..., 3:]) * np.asarray(_linear_rgb(background), np.float32)
         return _srgb8(linear)
 
     def rgba8(self) -> NDArray[np.uint8]:
@@ -83,13 +83,21 @@ class Picture(np.ndarray):
         return np.asarray(self, np.float32)
 
     def _encoded(self, path: str, background: tuple[float, float, float]) -> bytes:
-        red, green, blue = map(float, background)
-        return _native.encode(np.ascontiguousarray(self._checked()), path, (red, green, blue))
+        return _native.encode(np.ascontiguousarray(self._checked()), path, _linear_rgb(background))
 
     def _repr_png_(self) -> bytes | None:
         if self.ndim != 3 or self.shape[2] != 4 or self.size == 0:
             return None
         return self._encoded("a.png", (0.0, 0.0, 0.0))
+
+
+def _linear_rgb(background: Any) -> tuple[float, float, float]:
+    """A background's three numbers."""
+    try:
+        red, green, blue = map(float, background)
+    except (TypeError, ValueError):
+        raise usage("the background is no colour", repr(background)[:80], "linear red, green and blue, as (1, 1, 1) for white") from None
+    return red, green, blue
 
 
 def encoded_srgb(linear: NDArray[Any]) -> NDArray[Any]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from ._colors import colormap_widget
 from ._declared import ports
-from ._errors import picture_size, usage, warn
+from ._errors import mapping, number, picture_size, usage, warn
 from ._grid import Grid
 from ._picture import Picture
 from ._pipeline import Pipeline
@@ -84,36 +84,62 @@ def scene(
     >>> voltet.scene(grid, size=(32, 24), engine="cpu").render().shape
     (24, 32, 4)
     """
-    size = picture_size("size", size)
     if not isinstance(grid, Grid):
         grid = Grid.from_mesh(grid)
+    # Before anything is drawn, since a volume that is plotted may never be.
+    warn(grid.about["warnings"])
+    words = {"cmap": cmap, "clim": clim, "opacity": opacity, "extinction": extinction, "widgets": widgets, "camera": camera, "size": size}
+    words |= {"method": method, "unit_distance": unit_distance, "look": look, "surfaces": surfaces, "clip": clip, "annotation": annotation}
+    return pipeline_of(grid, scalar, **words, **renderer)
+
+
+def pipeline_of(
+    grid: Grid,
+    scalar: str | None = None,
+    *,
+    cmap: Any = None,
+    clim: Sequence[Any] | None = None,
+    opacity: str | Sequence[Sequence[float]] | None = None,
+    extinction: float | None = None,
+    widgets: Sequence[Mapping[str, Any]] | None = None,
+    camera: Mapping[str, Any] | None = None,
+    size: tuple[int, int] = (640, 480),
+    method: str | Mapping[str, Any] | None = None,
+    unit_distance: float | None = None,
+    look: Mapping[str, Any] | None = None,
+    surfaces: Sequence[Mapping[str, Any]] = (),
+    clip: Sequence[Mapping[str, Any]] | None = None,
+    annotation: Mapping[str, Any] | None = None,
+    **renderer: Any,
+) -> Pipeline:
+    """As `scene`, without the grid's warnings, which a run shows."""
+    size = picture_size("size", size)
     about = grid.about
     scalar = scalar or about["scalar"]
     if scalar is None:
         raise usage("the scalar is not named", None, "one of " + ", ".join(about["arrays"]))
     pipeline = Pipeline()
     pipeline.add("grid", "given-grid", scalar=scalar)
-    method = {"method": method} if isinstance(method, str) else dict(method or {})
+    method = {"method": method} if isinstance(method, str) else mapping("method", method, 'a name, or {"method": "least-squares"}')
     pipeline.add("gradient", "gradient-magnitude", grid="grid", **method)
     pipeline.give(grid, "grid")
-    # Before anything is drawn, since a volume that is plotted may never be.
-    warn(about["warnings"])
     words = {"cmap": cmap, "clim": clim, "opacity": opacity, "extinction": extinction}
     if widgets is None:
         known = about["arrays"].get(scalar, {}).get("range")
-        widgets = [colormap_widget(cmap, clim, opacity, 0.08 if extinction is None else float(extinction), known)]
+        widgets = [colormap_widget(cmap, clim, opacity, 0.08 if extinction is None else number("extinction", extinction), known)]
     elif both := [word for word, value in words.items() if value is not None]:
         raise usage("the transfer function is stated twice", f"'widgets' and '{both[0]}'", "one of them")
     # By which numbers may be relative to the data.
-    pipeline.add("look", "transfer-function", volume="gradient", widgets=list(widgets), unit_distance=unit_distance, **(look or {}))
-    camera = dict(camera or {})
+    pipeline.add("look", "transfer-function", volume="gradient", widgets=list(widgets), unit_distance=unit_distance, **mapping("look", look, '{"s_scale": "log"}'))
+    camera = mapping("camera", camera, '{"view": "+x"}, or {"eye": [x, y, z], "target": [x, y, z]}')
     placed = {"volume": "gradient", "size": list(size)} if {"view", "direction"} & camera.keys() else _fitted(about["bounds"], size)
     pipeline.add("view", "camera", **{**placed, **camera})
     wires: dict[str, Any] = {"volume": "gradient", "transfer_function": "look", "camera": "view"}
     drawn = [_surface(pipeline, f"surface_{number}", given) for number, given in enumerate(surfaces)]
     pipeline.add("picture", "renderer", **wires, surfaces=drawn or None, clip=None if clip is None else list(clip), **renderer)
     if annotation is not None:
-        pipeline.add("figure", "annotation", image="picture", **wires, **annotation)
+        words = mapping("annotation", annotation, '{} for a colour bar, {"title": "T"}, or None for no annotation')
+        pipeline.add("figure", "annotation", image="picture", **wires, **words)
     return pipeline
 
 
@@ -142,7 +168,8 @@ def render(mesh: Any, scalars: str | None = None, *, progress: bool | None | Pro
     >>> voltet.render(x * x + y * y + z * z, cmap="inferno", size=(32, 24), engine="cpu").shape
     (24, 32, 4)
     """
-    return scene(mesh, scalars, **options).render(progress=progress)
+    grid = mesh if isinstance(mesh, Grid) else Grid.from_mesh(mesh)
+    return pipeline_of(grid, scalars, **options).render(progress=progress)
 
 
 def _surface(pipeline: Pipeline, name: str, given: Mapping[str, Any]) -> str:

@@ -28,7 +28,7 @@ from ._look import Look
 from ._plotted import Plotted, draw_volumes
 from ._picture import Picture
 from ._pipeline import Pipeline
-from ._scene import scene
+from ._scene import pipeline_of
 from ._vtk_scene import look_from
 from ._vtk_values import VoltetGradientMagnitude
 from ._words import headlight, options_of
@@ -112,7 +112,7 @@ class GridAccessor:
             widgets=widgets,
         )
         size = picture_size("window_size", pv.global_theme.window_size if window_size is None else window_size)
-        pipeline = scene(
+        pipeline = pipeline_of(
             look.grid(), look.scalar, widgets=look.widgets, unit_distance=look.unit_distance, look=look.axes, size=size,
             method=method, **options,
         )
@@ -153,7 +153,11 @@ def _camera(data: Any, camera: Any, size: Sequence[int]) -> Any:
     try:
         plotter.add_mesh(pv.Box(data.bounds), opacity=0.0)
         if camera is not None:
-            plotter.camera_position = camera
+            try:
+                plotter.camera_position = camera
+            except Exception as error:
+                expected = 'a pyvista.Camera, (position, focal point, up), or a side such as "xy"'
+                raise usage("the camera is not known to PyVista", repr(camera)[:80], expected) from error
         else:
             plotter.view_isometric()
         own = pv.Camera()

@@ -8,9 +8,13 @@ use std::panic::PanicHookInfo;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+/// True once a command line runs in this process, which is then its own to end.
+static RUNS_COMMAND_LINE: AtomicBool = AtomicBool::new(false);
+
 /// Installs a panic hook that shows a panic, which is a defect of the program, in one line. With `RUST_BACKTRACE` set Rust's own
-/// message follows.
+/// message follows. From now on [`ExitOnOutOfMemory`] ends the process.
 pub fn install() {
+    RUNS_COMMAND_LINE.store(true, Ordering::Relaxed);
     let usual = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
         hold_back(false);
@@ -51,7 +55,8 @@ fn in_its_crate(file: &str) -> &str {
 }
 
 /// The system's allocator, with another end: where memory is exhausted, the program exits by one line and exit code 1 and leaves
-/// no half-written file; Rust's own way is an abort. For the `#[global_allocator]` of a program.
+/// no half-written file. For the `#[global_allocator]` of a program. Outside of [`run`](crate::run) and
+/// [`run_command_line`](crate::run_command_line), as where Python has loaded a library, Rust's own way is left, which is an abort.
 pub struct ExitOnOutOfMemory;
 
 // SAFETY: every block is the system allocator's own, under the contract that the caller keeps with this one.
@@ -79,7 +84,11 @@ unsafe impl GlobalAlloc for ExitOnOutOfMemory {
 
 #[inline(always)]
 fn checked(block: *mut u8, size: usize) -> *mut u8 {
-    if block.is_null() { exit_out_of_memory(size) } else { block }
+    if block.is_null() && RUNS_COMMAND_LINE.load(Ordering::Relaxed) {
+        exit_out_of_memory(size)
+    } else {
+        block
+    }
 }
 
 /// True once some thread ends the program for want of memory.

@@ -54,7 +54,7 @@ for time in sys.argv[1:]:
     open(f"{time}/S", "w").write(head("volSymmTensorField", "S").replace('#include "settings"\n', "") + "internalField uniform (1 2 3 4 5 6);\n" + zero)
 P
 fields
-vtu() { foamToVTK -no-boundary -no-point-data -time $1 > /dev/null; mv VTK/*/internal.vtu ../$2.vtu; rm -r VTK; }
+vtu() { foamToVTK -no-boundary -no-point-data -time "$1" > /dev/null; mv VTK/*/internal.vtu "../$2.vtu"; rm -r VTK; }
 vtu 10 text
 cd ..
 cp -r text bytes
@@ -66,11 +66,11 @@ cp -r bytes packed
 (cd packed && rm -r 10 && cp -r ../text/10 . && settings ascii on && foamFormatConvert -time 10 > /dev/null && foamFormatConvert -constant > /dev/null; rm -f constant/polyMesh/{points,faces,owner,neighbour,cellZones} )
 (cd dual && rm -r 0 2 10 && polyDualMesh -overwrite 60 > /dev/null && mkdir 10 && postProcess -func writeCellCentres -time 10 > /dev/null && rm 10/C?  && python3 fields.py 10 && vtu 10 dual)
 (cd decomposed && rm -r 0 2 && decomposePar -time 10 > /dev/null && rm -r 10 constant)
-collate() { rm -rf processors2; settings $1 off; decomposePar -fileHandler collated -time 10 > /dev/null; mkdir -p ../collated_$1/system; mv processors2 ../collated_$1; cp system/controlDict ../collated_$1/system; }
+collate() { rm -rf processors2; settings "$1" off; decomposePar -fileHandler collated -time 10 > /dev/null; mkdir -p "../collated_$1/system"; mv processors2 "../collated_$1"; cp system/controlDict "../collated_$1/system"; }
 (cd collated && rm -r 0 2 && collate ascii && collate binary)
 rm -r collated
 LC_ALL=C find collated_* -type f -exec sed -i '1,20s#location .*/collated/#location "#' {} +
-rm -f */fields.py */system/{fv*,block*,decomp*} */constant/polyMesh/*{Zones,set}*.orig
+rm -f ./*/fields.py ./*/system/{fv*,block*,decomp*} ./*/constant/polyMesh/*{Zones,set}*.orig
 find . -name "*Addressing*" -delete
 find . \( -name "*.obj" -o -name faceZones -o -name pointZones \) -delete
 find . \( -name C -o -name C.gz \) -not -path "./text/10/*" -not -path "./bytes/10/*" -not -path "./packed/10/*" -delete
