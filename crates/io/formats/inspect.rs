@@ -2,13 +2,17 @@
 //! not of ghosts, hidden cells, surfaces beside a volume, or points that no cell uses.
 
 use super::assemble::PieceRequest;
-use super::contents::{BLOCK, CellBlocks, Dataset, Geometry, Meter, Piece, PieceArray};
+use super::contents::{
+    BLOCK, CellBlocks, Dataset, Geometry, Meter, Piece, PieceArray, Stored, StoredCells, StoredFaces,
+};
 use super::request::Request;
 use super::{assemble, cells, request};
 use crate::memory::GridSize;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use voltet_core::grid::{self, Association, CellType, Cells, RawGrid, code, is_drawn};
 use voltet_core::progress::Progress;
 use voltet_core::reading::FileArray;
@@ -118,7 +122,7 @@ pub(super) fn array_heads(dataset: &Dataset) -> Vec<FileArray> {
     heads
 }
 
-/// Decodes everything, one array at a time, and says what it is.
+/// Decodes everything, small pieces side by side and of each one array at a time, and says what it is.
 pub(super) fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Summary> {
     let meter = Meter::new(progress, dataset.file_bytes);
     let mut summary = Summary {
@@ -147,16 +151,14 @@ pub(super) fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Su
     let (request, ids) = (Request::default(), assemble::global_ids(dataset));
     let wanted = PieceRequest { request: &request, choices: scalar.as_slice(), ids, fills: false };
     let mut all = PieceSums::default();
-    // Arrays of a large piece are decoded one at a time, each by all threads.
-    let batch = if dataset.pieces.len() < MIN_PARALLEL_PIECES { 1 } else { BATCH };
-    let pieces: Vec<(usize, &Piece)> = dataset.pieces.iter().enumerate().collect();
-    for pieces in pieces.chunks(batch) {
-        let of_piece = |&(index, piece): &(usize, &Piece)| {
-            let mut sums = PieceSums::default();
-            sums.add(dataset, index, piece, &wanted, &meter).map(|()| sums)
-        };
-        let sums: Vec<Result<PieceSums>> = pieces.par_iter().map(of_piece).collect();
-        sums.into_iter().try_for_each(|sums| sums.map(|sums| all.merge(sums, &mut summary)))?;
+    let mut first = 0;
+    while first < dataset.pieces.len() {
+        let budget = progress.memory_left().map_or(BATCH_BYTES, |left| left.min(BATCH_BYTES));
+        let batch = first..first + batch_len(&dataset.pieces[first..], budget);
+        first = batch.end;
+        for sums in sums_of(dataset, batch, &wanted, &meter)? {
+            all.merge(sums, &mut summary);
+        }
     }
     let PieceSums { pieces, arrays, drawn_bounds, all_bounds, size, .. } = all;
     summary.size = size;
@@ -176,10 +178,82 @@ pub(super) fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Su
     Ok(summary)
 }
 
-/// Pieces that are small enough, for there are so many, to be read side by side.
-const MIN_PARALLEL_PIECES: usize = 64;
+/// Bytes of the pieces that are decoded side by side, however many threads there are.
+const BATCH_BYTES: u64 = 64 << 20;
 /// Pieces whose contents stand beside each other until they are added up.
-const BATCH: usize = 1 << 12;
+const MAX_BATCH: usize = 1 << 12;
+
+/// Number of pieces, at least the first of them, that take no more than `budget` bytes together.
+fn batch_len(pieces: &[Piece], budget: u64) -> usize {
+    let mut left = budget;
+    let fits = |piece: &&Piece| match left.checked_sub(decoded_bytes(piece)) {
+        Some(rest) => {
+            left = rest;
+            true
+        }
+        None => false,
+    };
+    pieces.iter().take(MAX_BATCH).take_while(fits).count().max(1)
+}
+
+/// Bytes that a piece takes while it is decoded: points, cells, flags, and the widest array.
+fn decoded_bytes(piece: &Piece) -> u64 {
+    let widest = |association| {
+        let widths = piece.arrays_of(association).map(|array| array.stored.component_count as u64);
+        widths.max().unwrap_or(0).saturating_mul(8)
+    };
+    // A position, a scalar, a flag; a type, an offset and eight corners.
+    let points = piece.point_count.saturating_mul(33_u64.saturating_add(widest(Association::Point)));
+    let cells = piece.cell_count.saturating_mul(42_u64.saturating_add(widest(Association::Cell)));
+    let of_geometry = match &piece.geometry {
+        Geometry::Added(added) => added.byte_count(true, &[]),
+        Geometry::Unstructured { cells, .. } => match &**cells {
+            StoredCells::Offsets { connectivity, faces, .. } => {
+                let of_faces = match faces {
+                    StoredFaces::Stream { faces, .. } => value_count(faces),
+                    StoredFaces::Indexed { points, faces, .. } => {
+                        value_count(points).saturating_add(value_count(faces))
+                    }
+                    StoredFaces::None | StoredFaces::InConnectivity => 0,
+                };
+                value_count(connectivity).saturating_add(of_faces).saturating_mul(8)
+            }
+            StoredCells::Counted { list, .. } => value_count(list).saturating_mul(8),
+            StoredCells::Converted(_) => 0,
+        },
+        _ => 0,
+    };
+    points.saturating_add(cells).saturating_add(of_geometry)
+}
+
+/// Number of values that the headers promise; 0 where they tell none.
+fn value_count(stored: &Stored) -> u64 {
+    stored.tuple_count.unwrap_or(0).saturating_mul(stored.component_count as u64)
+}
+
+/// Contents of each of some pieces, which are decoded side by side. Errors: that of the first piece that has one.
+fn sums_of(
+    dataset: &Dataset,
+    numbers: Range<usize>,
+    wanted: &PieceRequest,
+    meter: &Meter,
+) -> Result<Vec<PieceSums>> {
+    let first_failed = AtomicUsize::new(usize::MAX);
+    let of_piece = |index: usize| {
+        // Pieces behind one that failed are not asked for.
+        if index > first_failed.load(Ordering::Relaxed) {
+            return None;
+        }
+        let mut sums = PieceSums::default();
+        let added = sums.add(dataset, index, &dataset.pieces[index], wanted, meter);
+        if added.is_err() {
+            first_failed.fetch_min(index, Ordering::Relaxed);
+        }
+        Some(added.map(|()| sums))
+    };
+    let sums: Vec<Option<Result<PieceSums>>> = numbers.into_par_iter().map(of_piece).collect();
+    sums.into_iter().flatten().collect()
+}
 
 /// Bounds of points.
 type Bounds = Option<[DVec3; 2]>;
@@ -378,19 +452,19 @@ fn add_array(
     drawn: &DrawnParts,
     meter: &Meter,
 ) -> Result<()> {
-    let (head, stored) = (array.head(), &array.stored);
+    let stored = &array.stored;
     let values: Vec<f64> = stored.load(meter)?;
     let number_type = stored.number_type.name();
-    let known = |(array, _): &WithRange| array.head == head && array.number_type == number_type;
-    let place = arrays.iter().position(known).unwrap_or_else(|| {
-        let (tuple_count, range, not_finite_count) = (0, None, 0);
-        let (head, unit) = (head.clone(), array.unit.clone());
-        let array = ArraySummary { head, unit, number_type, tuple_count, range, not_finite_count };
-        arrays.push((array, None));
+    let (tuple_count, range, not_finite_count) = (0, None, 0);
+    let (head, unit) = (array.head(), array.unit.clone());
+    let association = head.association;
+    let own = ArraySummary { head, unit, number_type, tuple_count, range, not_finite_count };
+    let place = arrays.iter().position(|known| known.0.is_same(&own)).unwrap_or_else(|| {
+        arrays.push((own, None));
         arrays.len() - 1
     });
     let (array, of_all) = &mut arrays[place];
-    let are_drawn = if head.association == Association::Cell { &drawn.cells } else { &drawn.points };
+    let are_drawn = if association == Association::Cell { &drawn.cells } else { &drawn.points };
     for (number, tuple) in values.chunks(stored.component_count).enumerate() {
         let value = if let [only] = tuple { *only } else { assemble::length(tuple) };
         array.tuple_count += 1;
@@ -404,4 +478,113 @@ fn add_array(
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formats::contents::{Compute, Encoding};
+    use crate::formats::source::Source;
+    use glam::DMat3;
+    use std::sync::Arc;
+    use voltet_core::Error;
+    use voltet_core::progress::NoProgress;
+
+    /// A box of so many points along each axis, with an array in its cells.
+    fn cube(source: &Arc<Source>, points: u64, component_count: usize, compute: Compute) -> Piece {
+        let [point_count, cell_count] = [points.pow(3), (points - 1).pow(3)];
+        let encoding = Encoding::Computed(compute);
+        let stored = Stored::of_f64(source, "v", component_count, cell_count, encoding);
+        let geometry = Geometry::Uniform {
+            dimensions: [points; 3],
+            first: DVec3::ZERO,
+            origin: DVec3::ZERO,
+            spacing: DVec3::ONE,
+            direction: DMat3::IDENTITY,
+        };
+        let arrays = vec![PieceArray::new(Association::Cell, stored)];
+        Piece::new([point_count, cell_count], geometry, arrays)
+    }
+
+    fn some_file() -> Arc<Source> {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), b"a").unwrap();
+        Source::open(file.path()).unwrap()
+    }
+
+    #[test]
+    fn large_pieces_are_decoded_alone_and_small_ones_side_by_side() {
+        let source = some_file();
+        let nothing: Compute = Arc::new(|_| Ok(Vec::new()));
+        let pieces = |points: u64, components: usize, count: usize| {
+            let piece = |_| cube(&source, points, components, nothing.clone());
+            (0..count).map(piece).collect::<Vec<_>>()
+        };
+        let large = pieces(216, 3, 64);
+        assert_eq!(large[0].cell_count / 100_000, 99);
+        assert_eq!(batch_len(&large, BATCH_BYTES), 1);
+        assert_eq!(batch_len(&pieces(2, 1, MAX_BATCH + 1), BATCH_BYTES), MAX_BATCH);
+        // What all of a batch take together stays below the limit, and below the memory that is left.
+        let some = pieces(40, 3, 100);
+        let own = decoded_bytes(&some[0]);
+        assert!(own > 40_u64.pow(3) * (24 + 3 * 8), "{own}");
+        assert_eq!(batch_len(&some, BATCH_BYTES) as u64, BATCH_BYTES / own);
+        assert_eq!(batch_len(&some, 3 * own), 3);
+        assert_eq!(batch_len(&some, 0), 1);
+        let mixed: Vec<Piece> = [pieces(2, 1, 5), large].into_iter().flatten().collect();
+        assert_eq!(batch_len(&mixed, BATCH_BYTES), 5);
+    }
+
+    #[test]
+    fn the_first_piece_that_fails_is_reported_and_those_behind_are_not_decoded() {
+        let source = some_file();
+        let decoded = Arc::new(AtomicUsize::new(0));
+        let piece = |number: usize| {
+            let decoded = decoded.clone();
+            let compute: Compute = Arc::new(move |_| {
+                decoded.fetch_add(1, Ordering::Relaxed);
+                match number {
+                    5 | 6 | 900 => Err(Error::run(format!("piece {number} is damaged"))),
+                    _ => Ok(vec![number as f64]),
+                }
+            });
+            cube(&source, 2, 1, compute)
+        };
+        let dataset = Dataset { pieces: (0..3000).map(piece).collect(), ..Dataset::default() };
+        for threads in [1, 4] {
+            decoded.store(0, Ordering::Relaxed);
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let found = pool.install(|| summarize(&dataset, &NoProgress)).unwrap_err().to_string();
+            assert!(found.contains("piece 5 is damaged"), "{found}");
+            if threads == 1 {
+                assert_eq!(decoded.load(Ordering::Relaxed), 6);
+            }
+        }
+    }
+
+    #[test]
+    fn pieces_side_by_side_are_summed_up_as_one_after_the_other() {
+        let source = some_file();
+        let piece = |number: usize| {
+            let points = 2 + number as u64 % 3;
+            let values = vec![number as f64; (points - 1).pow(3) as usize];
+            cube(&source, points, 1, Arc::new(move |_| Ok(values.clone())))
+        };
+        let of = |numbers: Range<usize>, threads: usize| {
+            let dataset = Dataset { pieces: numbers.map(piece).collect(), ..Dataset::default() };
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| summarize(&dataset, &NoProgress)).unwrap()
+        };
+        let all = of(0..65, 4);
+        assert_eq!(all, of(0..65, 1));
+        let (most, last) = (of(0..63, 1), of(63..65, 1));
+        assert_eq!(all.point_count, most.point_count + last.point_count);
+        assert_eq!(all.cell_count, most.cell_count + last.cell_count);
+        let tuples = |summary: &Summary| (summary.arrays[0].tuple_count, summary.arrays[0].range);
+        let cells = all.cell_count;
+        assert_eq!(
+            [&most, &all].map(tuples),
+            [(most.cell_count, Some([0.0, 62.0])), (cells, Some([0.0, 64.0]))]
+        );
+    }
 }

@@ -236,3 +236,37 @@ impl GatheredCells {
         self.0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tags_that_ascend_are_numbered_as_others() {
+        let count = 3 * PART as u64 + 1;
+        let plain: Vec<u64> = (7..7 + count).collect();
+        for (gap, swapped) in [(None, false), (Some(PART), false), (Some(2 * PART - 1), true)] {
+            let mut tags = plain.clone();
+            gap.into_iter().for_each(|gap| tags[gap..].iter_mut().for_each(|tag| *tag += 5));
+            if swapped {
+                tags.swap(PART - 1, PART);
+            }
+            let found = Tags::new(tags.clone(), "node", |tag| tag).unwrap();
+            assert_eq!(found.is_without_gaps, gap.is_none());
+            assert!((0..tags.len()).all(|number| found.find(tags[number]) == Some(number)));
+            let last = tags[tags.len() - 1];
+            assert_eq!([6, last + 1].map(|tag| found.find(tag)), [None; 2]);
+            if let Some(gap) = gap {
+                assert_eq!(found.find(tags[gap] - 1), None);
+            }
+        }
+        // The second one of two that are the same begins a part.
+        for place in [1, PART, 2 * PART] {
+            let mut tags = plain.clone();
+            tags[place] = tags[place - 1];
+            let found = Tags::new(tags.clone(), "node", |tag| tag).unwrap_err().to_string();
+            let words = ["holds a node twice".to_owned(), format!("node {}", tags[place])];
+            assert!(words.iter().all(|word| found.contains(word)), "{found}");
+        }
+    }
+}

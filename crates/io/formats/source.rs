@@ -6,6 +6,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::SystemTime;
 use voltet_core::parameters::nearest;
 use voltet_core::{Error, Result, counted};
 use voltet_files::names_beside;
@@ -27,8 +28,15 @@ pub(super) struct Source {
 const SMALL: u64 = 1 << 16;
 
 thread_local! {
-    /// Number and bytes of the small file that the thread read last.
-    static LAST_READ: RefCell<(u64, Vec<u8>)> = const { RefCell::new((0, Vec::new())) };
+    /// The small file that the thread read last; at most [`SMALL`] bytes.
+    static LAST_READ: RefCell<LastRead> = const { RefCell::new(LastRead { of: None, bytes: Vec::new() }) };
+}
+
+/// Bytes of a file that was read whole.
+struct LastRead {
+    /// Number of the file, its length and when it was last written; `None`: there is none.
+    of: Option<(u64, u64, SystemTime)>,
+    bytes: Vec<u8>,
 }
 
 /// A number that no other file has.
@@ -139,16 +147,18 @@ impl Source {
         read.map_err(|error| Error::run("the file cannot be read").got(error).in_file(&self.path))
     }
 
-    /// Fills `bytes` from those of the whole file, which is read if it is not the thread's last.
+    /// Fills `bytes` from those of the whole file, which is read if it is not the thread's last or was written since.
     fn read_of_whole(&self, offset: u64, bytes: &mut [u8]) -> std::io::Result<()> {
-        LAST_READ.with_borrow_mut(|(number, whole)| {
-            if *number != self.number {
-                *number = 0;
-                whole.resize(self.len as usize, 0);
-                read_exact_at(&File::open(&self.path)?, 0, whole)?;
-                *number = self.number;
+        LAST_READ.with_borrow_mut(|last| {
+            let now = std::fs::metadata(&self.path)?;
+            let of = (self.number, now.len(), now.modified().unwrap_or(SystemTime::UNIX_EPOCH));
+            if last.of != Some(of) {
+                last.of = None;
+                last.bytes.resize(self.len as usize, 0);
+                read_exact_at(&File::open(&self.path)?, 0, &mut last.bytes)?;
+                last.of = Some(of);
             }
-            bytes.copy_from_slice(&whole[offset as usize..offset as usize + bytes.len()]);
+            bytes.copy_from_slice(&last.bytes[offset as usize..offset as usize + bytes.len()]);
             Ok(())
         })
     }
@@ -230,10 +240,17 @@ mod tests {
                 assert!(source.read(at as u64, 60).is_err());
             }
         }
+        // One that was written since is read again, by the thread that read it last, too.
+        let (source, bytes) = &files[0];
+        assert_eq!(source.read(0, 4).unwrap(), bytes[..4]);
+        std::fs::write(source.path(), vec![7; bytes.len()]).unwrap();
+        let later = SystemTime::now() + std::time::Duration::from_secs(10);
+        File::options().write(true).open(source.path()).unwrap().set_modified(later).unwrap();
+        assert_eq!(source.read(0, 4).unwrap(), [7; 4]);
         // One that was cut since is an error, not what another file or reading left.
         std::fs::write(files[1].0.path(), b"short").unwrap();
         let error = files[1].0.read(0, 4).unwrap_err();
         assert!(error.location.file.is_some() && error.to_string().contains("cannot be read"), "{error}");
-        assert_eq!(files[0].0.read(0, 4).unwrap(), files[0].1[..4]);
+        assert_eq!(files[0].0.read(0, 4).unwrap(), [7; 4]);
     }
 }

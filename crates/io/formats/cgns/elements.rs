@@ -44,6 +44,8 @@ const TETRA_4: i64 = 10;
 const MIXED: i64 = 20;
 const NGON: i64 = 22;
 const NFACE: i64 = 23;
+/// Pyramids with a node in the middle of the base, which is left out.
+pub(super) const PYRA_14: i64 = 13;
 
 const ELEMENTS: &[ElementType] = &[
     element(2, "NODE", 0, 1),
@@ -57,8 +59,8 @@ const ELEMENTS: &[ElementType] = &[
     volume(TETRA_4, "TETRA_4", 4, code::TETRA, ORDER.split_at(4).0),
     volume(11, "TETRA_10", 10, code::QUADRATIC_TETRA, ORDER.split_at(10).0),
     volume(12, "PYRA_5", 5, code::PYRAMID, ORDER.split_at(5).0),
-    // VTK has no pyramid with a node in its base alone; that node is left out.
-    volume(13, "PYRA_14", 14, code::QUADRATIC_PYRAMID, ORDER.split_at(13).0),
+    // VTK has no pyramid with a node in its base alone.
+    volume(PYRA_14, "PYRA_14", 14, code::QUADRATIC_PYRAMID, ORDER.split_at(13).0),
     volume(14, "PENTA_6", 6, code::WEDGE, ORDER.split_at(6).0),
     volume(15, "PENTA_15", 15, code::QUADRATIC_WEDGE, PENTA.split_at(15).0),
     volume(16, "PENTA_18", 18, code::BIQUADRATIC_QUADRATIC_WEDGE, PENTA),

@@ -227,6 +227,11 @@ fn piece(zone: &Node, step: Option<usize>, units: &Units, warnings: &mut Vec<Str
         (point_count, cell_count, Geometry::Curvilinear { dimensions, points })
     } else {
         let sections = sections(&children)?;
+        let warning = "The node in the middle of the base of pyramids of 14 nodes (PYRA_14) is left out.";
+        let has_larger = sections.iter().any(|section| section.kind == elements::PYRA_14);
+        if has_larger && !warnings.iter().any(|known| known == warning) {
+            warnings.push(warning.to_owned());
+        }
         // Some writers count the elements of the boundary, too.
         sizes.cells = vec![elements::count(&sections, sizes.cells[0])];
         let (point_count, cell_count) = (sizes.points[0], sizes.cells[0]);

@@ -11,7 +11,7 @@ use self::parts::{BlockForm, GoldBlock, GoldGeometry, GoldPart};
 use super::blocks::selected;
 use super::contents::{CellBlocks, Compute, Dataset, Encoding, Geometry, Piece, PieceArray, Stored};
 use super::lazy::geometry;
-use super::request::{Format, Request};
+use super::request::{Format, Request, list};
 use super::source::Source;
 use glam::{DMat3, DVec3};
 use std::path::{Path, PathBuf};
@@ -58,6 +58,11 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
         file_bytes: std::fs::metadata(&file.path).map_or(0, |metadata| metadata.len()),
         ..Dataset::default()
     };
+    let flat: Vec<String> = grid.parts.iter().filter(|part| part.is_flat()).map(name).collect();
+    if !flat.is_empty() {
+        let names = list(flat.iter().map(String::as_str));
+        dataset.warnings.push(format!("Parts without cells of three dimensions are left out: {names}."));
+    }
     // Each file is looked through for the step once.
     let files = case.variables.iter().map(|variable| case.file(&variable.pattern, time).map(Arc::new));
     let files: Vec<Arc<StepFile>> = files.collect::<Result<_>>()?;

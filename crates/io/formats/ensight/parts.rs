@@ -84,6 +84,12 @@ impl GoldPart {
         }
     }
 
+    /// True if it has elements or points of a block, and none with a volume.
+    pub fn is_flat(&self) -> bool {
+        let has_elements = self.elements.iter().any(|elements| elements.count > 0);
+        self.cell_count() == 0 && (has_elements || self.block.is_some())
+    }
+
     /// Number of their nodes; those of polyhedra are taken for hexahedra.
     pub fn corner_count(&self) -> u64 {
         self.volumes().map(|own| own.count.saturating_mul(own.kind.0.max(8) as u64)).sum()

@@ -8,7 +8,7 @@ use crate::formats::lazy::{GatheredCells, tetrahedra};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::Range;
-use voltet_core::grid::{CellSet, Cells, code};
+use voltet_core::grid::{CellSet, CellType, Cells, code};
 use voltet_core::progress::{Progress, refuse_beyond_memory};
 use voltet_core::reading::{GridHead, GridRead, OpenGrid};
 use voltet_core::{Error, Result, counted};
@@ -48,6 +48,13 @@ impl BlockKind {
             "NFACED" => Some(BlockKind::Polyhedra),
             _ => element_shape(name, node_count).map(BlockKind::Shape),
         }
+    }
+
+    /// True if cells with a volume have fewer points than the elements have nodes.
+    pub fn lacks_nodes(&self, node_count: u64) -> bool {
+        let BlockKind::Shape(shape) = self else { return false };
+        let is_volume = CellType::from_code(shape.code).is_some_and(|cell| cell.dimension == 3);
+        is_volume && node_count > shape.nodes.len() as u64
     }
 
     /// Nodes of a cell; polyhedra are taken for hexahedra, and polygons for squares.

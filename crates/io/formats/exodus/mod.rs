@@ -247,18 +247,25 @@ fn dataset(parts: Vec<ProcessFile>, request: &Request) -> Result<Dataset> {
         times => Some(request.step_index(times)? as u64),
     };
     let selected = blocks::selected(&dataset.blocks, request)?;
-    let mut unread = BTreeSet::new();
+    let mut incomplete = IncompleteBlocks::default();
     for part in &parts {
         let own = Selection { part, step, is_part: parts.len() > 1, numbers: &numbers, selected: &selected };
-        let piece = own.piece(&mut unread).map_err(|error| error.in_file(part.variables.source().path()))?;
+        let piece =
+            own.piece(&mut incomplete).map_err(|error| error.in_file(part.variables.source().path()))?;
         dataset.pieces.push(piece);
         dataset.file_bytes += part.variables.source().len();
     }
+    let IncompleteBlocks { unread, with_more_nodes } = incomplete;
     if !unread.is_empty() {
         let (blocks, are) =
             (agreeing(&unread.len(), "A block", "Blocks"), agreeing(&unread.len(), "is", "are"));
         let names = list(unread.iter().map(String::as_str));
         dataset.warnings.push(format!("{blocks} of elements that are not read {are} left out: {names}."));
+    }
+    if !with_more_nodes.is_empty() {
+        let names = list(with_more_nodes.iter().map(String::as_str));
+        let what = "Nodes in faces and in the middle of elements, which VTK's cells lack, are left out";
+        dataset.warnings.push(format!("{what} in the blocks {names}."));
     }
     Ok(dataset)
 }
@@ -292,6 +299,15 @@ struct Selection<'a> {
     selected: &'a [bool],
 }
 
+/// Names of blocks that are not read as they are.
+#[derive(Default)]
+struct IncompleteBlocks {
+    /// Elements of types that are not read.
+    unread: BTreeSet<String>,
+    /// Volume elements with more nodes than their cells have.
+    with_more_nodes: BTreeSet<String>,
+}
+
 /// A block that is read: its place in the file, and its elements as cells.
 struct ReadBlock<'a> {
     place: usize,
@@ -304,18 +320,23 @@ impl Selection<'_> {
         self.numbers.get(&block.id).copied().unwrap_or(0)
     }
 
-    /// The piece of a file; adds the blocks whose elements are of no type that is read.
-    fn piece(&self, unread: &mut BTreeSet<String>) -> Result<Piece> {
+    /// The piece of a file; adds the blocks that are not read as they are.
+    fn piece(&self, incomplete: &mut IncompleteBlocks) -> Result<Piece> {
         let mut read = Vec::new();
         for (place, block) in self.part.blocks.iter().enumerate() {
             if block.element_count == 0 || self.selected.get(self.number(block)) != Some(&true) {
                 continue;
             }
             match BlockKind::of_elements(&block.element_type, block.node_count) {
-                Some(kind) => read.push(ReadBlock { place, block, kind }),
+                Some(kind) => {
+                    if kind.lacks_nodes(block.node_count) {
+                        incomplete.with_more_nodes.insert(block.name.clone());
+                    }
+                    read.push(ReadBlock { place, block, kind });
+                }
                 None => {
                     let kind = format!("{} of {} nodes", block.element_type, block.node_count);
-                    unread.insert(format!("{} ({kind})", block.name));
+                    incomplete.unread.insert(format!("{} ({kind})", block.name));
                 }
             }
         }

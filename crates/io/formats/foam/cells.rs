@@ -3,6 +3,7 @@
 use super::file::{CollatedPart, FoamFile, misfit};
 use crate::formats::lazy::GatheredCells;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::path::PathBuf;
 use voltet_core::grid::{Cells, code};
 use voltet_core::{Error, Result};
@@ -118,18 +119,17 @@ impl FaceCells {
     }
 
     /// Beginning of each cell's faces, and the end of the last ones; faces by cell, whose lowest bit says that the cell is the neighbour, whose
-    /// face points inward. Each thread looks at all faces for a range of the cells.
+    /// face points inward. Each task sorts the faces of a range of the cells, and passes over parts of the faces that have none of these.
     fn sides_by_cell(&self) -> (Vec<u32>, Vec<u32>) {
-        let range = self.cell_count.div_ceil(rayon::current_num_threads()).max(PART);
+        let tasks = rayon::current_num_threads().min(MAX_SORTING_TASKS);
+        let range = self.cell_count.div_ceil(tasks).max(PART);
+        let sides = [Sides::new(&self.owner, 0), Sides::new(&self.neighbour, 1)];
         let mut begins = vec![0_u32; self.cell_count + 1];
-        begins[1..].par_chunks_mut(range).enumerate().for_each(|(part, counts)| {
-            for cells in [&self.owner, &self.neighbour] {
-                for &cell in cells {
-                    if let Some(count) = counts.get_mut((cell as usize).wrapping_sub(part * range)) {
-                        *count += 1;
-                    }
-                }
-            }
+        begins[1..].par_chunks_mut(range).enumerate().for_each(|(task, counts)| {
+            let first = task * range;
+            sides
+                .iter()
+                .for_each(|sides| sides.each(first..first + counts.len(), |cell, _| counts[cell] += 1));
         });
         (0..self.cell_count).for_each(|cell| begins[cell + 1] += begins[cell]);
         let mut of_cells = vec![0_u32; self.owner.len() + self.neighbour.len()];
@@ -142,13 +142,11 @@ impl FaceCells {
         }
         parts.into_par_iter().for_each(|(first, begins, of_cells)| {
             let mut next: Vec<u32> = begins[..begins.len() - 1].iter().map(|at| at - begins[0]).collect();
-            for (cells, side) in [(&self.owner, 0), (&self.neighbour, 1)] {
-                for (face, &cell) in cells.iter().enumerate() {
-                    if let Some(place) = next.get_mut((cell as usize).wrapping_sub(first)) {
-                        of_cells[*place as usize] = (face as u32) << 1 | side;
-                        *place += 1;
-                    }
-                }
+            for sides in &sides {
+                sides.each(first..first + next.len(), |cell, entry| {
+                    of_cells[next[cell] as usize] = entry;
+                    next[cell] += 1;
+                });
             }
         });
         (begins, of_cells)
@@ -172,6 +170,40 @@ impl FaceCells {
             Some(())
         })?;
         Some(Cells::Tetrahedra(corners.into()))
+    }
+}
+
+/// Tasks that sort the faces of one mesh by cells: where cells are numbered without any order each of them looks at all faces.
+const MAX_SORTING_TASKS: usize = 8;
+
+/// Cells on one side of all faces.
+struct Sides<'a> {
+    cells: &'a [u32],
+    /// 1: neighbours.
+    mark: u32,
+    /// Least and greatest cell of each part of the faces.
+    bounds: Vec<[u32; 2]>,
+}
+
+impl Sides<'_> {
+    fn new(cells: &[u32], mark: u32) -> Sides<'_> {
+        let bounds_of = |part: &[u32]| {
+            part.iter().fold([u32::MAX, 0], |[low, high], &cell| [low.min(cell), high.max(cell)])
+        };
+        Sides { cells, mark, bounds: cells.par_chunks(PART).map(bounds_of).collect() }
+    }
+
+    /// Calls `visit` for the faces, in their order, of a range of the cells, with the place of the cell in the range, and the face with the mark.
+    fn each(&self, range: Range<usize>, mut visit: impl FnMut(usize, u32)) {
+        for (part, (cells, &[low, high])) in self.cells.chunks(PART).zip(&self.bounds).enumerate() {
+            if high as usize >= range.start && (low as usize) < range.end {
+                for (face, &cell) in (part * PART..).zip(cells) {
+                    if range.contains(&(cell as usize)) {
+                        visit(cell as usize - range.start, (face as u32) << 1 | self.mark);
+                    }
+                }
+            }
+        }
     }
 }
 
@@ -379,10 +411,9 @@ mod tests {
     use super::*;
     use std::collections::BTreeMap;
 
-    #[test]
-    fn tetrahedra_are_those_of_any_cells() {
-        // Around a common edge, closed, so that faces have one cell or two.
-        let cells: Vec<[u32; 4]> = (0..7).map(|cell| [0, 1, 2 + cell, 2 + (cell + 1) % 7]).collect();
+    /// Tetrahedra around a common edge, closed, so that faces have one cell or two.
+    fn ring(count: u32) -> (Vec<[u32; 4]>, FaceCells) {
+        let cells: Vec<[u32; 4]> = (0..count).map(|cell| [0, 1, 2 + cell, 2 + (cell + 1) % count]).collect();
         let mut faces: BTreeMap<[u32; 3], ([u32; 3], Vec<u32>)> = BTreeMap::new();
         for (number, &[a, b, c, d]) in cells.iter().enumerate() {
             for face in [[b, c, d], [a, d, c], [a, b, d], [a, c, b]] {
@@ -392,32 +423,88 @@ mod tests {
             }
         }
         let (inner, outer): (Vec<_>, Vec<_>) = faces.into_values().partition(|face| face.1.len() == 2);
-        assert_eq!((inner.len(), outer.len()), (7, 14));
+        assert_eq!((inner.len(), outer.len()), (cells.len(), 2 * cells.len()));
         let all: Vec<_> = inner.iter().chain(&outer).collect();
-        let mut mesh = FaceCells {
+        let mesh = FaceCells {
             points: all.iter().flat_map(|face| face.0).collect(),
             ends: (1..=all.len() as u32).map(|face| 3 * face).collect(),
             owner: all.iter().map(|face| face.1[0]).collect(),
             neighbour: inner.iter().map(|face| face.1[1]).collect(),
             cell_count: cells.len(),
         };
-        let (begins, sides) = mesh.sides_by_cell();
-        let Some(Cells::Tetrahedra(found)) = mesh.tetrahedra(&begins, &sides) else { panic!() };
-        for (cell, found) in found.iter().enumerate() {
-            let own = &sides[begins[cell] as usize..begins[cell + 1] as usize];
-            let own: Vec<Side> =
-                own.iter().map(|side| (mesh.face((side >> 1) as usize), side & 1 == 0)).collect();
-            let (kind, corners) = simple_cell(&own).unwrap();
-            assert_eq!((kind, &corners[..]), (code::TETRA, &found[..]));
-            let (mut corners, mut expected) = (*found, cells[cell]);
-            corners.sort_unstable();
-            expected.sort_unstable();
-            assert_eq!(corners, expected);
+        (cells, mesh)
+    }
+
+    #[test]
+    fn tetrahedra_are_those_of_any_cells() {
+        for (count, threads) in [(7, 1), (2 * PART as u32 + 9, 1), (2 * PART as u32 + 9, 4)] {
+            let (cells, mesh) = ring(count);
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let (begins, sides) = pool.install(|| mesh.sides_by_cell());
+            let found = pool.install(|| mesh.tetrahedra(&begins, &sides));
+            let Some(Cells::Tetrahedra(found)) = found else { panic!() };
+            for (cell, found) in found.iter().enumerate() {
+                let own = &sides[begins[cell] as usize..begins[cell + 1] as usize];
+                let own: Vec<Side> =
+                    own.iter().map(|side| (mesh.face((side >> 1) as usize), side & 1 == 0)).collect();
+                let (kind, corners) = simple_cell(&own).unwrap();
+                assert_eq!((kind, &corners[..]), (code::TETRA, &found[..]));
+                let (mut corners, mut expected) = (*found, cells[cell]);
+                corners.sort_unstable();
+                expected.sort_unstable();
+                assert_eq!(corners, expected);
+            }
         }
-        // A face that belongs to no tetrahedron, and one with four points.
-        mesh.points[0] = 99;
-        assert!(mesh.tetrahedra(&begins, &sides).is_none());
-        mesh.ends[0] = 4;
-        assert!(mesh.tetrahedra(&begins, &sides).is_none());
+    }
+
+    #[test]
+    fn other_cells_among_tetrahedra_are_found_in_every_part() {
+        let (_, mut mesh) = ring(2 * PART as u32 + 9);
+        let (begins, sides) = mesh.sides_by_cell();
+        let last = mesh.ends.len() - 1;
+        for face in [0, PART - 1, PART, last] {
+            // A face that belongs to no tetrahedron; one with four points.
+            let point = std::mem::replace(&mut mesh.points[3 * face], u32::MAX);
+            assert!(mesh.tetrahedra(&begins, &sides).is_none(), "face {face}");
+            mesh.points[3 * face] = point;
+            mesh.ends[face] += 1;
+            assert!(mesh.tetrahedra(&begins, &sides).is_none(), "face {face}");
+            mesh.ends[face] -= 1;
+        }
+        for cell in [1, PART - 1, PART, mesh.cell_count - 1] {
+            // Five faces of one cell, and three of the next.
+            let mut irregular = begins.clone();
+            irregular[cell] += 1;
+            assert!(mesh.tetrahedra(&irregular, &sides).is_none(), "cell {cell}");
+        }
+        assert!(mesh.tetrahedra(&begins, &sides).is_some());
+    }
+
+    #[test]
+    fn faces_are_sorted_by_cells_in_any_number_of_threads() {
+        let cell_count = 5 * PART + 7;
+        let inner = 2 * cell_count + 3;
+        // In an order as solvers number cells, and in none (Knuth's multiplicative hash).
+        let near = |face: usize| ((face / 2).min(cell_count - 1)) as u32;
+        let far = |face: usize| (face.wrapping_mul(2_654_435_761) % cell_count) as u32;
+        for neighbour in [(0..inner).map(far).collect::<Vec<_>>(), (0..inner).map(near).collect()] {
+            let owner: Vec<u32> = (0..inner + PART).map(near).collect();
+            let mut expected = vec![Vec::new(); cell_count];
+            for (cells, side) in [(&owner, 0), (&neighbour, 1)] {
+                for (face, &cell) in cells.iter().enumerate() {
+                    expected[cell as usize].push((face as u32) << 1 | side);
+                }
+            }
+            let mesh = FaceCells { points: Vec::new(), ends: Vec::new(), owner, neighbour, cell_count };
+            for threads in [1, 4, 64] {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                let (begins, sides) = pool.install(|| mesh.sides_by_cell());
+                assert_eq!(begins[cell_count] as usize, sides.len());
+                for (cell, expected) in expected.iter().enumerate() {
+                    let own = &sides[begins[cell] as usize..begins[cell + 1] as usize];
+                    assert_eq!(own, expected, "cell {cell} in {threads} threads");
+                }
+            }
+        }
     }
 }

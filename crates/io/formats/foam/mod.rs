@@ -449,7 +449,7 @@ fn read_mesh(
         }
         Ok(faces.cells(selection))
     };
-    // Sorting faces by cells keeps one thread busy.
+    // Few tasks sort the faces by cells; points are read beside them.
     let (coordinates, cells) = rayon::join(read_points, read_cells);
     let copied = |(_, numbers): (_, Vec<f64>)| bytemuck::cast_slice(&numbers).to_vec();
     Ok((bytemuck::try_cast_vec(coordinates?).unwrap_or_else(copied), cells?))

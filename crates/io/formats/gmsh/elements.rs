@@ -13,7 +13,7 @@ use voltet_core::{Error, Result};
 /// A type of volume elements.
 pub(super) struct GmshElement {
     /// Number of the type.
-    number: u64,
+    pub number: u64,
     /// Type code of VTK.
     pub code: u8,
     /// For each node in VTK's order its place in Gmsh's.
@@ -262,19 +262,23 @@ fn each_of_2(cursor: &mut Cursor, visit: &mut dyn FnMut(&ElementRun) -> Result<(
                 count.saturating_mul(width),
                 "a number, a tag or a node of an element",
             )?;
-            let Some(volume) = volume else { return Ok(()) };
             let (mut place, tag_count) = (0, tag_count as usize);
             let group = |row: &[i64]| group_of(&row[1..1 + tag_count]);
             let rows: Vec<&[i64]> = rows.chunks_exact(width as usize).collect();
             for same in rows.chunk_by(|a, b| group(a) == group(b)) {
                 own.clear();
-                for row in same {
+                let added = same.iter().try_for_each(|row| {
                     let byte = start + 4 * width * place;
-                    let added = add_row(row[0], &row[1 + tag_count..], &mut own);
-                    added.map_err(|error| Error::run(error).at_item(format!("byte {byte}")))?;
                     place += 1;
+                    let added = add_row(row[0], &row[1 + tag_count..], &mut own);
+                    added.map_err(|error| Error::run(error).at_item(format!("byte {byte}")))
+                });
+                // Errors of rows come in their order.
+                own.truncate(own.len() / (1 + node_count) * (1 + node_count));
+                if let Some(volume) = volume {
+                    visit(&ElementRun { volume, group: group(same[0]), node_count, rows: &own })?;
                 }
-                visit(&ElementRun { volume, group: group(same[0]), node_count, rows: &own })?;
+                added?;
             }
             Ok(())
         })?;

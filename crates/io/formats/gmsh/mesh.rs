@@ -80,7 +80,7 @@ impl Volumes {
             return Err(Error::run("the file has changed while it was read"));
         };
         number_corners(run, nodes, corners, tags)?;
-        match self.kinds.last_mut().filter(|kind| std::ptr::eq(kind.0, run.volume)) {
+        match self.kinds.last_mut().filter(|kind| kind.0.number == run.volume.number) {
             Some(kind) => (kind.1, kind.2) = (end, corner_end),
             None => self.kinds.push((run.volume, end, corner_end)),
         }

@@ -3,7 +3,7 @@
 use crate::formats::blocks::selected;
 use crate::formats::contents::{Dataset, Piece, PieceArray, Stored};
 use crate::formats::lazy::GatheredCells;
-use crate::formats::request::Request;
+use crate::formats::request::{Request, list};
 use crate::formats::source::Source;
 use voltet_core::grid::{Association, Cells};
 use voltet_core::{Error, Result};
@@ -187,6 +187,9 @@ pub(super) fn dataset(
         let is_unique = volumes.iter().filter(|&&other| zones[other].name == *own).count() == 1;
         if is_unique && !own.is_empty() { own.clone() } else { format!("{own} ({})", zone + 1) }
     };
+    let is_flat = |zone: &ZoneHead| matches!(zone.kind, ZoneKind::Flat(_)) && zone.cell_count > 0;
+    let flat = zones.iter().filter(|zone| is_flat(zone) && is_of_time(zone)).map(|zone| &*zone.name);
+    let flat: Vec<&str> = flat.collect();
     let blocks: Vec<String> = if volumes.len() > 1 { volumes.iter().map(name).collect() } else { Vec::new() };
     let mut is_selected = selected(&blocks, request)?;
     is_selected.resize(volumes.len(), true);
@@ -199,6 +202,10 @@ pub(super) fn dataset(
         file_bytes: source.len(),
         ..Dataset::default()
     };
+    if !flat.is_empty() {
+        let names = list(flat);
+        dataset.warnings.push(format!("Zones without cells of three dimensions are left out: {names}."));
+    }
     for (block, &zone) in volumes.iter().enumerate().filter(|(block, _)| is_selected[*block]) {
         check_axes(zones[zone], axes)?;
         dataset.pieces.push(piece(zone, block));

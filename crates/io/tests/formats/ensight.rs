@@ -281,6 +281,7 @@ fn text_and_bytes_of_either_order_read_the_same() {
         let summary = inspect(&path, &Request::default(), &NoProgress).unwrap();
         let names: Vec<&str> = summary.blocks.iter().map(|block| &*block.name).collect();
         assert_eq!((names, summary.time_steps), (vec!["fluid", "solid", "box"], vec![0.5, 2.5]), "{what}");
+        assert_eq!(summary.warnings, ["Parts without cells of three dimensions are left out: 'wall'."]);
         let part = grid(&path, &request("U:0"));
         assert_eq!(part.tetrahedra.len(), 2 + 1 + 6, "{what}");
         for (p, &part) in part.points.iter().zip(part.scalar.as_ref().unwrap().iter()) {

@@ -51,6 +51,13 @@ fn elements_of_every_type_have_their_volume_and_values() {
             "{:?}",
             own.origin.warnings
         );
+        let lack = |grid: &Grid| {
+            let warnings = grid.origin.warnings.iter();
+            warnings.filter(|warning| warning.contains("VTK's cells lack")).cloned().collect::<Vec<_>>()
+        };
+        let [warning] = &lack(&own)[..] else { panic!("{name}: {:?}", own.origin.warnings) };
+        assert!(warning.contains("'tets 14'") && !warning.contains("'hexes 27'"), "{warning}");
+        assert!(lack(&of_blocks(name, "T", &["hexes 27"])).is_empty(), "{name}");
         for (step, time) in TIMES.into_iter().enumerate() {
             let own = grid_at(name, "T", step);
             assert_eq!(own.origin.time, Some(time), "{name}");

@@ -394,3 +394,112 @@ fn the_mark_of_an_end_among_bytes_ends_no_section() {
     let grid = grid(&path, &request("v:2"));
     assert_eq!(grid.scalar.as_ref().unwrap()[..], [1.0, 2.0, 3.0, 4.0]);
 }
+
+#[test]
+fn negative_numbers_of_surfaces_are_errors_in_text_and_in_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = String::from_utf8(partitioned(2.2, None)).unwrap();
+    let row = format!("20 2 2 1 6 {} ", TAGS[1]);
+    assert!(text.contains(&row));
+    let ints = |values: &[i32]| values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>();
+    let (sound, damaged) = (ints(&[20, 1, 6, TAGS[1] as i32]), ints(&[20, 1, 6, -5]));
+    let mut bytes = partitioned(2.2, Some(false));
+    let place = bytes.windows(sound.len()).position(|part| part == sound).unwrap();
+    bytes.splice(place..place + sound.len(), damaged);
+    for bytes in [text.replacen(&row, "20 2 2 1 6 -5 ", 1).into_bytes(), bytes] {
+        let path = file(&folder, "a.msh", &bytes);
+        let found = read(&path, &request("T"), &NoProgress).unwrap_err().to_string();
+        assert!(found.contains("negative, -5"), "{found}");
+    }
+}
+
+/// So many tetrahedra side by side, and as many cubes beside them; `is_missing`: three of the cubes name nodes that are not there.
+fn rows(version: f64, count: usize, is_missing: bool) -> Vec<u8> {
+    // Four nodes each at so many places, whose tags have gaps, and descend in the file of version 4.
+    let tag = |node: usize| if version > 4.0 { 20 * count - 2 * node } else { 2 * node + 1 } as u64;
+    let position = |node: usize| {
+        let (place, corner) = (node / 4 % (count + 1), node % 4);
+        let row = if node < 4 * (count + 1) { 0.0 } else { 9.0 };
+        [place as f64, f64::from(u8::from(corner % 3 > 0)), row + f64::from(u8::from(corner > 1))]
+    };
+    let node_count = 8 * (count + 1);
+    let tetrahedron = |cell: usize| [0, 1, 2, 4].map(|corner| tag(4 * cell + corner)).to_vec();
+    let cube = |cell: usize| {
+        let first = 4 * (count + 1 + cell);
+        let mut nodes = [0, 1, 2, 3, 4, 5, 6, 7].map(|corner| tag(first + corner)).to_vec();
+        if is_missing && [count - 1, count * 3 / 4, count * 5 / 8].contains(&cell) {
+            nodes[7] = 99_000_000 + cell as u64;
+        }
+        nodes
+    };
+    let mut w = Writer { bytes: Vec::new(), big_endian: Some(false) };
+    w.text(&format!("$MeshFormat\n{version} 1 8\n"));
+    w.ints(&[1]);
+    w.text("\n$EndMeshFormat\n$Nodes\n");
+    if version > 4.0 {
+        w.sizes(&[1, node_count as u64, 1, 20 * count as u64]);
+        w.ints(&[3, 1, 0]);
+        w.sizes(&[node_count as u64]);
+        (0..node_count).for_each(|node| w.sizes(&[tag(node)]));
+        (0..node_count).for_each(|node| w.doubles(&position(node)));
+        w.text("\n$EndNodes\n$Elements\n");
+        w.sizes(&[2, 2 * count as u64, 1, 2 * count as u64]);
+        for (kind, first) in [(4, 1), (5, 1 + count)] {
+            w.ints(&[3, 1, kind]);
+            w.sizes(&[count as u64]);
+            for cell in 0..count {
+                w.sizes(&[(first + cell) as u64]);
+                w.sizes(&if kind == 4 { tetrahedron(cell) } else { cube(cell) });
+            }
+        }
+    } else {
+        w.text(&format!("{node_count}\n"));
+        for node in 0..node_count {
+            w.ints(&[tag(node) as i32]);
+            w.doubles(&position(node));
+        }
+        w.text(&format!("\n$EndNodes\n$Elements\n{}\n", 2 * count));
+        for (kind, first) in [(4, 1), (5, 1 + count)] {
+            w.ints(&[kind, count as i32, 2]);
+            for cell in 0..count {
+                let group = 1 + i32::from(cell * 9 > count);
+                w.ints(&[(first + cell) as i32, group, 1]);
+                let nodes = if kind == 4 { tetrahedron(cell) } else { cube(cell) };
+                nodes.iter().for_each(|&node| w.ints(&[node as i32]));
+            }
+        }
+    }
+    w.text("\n$EndElements\n");
+    w.bytes
+}
+
+#[test]
+fn many_elements_are_numbered_alike_by_one_thread_and_by_several() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = Request { without_scalar: true, ..Request::default() };
+    let count = 10_000;
+    for version in [2.2, 4.1] {
+        let sound = file(&folder, "a.msh", &rows(version, count, false));
+        let damaged = file(&folder, "b.msh", &rows(version, count, true));
+        let of = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let found = read(&damaged, &mesh, &NoProgress).unwrap_err().to_string();
+                (grid(&sound, &mesh), inspect(&sound, &Request::default(), &NoProgress).unwrap(), found)
+            })
+        };
+        let (one, summary, found) = of(1);
+        let (four, of_four, found_by_four) = of(4);
+        assert_eq!((&one.tetrahedra, &one.points), (&four.tetrahedra, &four.points), "{version}");
+        assert_eq!(summary, of_four, "{version}");
+        assert_eq!(summary.cell_count, 2 * count as u64, "{version}");
+        // Tetrahedra of a sixth and cubes of 1, in sums of ten thousands.
+        let expected = count as f64 * 7.0 / 6.0;
+        assert!((volume(&one) - expected).abs() < 1e-7, "{version}: {}", volume(&one));
+        for found in [found, found_by_four] {
+            let (element, node) = (count + 1 + count * 5 / 8, 99_000_000 + count * 5 / 8);
+            let words = [format!("element {element}"), node.to_string()];
+            assert!(words.iter().all(|word| found.contains(word)), "{version}: {found}");
+        }
+    }
+}

@@ -46,6 +46,7 @@ fn zones_are_blocks_and_steps() {
     let summary = inspect(&path, &Request::default(), &NoProgress).unwrap();
     let names: Vec<&str> = summary.blocks.iter().map(|block| &*block.name).collect();
     assert_eq!((names, summary.time_steps), (vec!["solid", "box"], vec![1.5, 3.0]));
+    assert_eq!(summary.warnings, ["Zones without cells of three dimensions are left out: 'wall'."]);
     let all = grid(&path, &request("T"));
     assert_eq!(all.tetrahedra.len(), 2 + 6);
     for (p, &t) in all.points.iter().zip(all.scalar.as_ref().unwrap().iter()) {
