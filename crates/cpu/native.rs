@@ -9,7 +9,7 @@ use crate::frame_renderer::{DrawnFrame, RayInputs};
 use crate::projection::Projection;
 use crate::segment_cache::{Plan, SegmentCache};
 use crate::selection::{CullSample, Traversal, without};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 use voltet_core::diagnostics::Diagnostics;
 use voltet_core::grid::extent;
@@ -18,7 +18,8 @@ use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
 use voltet_core::{Result, counted};
 use voltet_optics::engine::{
-    self, Engine, EngineInfo, PreparedPart, PreparedVolume, RenderOptions, RenderOutput, Stage, StageTiming,
+    self, Engine, EngineInfo, PreparedPart, PreparedVolume, RenderOptions, RenderOutput, SelectedPart, Stage,
+    StageTiming,
 };
 use voltet_optics::integrators::{self, PreparedScene, ScenePreparation};
 use voltet_optics::scene::Scene;
@@ -60,8 +61,7 @@ impl Engine for Native {
     }
 
     fn prepare_part(&self, volume: &Arc<Volume>, whole: &SceneExtent) -> Result<Arc<dyn PreparedPart>> {
-        let volume = self.volume(VolumeCache::of_part(volume, whole)?);
-        Ok(Arc::new(NativePart { volume, tallied: Mutex::new(None) }))
+        Ok(Arc::new(self.volume(VolumeCache::of_part(volume, whole)?)))
     }
 
     fn choices(
@@ -72,7 +72,7 @@ impl Engine for Native {
     ) -> Result<SceneChoices> {
         let length = extent::scene_length(whole.volume.bounds)?;
         let policy = RayCastPolicy::new(transfer_function, max_optical_depth(transfer_function, length));
-        // Rays that are cast through all parts show their boundary.
+        // Where it is not known, the caller asks again with it.
         let casts_rays = policy.pays(tally.covered_pixels / tally.cells.max(1.0))
             && (tally.lacks_boundary || policy.allows_boundary(tally.outer_faces, tally.cells));
         let is_active = |widget: usize| tally.active_widgets.get(widget).copied().unwrap_or(true);
@@ -153,79 +153,50 @@ impl PreparedVolume for NativeVolume {
     }
 }
 
-/// A part of a grid.
-struct NativePart {
-    volume: NativeVolume,
-    /// Cells of a scene that were tallied and are not drawn yet, projected without choices, with their tally.
-    tallied: Mutex<Option<(ProjectedScene, PartTally)>>,
-}
-
-impl NativePart {
-    fn tallied(&self) -> MutexGuard<'_, Option<(ProjectedScene, PartTally)>> {
-        self.tallied.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl PreparedPart for NativePart {
-    fn tally(&self, scene: &Scene, manner: &RenderOptions, progress: &dyn Progress) -> Result<PartTally> {
-        let projected = self.volume.project(scene, manner, Some(&SceneChoices::default()), progress)?;
-        let tally = projected.tally();
-        *self.tallied() = Some((projected, tally.clone()));
-        Ok(tally)
-    }
-
-    fn draw(
-        &self,
+impl PreparedPart for NativeVolume {
+    fn select(
+        self: Arc<Self>,
         scene: &Scene,
         choices: &SceneChoices,
         manner: &RenderOptions,
         progress: &dyn Progress,
-    ) -> Result<RenderOutput> {
+    ) -> Result<Box<dyn SelectedPart>> {
         progress.check_cancelled()?;
-        let serves = |(projected, tally): &(ProjectedScene, PartTally)| {
-            projected.is_of(scene) && SceneChoices::default().serves(choices, tally)
-        };
-        let tallied = self.tallied().take().filter(serves);
-        let (projected, tally) = match tallied {
-            Some(known) => known,
-            None => {
-                let projected = self.volume.project(scene, manner, Some(choices), progress)?;
-                let tally = projected.tally();
-                (projected, tally)
-            }
-        };
-        let mut drawn = self.volume.draw_projected(projected, scene, manner, progress)?;
-        if let Some((_, own)) = &mut drawn.part {
-            *own = tally;
-        }
-        Ok(drawn)
+        let projected = self.project(scene, manner, Some(choices), progress)?;
+        Ok(Box::new(NativePart { volume: self, scene: scene.clone(), manner: *manner, projected }))
+    }
+}
+
+/// A part of a grid with the cells that a scene selects, projected.
+struct NativePart {
+    volume: Arc<NativeVolume>,
+    scene: Scene,
+    manner: RenderOptions,
+    projected: ProjectedScene,
+}
+
+impl SelectedPart for NativePart {
+    fn tally(&self, finds_boundary: bool) -> PartTally {
+        let active_widgets = self.projected.active_widgets.clone();
+        PartTally { active_widgets, ..self.projected.projection.tally(finds_boundary) }
+    }
+
+    fn draw(self: Box<Self>, progress: &dyn Progress) -> Result<RenderOutput> {
+        let NativePart { volume, scene, manner, projected } = *self;
+        volume.draw_projected(projected, &scene, &manner, progress)
     }
 }
 
 /// Cells that are selected for a scene and projected.
 struct ProjectedScene {
-    /// The scene's transfer function, and that of the integrator for it.
-    transfer_functions: [Arc<TransferFunction>; 2],
+    /// The scene's transfer function, or that of the integrator for it.
+    transfer_function: Arc<TransferFunction>,
     projection: Projection,
     /// For each widget, true if a cell in view touches it.
     active_widgets: Vec<bool>,
     /// True for a part of a grid.
     is_part: bool,
     stages: Vec<StageTiming>,
-}
-
-impl ProjectedScene {
-    /// True if they are those of a scene of the same volume.
-    fn is_of(&self, scene: &Scene) -> bool {
-        Arc::ptr_eq(&self.transfer_functions[0], &scene.transfer_function)
-            && *self.projection.camera() == scene.camera
-            && Arc::ptr_eq(&self.projection.cells().volume, &scene.volume)
-    }
-
-    /// Figures of the cells as those of a part.
-    fn tally(&self) -> PartTally {
-        PartTally { active_widgets: self.active_widgets.clone(), ..self.projection.tally() }
-    }
 }
 
 impl NativeVolume {
@@ -272,7 +243,7 @@ impl NativeVolume {
         let projection = project(&cells, transfer_function, camera, gradient, progress)?;
         timer.end(Stage::Project);
         Ok(ProjectedScene {
-            transfer_functions: [scene.transfer_function.clone(), transfer_function.clone()],
+            transfer_function: transfer_function.clone(),
             projection,
             active_widgets,
             is_part: choices.is_some(),
@@ -280,7 +251,7 @@ impl NativeVolume {
         })
     }
 
-    /// Draws a scene's cells. Of a part, the tally is left to the caller.
+    /// Draws a scene's cells.
     fn draw_projected(
         &self,
         projected: ProjectedScene,
@@ -288,9 +259,7 @@ impl NativeVolume {
         manner: &RenderOptions,
         progress: &dyn Progress,
     ) -> Result<RenderOutput> {
-        let ProjectedScene {
-            transfer_functions: [_, transfer_function], projection, is_part, stages, ..
-        } = projected;
+        let ProjectedScene { transfer_function, projection, is_part, stages, .. } = projected;
         let (cells, mut timer) = (projection.cells(), StageTimer { stages, ..StageTimer::start() });
         let renderer = prepare_in_order(
             &projection,
@@ -303,10 +272,7 @@ impl NativeVolume {
         let inputs = RayInputs { records_stretches: is_part, ..RayInputs::default() };
         let DrawnFrame { picture, counts, depth_image } = renderer.draw(inputs, Some(scene), progress)?;
         timer.end(Stage::Composite);
-        let mut drawn = RenderOutput {
-            part: depth_image.map(|image| (image, PartTally::default())),
-            ..RenderOutput::new(picture, timer.stages)
-        };
+        let mut drawn = RenderOutput { part: depth_image, ..RenderOutput::new(picture, timer.stages) };
         drawn.notes = Diagnostics::new(manner.exhaustive);
         cells.count(&mut drawn.counts);
         cells.note(&mut drawn.notes);

@@ -47,8 +47,8 @@ impl Projection {
         self.samples.first().map_or(Some(0), SubpixelView::cell_count)
     }
 
-    /// Figures of the cells, as a part of a grid.
-    pub(crate) fn tally(&self) -> PartTally {
+    /// Figures of the cells, as a part of a grid ([`ray_caster::tally`]).
+    pub(crate) fn tally(&self, finds_boundary: bool) -> PartTally {
         let Some(sample) = self.samples.first() else { return PartTally::default() };
         let SubpixelView { view, screen_vertices, extent, source, attribute_count, .. } = sample;
         let caster = match source {
@@ -61,7 +61,7 @@ impl Projection {
             (view, screen_vertices),
             (extent, self.policy),
             (*attribute_count, self.max_optical_depth),
-            caster,
+            (caster, finds_boundary),
         )
     }
 

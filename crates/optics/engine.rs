@@ -30,7 +30,7 @@ pub struct EngineInfo {
     /// True if it runs on a device, which `adapter` names: it may be missing, has limits of its own, and keeps from frame to
     /// frame what was set up on it. Other engines draw every scene and set up each frame anew ([`Stage::SetUp`]).
     pub on_device: bool,
-    /// True if it draws parts of a grid, each by itself ([`RenderOptions::part`]).
+    /// True if it draws parts of a grid, each by itself ([`Engine::prepare_part`]).
     pub draws_parts: bool,
     /// The ways in which it composites; none where it has one only, of every order.
     pub compositing: &'static [Compositor],
@@ -193,19 +193,24 @@ pub trait PreparedVolume: Any + Send + Sync {
 
 /// A part of a grid on an engine, whose other parts are drawn by themselves.
 pub trait PreparedPart: Send + Sync {
-    /// Figures of the cells that a scene selects. What is found for them serves [`PreparedPart::draw`] with the same scene.
-    ///
-    /// Errors: those of [`PreparedVolume::draw`].
-    fn tally(&self, scene: &Scene, manner: &RenderOptions, progress: &dyn Progress) -> Result<PartTally>;
-
-    /// Draws the volumetric depth image of a scene by these choices ([`RenderOutput::part`]). Errors: those of [`PreparedVolume::draw`].
-    fn draw(
-        &self,
+    /// Selects the cells of a scene by these choices, to be tallied and drawn. Errors: those of [`PreparedVolume::draw`].
+    fn select(
+        self: Arc<Self>,
         scene: &Scene,
         choices: &SceneChoices,
         manner: &RenderOptions,
         progress: &dyn Progress,
-    ) -> Result<RenderOutput>;
+    ) -> Result<Box<dyn SelectedPart>>;
+}
+
+/// A part of a grid with the cells that a scene selects.
+pub trait SelectedPart: Send + Sync {
+    /// Figures of the cells. `finds_boundary`: false to leave out a boundary that only the other parts may need
+    /// ([`PartTally::lacks_boundary`]).
+    fn tally(&self, finds_boundary: bool) -> PartTally;
+
+    /// Draws the volumetric depth image of the scene ([`RenderOutput::part`]). Errors: those of [`PreparedVolume::draw`].
+    fn draw(self: Box<Self>, progress: &dyn Progress) -> Result<RenderOutput>;
 }
 
 /// Way from a device's cells to the picture.
@@ -282,8 +287,8 @@ pub struct RenderOutput {
     pub is_preview: bool,
     /// Further diagnostics: counts of this engine alone, skipped work, warnings.
     pub notes: Diagnostics,
-    /// The volumetric depth image of a part, with figures of its cells ([`PreparedPart::draw`]).
-    pub part: Option<(VolumetricDepthImage, PartTally)>,
+    /// The volumetric depth image of a part ([`SelectedPart::draw`]).
+    pub part: Option<VolumetricDepthImage>,
 }
 
 impl RenderOutput {

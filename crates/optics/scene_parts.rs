@@ -2,8 +2,9 @@
 //! in any part as in the whole grid.
 //!
 //! Numbers that an engine rounds by (the extent of the grid, of its values, of its points on the screen, its longest edges) are found over
-//! all parts before the first is drawn. What depends on the cells that are selected for the picture ([`SceneChoices`]) is known when all
-//! are drawn: a part that was drawn by another choice than that of the whole is drawn again.
+//! all parts before the first is drawn. What depends on the cells that are selected for the picture ([`SceneChoices`]) is known when those
+//! of all parts are tallied. Where all parts are in memory at a time, those of several processes, this is before any is drawn. Parts that
+//! are read one after the other are drawn as they come, and drawn again where the choice of the whole is another one.
 
 use rayon::prelude::*;
 use voltet_core::camera::{Camera, Projection};
@@ -124,10 +125,9 @@ pub struct SceneChoices {
 }
 
 impl SceneChoices {
-    /// True if parts that were drawn by these choices, with this tally, need not be drawn again by those that were then decided.
+    /// True if parts whose cells were selected by these choices, with these [`PartTally::methods`], serve those that were then decided.
     /// Projected cells are final, since their boundary is not known.
-    pub fn serves(&self, decided: &SceneChoices, tally: &PartTally) -> bool {
-        let [cast, projected] = tally.methods;
+    pub fn serves(&self, decided: &SceneChoices, [cast, projected]: [bool; 2]) -> bool {
         let is_other = if decided.casts_rays == Some(true) { projected } else { cast };
         let is_same = !is_other && self.inactive_widgets == decided.inactive_widgets;
         is_same || self.casts_rays == Some(false) || self == decided
@@ -145,7 +145,8 @@ pub struct PartTally {
     pub outer_faces: f64,
     /// Further faces there, by keys of their corners' positions. A face between two parts is there twice.
     pub boundary: Vec<u64>,
-    /// True if the boundary of a part is not known, through which rays could be cast: it did not pay for the part by itself.
+    /// True if the boundary of a part is not known, through which rays could be cast: it did not pay for the part by itself. Then the
+    /// choice to cast rays is not final: it is made again with all boundaries.
     pub lacks_boundary: bool,
     /// True for each widget that a cell in view touches.
     pub active_widgets: Vec<bool>,

@@ -141,7 +141,11 @@ def measured(folder, command, count, threads):
     for file in folder.glob("memory_*"):
         file.unlink()
     probe = [sys.executable, __file__, "--measure", *map(str, command)]
-    environment = os.environ | {"RAYON_NUM_THREADS": str(threads), "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    # Of voltet, of VTK's filters and of Mesa, which draws for ParaView.
+    limits = ["RAYON_NUM_THREADS", "VTK_SMP_MAX_THREADS", "LP_NUM_THREADS"]
+    environment = os.environ | dict.fromkeys(limits, str(threads))
+    # More processes than cores, and root in a container.
+    environment |= dict.fromkeys(["OMPI_MCA_rmaps_base_oversubscribe", "OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM"], "1")
     launcher = [] if count is None else [os.environ.get("MPIRUN", "mpirun"), "-n", str(count)]
     start = time.perf_counter()
     ran = subprocess.run(launcher + probe, cwd=folder, env=environment, capture_output=True, text=True)

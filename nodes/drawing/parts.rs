@@ -13,7 +13,7 @@ use voltet_core::volume::Volume;
 use voltet_core::{Error, Result, counted};
 use voltet_graph::{Outputs, RunContext, Value};
 use voltet_optics::depth_image::{Supersegment, VolumetricDepthImage};
-use voltet_optics::engine::{AdapterRequest, Engine, EngineInfo, PreparedPart, RenderOptions};
+use voltet_optics::engine::{AdapterRequest, Engine, EngineInfo, PreparedPart, RenderOptions, SelectedPart};
 use voltet_optics::ray_events::{RayEventSource, RayEvents};
 use voltet_optics::scene::Scene;
 use voltet_optics::scene_parts::{PartTally, SceneChoices, SceneExtent};
@@ -50,37 +50,18 @@ pub fn draw_parts(call: &mut RunContext) -> Result<Outputs> {
     };
     // Where no process has a further part, the cells are tallied first, so that none is drawn twice.
     let is_at_hand = call.gather(&[call.part_count() as f64])?.iter().flatten().all(|count| *count <= 1.0);
-    let mut parts =
-        EngineParts { engine: &*engine, whole: &whole, scene_of: &scene_of, keeps: is_at_hand, kept: None };
-    let (mut sent, mut choices) = (0, SceneChoices::default());
-    if is_at_hand {
-        let tally = tally_each(call, &mut parts)?;
-        let tally = tally_of_all(call, tally, &mut sent)?;
-        choices = engine.choices(&whole, &transfer_function, &tally)?;
-    }
-    let before = call.notes.clone();
-    let mut rounds = 1;
-    let image = loop {
-        let (image, tally) = draw_each(call, &mut parts, &choices, &events)?;
-        if is_at_hand {
-            break image;
-        }
-        let tally = tally_of_all(call, tally, &mut sent)?;
-        let decided = engine.choices(&whole, &transfer_function, &tally)?;
-        if choices.serves(&decided, &tally) {
-            break image;
-        }
-        // The time that it took is spent.
-        let stages = std::mem::take(&mut call.notes.stages);
-        (choices, call.notes) = (decided, before.clone());
-        call.notes.stages = stages;
-        rounds += 1;
+    let mut parts = EngineParts {
+        engine: &*engine,
+        whole: &whole,
+        transfer_function: &transfer_function,
+        scene_of: &scene_of,
+        at_hand: None,
     };
-    drop(parts);
-    if rounds > 1 {
-        let what = format!("the parts were drawn {rounds} times, at last by what serves the whole grid");
-        call.notes.find(what, json!({ "rounds_drawn": rounds }));
-    }
+    let mut sent = 0;
+    let image = match is_at_hand {
+        true => draw_tallied(call, &mut parts, &events, &mut sent)?,
+        false => draw_in_rounds(call, &mut parts, &events, &mut sent)?,
+    };
     call.notes.counts.insert("ray_stretches", image.stretch_count());
     call.notes.engine = Some((NATIVE.name.into(), "it draws grids in parts".into()));
     call.notes.adapter = Some(engine.adapter());
@@ -139,25 +120,32 @@ fn refuse(call: &RunContext, transfer_function: &TransferFunction, shading: &Sha
 struct EngineParts<'a> {
     engine: &'a dyn Engine,
     whole: &'a SceneExtent,
+    transfer_function: &'a TransferFunction,
     scene_of: &'a dyn Fn(Arc<Volume>) -> Scene,
-    /// True if there is one part at most, which is kept.
-    keeps: bool,
-    kept: Option<PartOnEngine>,
+    /// The only part of this process, once it is tallied.
+    at_hand: Option<PartAtHand>,
 }
 
-/// The scene of a part, and the part on an engine.
-type PartOnEngine = (Scene, Arc<dyn PreparedPart>);
+/// A part that was tallied and is not drawn yet.
+struct PartAtHand {
+    scene: Scene,
+    part: Arc<dyn PreparedPart>,
+    /// Its cells, selected without choices.
+    selected: Box<dyn SelectedPart>,
+    /// As of [`PartTally::methods`].
+    methods: [bool; 2],
+}
 
 impl EngineParts<'_> {
-    /// The part that is at hand.
-    fn part(&mut self, call: &RunContext) -> Result<PartOnEngine> {
-        if let Some(known) = &self.kept {
-            return Ok(known.clone());
-        }
+    /// The scene of the part at the input, and the part.
+    fn prepare(&self, call: &RunContext) -> Result<(Scene, Arc<dyn PreparedPart>)> {
         let scene = (self.scene_of)(call.volume("volume")?);
         let part = self.engine.prepare_part(&scene.volume, self.whole)?;
-        self.kept = self.keeps.then(|| (scene.clone(), part.clone()));
         Ok((scene, part))
+    }
+
+    fn choices(&self, tally: &PartTally) -> Result<SceneChoices> {
+        self.engine.choices(self.whole, self.transfer_function, tally)
     }
 }
 
@@ -165,19 +153,74 @@ fn options(call: &RunContext) -> RenderOptions {
     RenderOptions { exhaustive: call.exhaustive(), ..RenderOptions::default() }
 }
 
-/// Figures of the cells of each part.
-fn tally_each(call: &mut RunContext, parts: &mut EngineParts) -> Result<PartTally> {
-    let mut tally = PartTally::default();
+/// Draws the parts of all processes, none of which has more than one. The cells are tallied before, so that none is drawn twice.
+fn draw_tallied(
+    call: &mut RunContext,
+    parts: &mut EngineParts,
+    events: &[RayEvents],
+    sent: &mut u64,
+) -> Result<VolumetricDepthImage> {
+    let mut own = PartTally::default();
     call.each_part(&mut |call| {
-        let (scene, part) = parts.part(call)?;
-        let manner = options(call);
-        tally.add(call.stage("tally", |progress| part.tally(&scene, &manner, progress))?);
-        Ok(())
+        let (scene, part) = parts.prepare(call)?;
+        let (none, manner) = (SceneChoices::default(), options(call));
+        let selected = call.stage("tally", |progress| {
+            let selected = part.clone().select(&scene, &none, &manner, progress)?;
+            own = selected.tally(false);
+            Ok(selected)
+        })?;
+        parts.at_hand = Some(PartAtHand { scene, part, selected, methods: own.methods });
+        check_boundary(call, &own)
     })?;
-    Ok(tally)
+    let tally = tally_of_all(call, own, sent)?;
+    let mut choices = parts.choices(&tally)?;
+    // Processes agree on it: the tally is that of all.
+    if tally.lacks_boundary && choices.casts_rays == Some(true) {
+        let own = match &parts.at_hand {
+            Some(known) => call.stage("tally", |_| Ok(known.selected.tally(true)))?,
+            None => PartTally::default(),
+        };
+        check_boundary(call, &own)?;
+        choices = parts.choices(&tally_of_all(call, own, sent)?)?;
+    }
+    Ok(draw_each(call, parts, &choices, events)?.0)
 }
 
-/// Draws each part by itself: their image, and figures of their cells.
+/// Draws the parts, and draws them again where their cells together decide otherwise than those of a part by itself.
+fn draw_in_rounds(
+    call: &mut RunContext,
+    parts: &mut EngineParts,
+    events: &[RayEvents],
+    sent: &mut u64,
+) -> Result<VolumetricDepthImage> {
+    let (before, mut choices, mut rounds) = (call.notes.clone(), SceneChoices::default(), 1);
+    let image = loop {
+        let (image, tally) = draw_each(call, parts, &choices, events)?;
+        let tally = tally_of_all(call, tally, sent)?;
+        let decided = parts.choices(&tally)?;
+        if choices.serves(&decided, tally.methods) {
+            break image;
+        }
+        // The time that it took is spent.
+        let stages = std::mem::take(&mut call.notes.stages);
+        (choices, call.notes) = (decided, before.clone());
+        call.notes.stages = stages;
+        rounds += 1;
+    };
+    if rounds > 1 {
+        let what = format!("the parts were drawn {rounds} times, at last by what serves the whole grid");
+        call.notes.find(what, json!({ "rounds_drawn": rounds }));
+    }
+    Ok(image)
+}
+
+/// Refuses the boundary of parts whose keys do not fit into memory with those that are sent and those that come.
+fn check_boundary(call: &RunContext, tally: &PartTally) -> Result<()> {
+    let bytes = 3 * size_of_val(&tally.boundary[..]) as u64;
+    refuse_beyond_memory(call.progress(), || "the boundaries of parts of the grid".into(), bytes)
+}
+
+/// Draws each part by itself: their image, and figures of their cells, as far as these were not tallied before.
 fn draw_each(
     call: &mut RunContext,
     parts: &mut EngineParts,
@@ -189,22 +232,37 @@ fn draw_each(
     let mut image = VolumetricDepthImage::empty(size, camera.sample_offsets().len());
     let mut tally = PartTally::default();
     call.each_part(&mut |call| {
-        let (scene, part) = parts.part(call)?;
         let manner = options(call);
-        let drawn = call.stage("draw", |progress| part.draw(&scene, choices, &manner, progress))?;
+        let is_tallied = parts.at_hand.is_some();
+        let (scene, drawn) = match parts.at_hand.take() {
+            Some(known) if SceneChoices::default().serves(choices, known.methods) => {
+                (known.scene, call.stage("draw", |progress| known.selected.draw(progress))?)
+            }
+            known => {
+                // Cells that do not serve are dropped before others are selected.
+                let (scene, part) = match known.map(|known| (known.scene, known.part)) {
+                    Some(known) => known,
+                    None => parts.prepare(call)?,
+                };
+                let drawn = call.stage("draw", |progress| {
+                    let selected = part.select(&scene, choices, &manner, progress)?;
+                    if !is_tallied {
+                        tally.add(selected.tally(false));
+                    }
+                    selected.draw(progress)
+                })?;
+                (scene, drawn)
+            }
+        };
         call.notes.counts.insert("cells_total", scene.volume.grid.tetrahedra.len() as u64);
         call.notes.add(drawn.notes);
         note(call, &drawn.counts);
-        let (own, figures) =
-            drawn.part.ok_or_else(|| Error::run("the engine drew no volumetric depth image"))?;
+        let own = drawn.part.ok_or_else(|| Error::run("the engine drew no volumetric depth image"))?;
         // Both and what they become.
         let bytes = 2 * (image.stretch_count() + own.stretch_count()) * STRETCH_BYTES;
         refuse_beyond_memory(call.progress(), || "the stretches of rays in parts of the grid".into(), bytes)?;
         image = call.stage("merge", |_| image.merged(&own, events))?;
-        tally.add(figures);
-        // Those of all parts, those that are sent and those that come.
-        let bytes = 3 * size_of_val(&tally.boundary[..]) as u64;
-        refuse_beyond_memory(call.progress(), || "the boundaries of parts of the grid".into(), bytes)
+        check_boundary(call, &tally)
     })?;
     Ok((image, tally))
 }

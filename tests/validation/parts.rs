@@ -9,7 +9,7 @@ use voltet_core::progress::NoProgress;
 use voltet_core::transfer::TransferFunction;
 use voltet_cpu::ENGINE;
 use voltet_optics::depth_image::VolumetricDepthImage;
-use voltet_optics::engine::{AdapterRequest, RenderOptions};
+use voltet_optics::engine::{AdapterRequest, PreparedPart, RenderOptions};
 use voltet_optics::scene::Scene;
 use voltet_optics::scene_parts::{PartTally, SceneChoices, SceneExtent};
 use voltet_optics::shading::{Integrator, Shading, VisibilityOrder};
@@ -93,14 +93,17 @@ fn draw(scene: &Scene, part_of: impl Fn(usize) -> usize + Sync) -> Result<Pictur
     let whole = extents.into_iter().reduce(|whole, own| whole.joined(&own)).expect("a part has cells");
     let prepared = parts.iter().map(|part| Ok((part, engine.prepare_part(&part.volume, &whole)?)));
     let prepared = prepared.collect::<Result<Vec<_>>>()?;
+    let select = |part: &(&Scene, Arc<dyn PreparedPart>), choices: &SceneChoices| {
+        part.1.clone().select(part.0, choices, &RenderOptions::default(), &NoProgress)
+    };
     let draw_by = |choices: &SceneChoices| -> Result<(Picture, PartTally)> {
         let mut all = VolumetricDepthImage::empty(size, offsets.len());
         let mut tally = PartTally::default();
         for part in &prepared {
-            let drawn = part.1.draw(part.0, choices, &RenderOptions::default(), &NoProgress)?;
-            let (image, own) = drawn.part.expect("was asked for");
+            let selected = select(part, choices)?;
+            tally.add(selected.tally(false));
+            let image = selected.draw(&NoProgress)?.part.expect("a depth image");
             all = all.merged(&image, &events)?;
-            tally.add(own);
         }
         Ok((all.picture(&events), tally))
     };
@@ -110,18 +113,25 @@ fn draw(scene: &Scene, part_of: impl Fn(usize) -> usize + Sync) -> Result<Pictur
         let (picture, mut tally) = draw_by(&choices)?;
         tally.count_boundary();
         let decided = engine.choices(&whole, &scene.transfer_function, &tally)?;
-        if choices.serves(&decided, &tally) {
+        if choices.serves(&decided, tally.methods) {
             break picture;
         }
         choices = decided;
     };
     // As parts that are at hand are.
-    let mut tally = PartTally::default();
-    for (part, prepared) in &prepared {
-        tally.add(prepared.tally(part, &RenderOptions::default(), &NoProgress)?);
+    let decide = |finds_boundary: bool| -> Result<(PartTally, SceneChoices)> {
+        let mut tally = PartTally::default();
+        for part in &prepared {
+            tally.add(select(part, &SceneChoices::default())?.tally(finds_boundary));
+        }
+        tally.count_boundary();
+        let decided = engine.choices(&whole, &scene.transfer_function, &tally)?;
+        Ok((tally, decided))
+    };
+    let (tally, mut decided) = decide(false)?;
+    if tally.lacks_boundary && decided.casts_rays == Some(true) {
+        decided = decide(true)?.1;
     }
-    tally.count_boundary();
-    let decided = engine.choices(&whole, &scene.transfer_function, &tally)?;
     let (tallied, _) = draw_by(&decided)?;
     within("tallied first", &tallied, &picture, SAME);
     Ok(picture)

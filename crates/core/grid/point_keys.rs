@@ -76,44 +76,52 @@ impl PointKeys {
     }
 
     /// Drops keys that no other piece of the grid has. `pieces`: those of this process, of `process_count` that call it together, each
-    /// with its own. Each key is compared by the process that its hash names, so none holds the keys of all.
+    /// with its own. Each key is compared by the process that its hash names, so none holds the keys of all. Beside the keys it
+    /// takes [`PointKeys::RETAIN_BYTES`] for each.
     ///
     /// # Errors
     /// - those of `exchange`; an answer of another length.
     pub fn retain_shared(pieces: &mut [PointKeys], process_count: usize, exchange: &Exchange) -> Result<()> {
-        let mut hashes: Vec<Vec<u64>> = vec![Vec::new(); process_count];
+        let mut counts = vec![0; process_count];
+        pieces.iter().for_each(|piece| piece.each_hash(|hash| counts[owner(hash, process_count)] += 1));
+        let mut hashes: Vec<Vec<u64>> = counts.into_iter().map(Vec::with_capacity).collect();
         for piece in &*pieces {
             piece.each_hash(|hash| hashes[owner(hash, process_count)].push(hash));
         }
         // Keys that two pieces of this process have need no answer, but others have to learn of them.
-        let mut own_shared = Vec::new();
+        let mut shared = Vec::new();
         for own in &mut hashes {
             own.par_sort_unstable();
-            own_shared.extend(own.chunk_by(|a, b| a == b).filter(|same| same.len() > 1).map(|same| same[0]));
+            shared.extend(repeated(own));
             own.dedup();
         }
-        let to_bytes = |own: &Vec<u64>| own.iter().flat_map(|hash| hash.to_le_bytes()).collect();
-        let asked = exchange(hashes.iter().map(to_bytes).collect())?;
-        let asked: Vec<Vec<u64>> = asked.iter().map(|bytes| words(bytes)).collect();
-        let mut all = asked.concat();
-        all.par_sort_unstable();
-        let mut shared: Vec<u64> =
-            all.chunk_by(|a, b| a == b).filter(|same| same.len() > 1).map(|same| same[0]).collect();
-        drop(all);
-        let flag = |hash: &u64| u8::from(shared.binary_search(hash).is_ok());
-        let answers = exchange(asked.iter().map(|own| own.iter().map(flag).collect()).collect())?;
-        drop(asked);
-        shared = own_shared;
-        for (own, flags) in hashes.into_iter().zip(answers) {
-            if own.len() != flags.len() {
-                let error = Error::run("another process sent a broken answer about points").got(flags.len());
-                return Err(error.expected(counted(own.len(), "flag")));
+        if process_count > 1 {
+            let answers = exchange(answers(exchange(hashes.iter().map(|own| bytes(own)).collect())?))?;
+            for (own, flags) in hashes.into_iter().zip(answers) {
+                if own.len() != flags.len() {
+                    let error =
+                        Error::run("another process sent a broken answer about points").got(flags.len());
+                    return Err(error.expected(counted(own.len(), "flag")));
+                }
+                shared
+                    .extend(own.into_iter().zip(flags).filter(|(_, flag)| *flag != 0).map(|(hash, _)| hash));
             }
-            shared.extend(own.into_iter().zip(flags).filter(|(_, flag)| *flag != 0).map(|(hash, _)| hash));
         }
         shared.par_sort_unstable();
         pieces.par_iter_mut().for_each(|piece| piece.retain(&shared));
         Ok(())
+    }
+
+    /// Bytes that [`PointKeys::retain_shared`] takes for each key: its hash, as it is sent and one that comes, and both once more in the
+    /// buffers of MPI. Processes compare about as many keys as they have.
+    pub const RETAIN_BYTES: u64 = 5 * size_of::<u64>() as u64;
+
+    /// Number of keys.
+    pub fn count(&self) -> usize {
+        match &self.keys {
+            Keys::Ids(ids) => ids.len(),
+            Keys::Places(places) => places.len(),
+        }
     }
 
     /// Number of the point with a key.
@@ -141,7 +149,9 @@ impl PointKeys {
             key += 1;
         });
         self.points = Some(kept.iter().map(|&key| self.point(key)).collect());
-        self.owned = self.owned.take().map(|owned| kept.iter().map(|&key| owned[key]).collect());
+        // Ids may be more than points; what does not fit is found when the piece is joined.
+        let is_owned = |owned: &[bool], key: usize| owned.get(key).copied().unwrap_or(true);
+        self.owned = self.owned.take().map(|owned| kept.iter().map(|&key| is_owned(&owned, key)).collect());
         self.keys = match &self.keys {
             Keys::Ids(ids) => Keys::Ids(kept.iter().map(|&key| ids[key]).collect()),
             Keys::Places(places) => Keys::Places(kept.iter().map(|&key| places[key]).collect()),
@@ -183,7 +193,29 @@ fn owner(hash: u64, process_count: usize) -> usize {
     (hash % process_count as u64) as usize
 }
 
-/// Words of 64 bits that were sent as bytes.
+/// Hashes that are there more than once, of an ascending list, each once.
+fn repeated(hashes: &[u64]) -> impl Iterator<Item = u64> {
+    hashes.chunk_by(|a, b| a == b).filter(|same| same.len() > 1).map(|same| same[0])
+}
+
+/// For each hash that a process sent a flag: 1 where another has sent it, too.
+fn answers(sent: Vec<Vec<u8>>) -> Vec<Vec<u8>> {
+    let sent: Vec<Vec<u64>> = sent.into_iter().map(|bytes| words(&bytes)).collect();
+    let mut all = sent.concat();
+    all.par_sort_unstable();
+    let shared: Vec<u64> = repeated(&all).collect();
+    drop(all);
+    let flag = |hash: &u64| u8::from(shared.binary_search(hash).is_ok());
+    sent.iter().map(|own| own.iter().map(flag).collect()).collect()
+}
+
+fn bytes(hashes: &[u64]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(size_of_val(hashes));
+    hashes.iter().for_each(|hash| bytes.extend(hash.to_le_bytes()));
+    bytes
+}
+
+/// Hashes that were sent as bytes.
 fn words(bytes: &[u8]) -> Vec<u64> {
     bytes.as_chunks::<8>().0.iter().map(|word| u64::from_le_bytes(*word)).collect()
 }

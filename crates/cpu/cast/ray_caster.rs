@@ -97,14 +97,15 @@ fn are_thin_cells_dense(cells: &CellSelection, [_, longest_thin]: [f64; 2], max_
     MAX_THIN_CELL_DEPTH < max_optical_depth * (longest_thin / cells.length)
 }
 
-/// Figures of the selected cells, as those of a part of a grid. `caster`: that of the rays, where they are cast.
+/// Figures of the selected cells, as those of a part of a grid. `caster`: that of the rays, where they are cast; `finds_boundary`: true
+/// to find the boundary wherever they could be.
 pub(crate) fn tally(
     cells: &CellSelection,
     faces: Option<&FaceCache>,
     (view, screen_vertices): (&View, &[ScreenVertex]),
     (extent, policy): (&ScreenExtent, RayCastPolicy),
     (attribute_count, max_optical_depth): (usize, f64),
-    caster: Option<&RayCaster>,
+    (caster, finds_boundary): (Option<&RayCaster>, bool),
 ) -> PartTally {
     let grid = &cells.volume.grid;
     let drawn = faces.map_or(&cells.ids, |faces| drawn(cells, faces, view, extent));
@@ -117,7 +118,8 @@ pub(crate) fn tally(
     let could_be_cast = caster.is_none() && possible.is_some();
     // Where rays are not cast for the boundary alone, or for the view alone, it is found.
     let pays = policy.pays(covered_pixels / drawn.len().max(1) as f64);
-    let mesh = possible.filter(|_| caster.is_some() || pays || !is_in_view).map(|faces| faces.mesh(grid));
+    let is_found = finds_boundary || caster.is_some() || pays || !is_in_view;
+    let mesh = possible.filter(|_| is_found).map(|faces| faces.mesh(grid));
     let half_faces = match (caster, faces, &mesh) {
         (Some(caster), ..) => Some(caster.half_faces.clone()),
         (None, Some(faces), Some(mesh)) => Some(faces.half_faces(mesh, grid, drawn)),

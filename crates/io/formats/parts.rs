@@ -5,8 +5,8 @@
 //! first, all that fit into memory, once, and keeps them for that part; the others one after the other, for the keys and for the
 //! cells. Of several processes each reads its own, finds with the others which keys are shared ([`PointKeys::retain_shared`]), sends
 //! all others these, and each the cells that lie near the pieces of that one. In memory are, beside the pieces that are kept and one
-//! other, at first 24 bytes a point of the own pieces with global ids, or 36 a point in the box of another piece where there are none;
-//! then 12 for each shared point of each piece, and the cells near the borders with their values: of pieces of compact shape a share
+//! other, at first 49 bytes a point of the own pieces with global ids, or 60 a point in the box of another piece where there are none (its
+//! key, and [`PointKeys::RETAIN_BYTES`]); then 12 for each shared point of each piece, and the cells near the borders with their values: of pieces of compact shape a share
 //! that falls with their size, of cells scattered over the pieces all. Of 2.1 million hexahedra in 8 cubes, two layers are 17 MiB, in
 //! 64 cubes 50 MiB.
 
@@ -123,12 +123,10 @@ pub(super) fn borders(
         None => own.keys_of_places(&numbered, share)?,
     };
     let mut keys = vec![PointKeys::default(); dataset.pieces.len()];
-    for (index, of_piece) in share.gather(share.shared_keys(own_keys)?)? {
+    let shared_keys = shared_keys(own_keys, share, progress)?;
+    for (index, of_piece) in share.gather(shared_keys)? {
         keys[index] = of_piece;
     }
-    let bytes = keys.iter().map(|keys| keys.byte_count().saturating_mul(3)).fold(0, u64::saturating_add);
-    let what = || format!("the points at the borders of {}", counted(pieces.len(), "piece"));
-    refuse_beyond_memory(progress, what, bytes)?;
     found.shared = SharedPoints::find(&keys);
     drop(keys);
     let halos = own.halos(&numbered, &found.shared, layers)?;
@@ -164,6 +162,19 @@ fn within(
         (piece, reached)
     };
     pieces.into_iter().map(of_piece).collect()
+}
+
+/// Keys of own pieces that another piece has, too, once all processes have room for those of all pieces.
+fn shared_keys(own: NumberedKeys, share: &Share, progress: &dyn Progress) -> Result<NumberedKeys> {
+    let count = own.iter().map(|(_, keys)| keys.count() as u64).sum::<u64>();
+    let what = || format!("finding which of {} are at borders", counted(count as usize, "point"));
+    refuse_beyond_memory(progress, what, count.saturating_mul(PointKeys::RETAIN_BYTES))?;
+    let shared = share.shared_keys(own)?;
+    // As they are sent and come, and what becomes of them.
+    let bytes = shared.iter().map(|(_, keys)| keys.byte_count().saturating_mul(3)).sum::<u64>();
+    let bytes = share.gather(vec![bytes])?.into_iter().fold(0, u64::saturating_add);
+    refuse_beyond_memory(progress, || "the points at the borders of pieces".into(), bytes)?;
+    Ok(shared)
 }
 
 /// Keys of points of pieces, with the pieces' numbers.

@@ -154,7 +154,7 @@ fn processes_make_the_picture_of_one() {
             assert_eq!(drawn[0].counts["cells_total"], whole.counts["cells_total"], "{name}");
             let [sent, least] = ["bytes_sent", "bytes_sent_least"].map(|name| drawn[0].counts[name]);
             assert!(0 < least && least < sent, "{name}: {sent} bytes, at least {least}");
-            // Each piece once, by the process whose it is alone.
+            // Each piece once, by the process whose it is alone; these are no blocks.
             let pieces = match grid {
                 "slabs" => 6,
                 "blocks" => 8,
@@ -163,6 +163,47 @@ fn processes_make_the_picture_of_one() {
             assert_eq!(drawn[0].counts["pieces_read"], pieces, "{name}");
             assert_eq!(drawn.iter().map(|report| report.files.len()).sum::<usize>(), drawn[0].files.len());
         }
+    }
+}
+
+/// A far piece whose cells are small has not found its boundary when rays pay for all cells together; then all find theirs, and the choice
+/// is that of one process. Where that of the whole grid is too large, cells are projected.
+#[test]
+fn processes_choose_with_the_whole_boundary() {
+    let folder = folder();
+    write_pieces(folder.path(), "halves", 2, |[i, _, _]| i * 2 / SIDE);
+    let view = "view = \"isometric\"\ninputs = { volume = \"grid\" }\nsize = [96, 80]";
+    let near_first = "eye = [-0.6, 0.5, 0.5]\ntarget = [0.5, 0.5, 0.5]\nup = [0.0, 0.0, 1.0]\nfov_y = 80.0\nsize = [24, 20]";
+    let two_colors = PIPELINE.replace(view, near_first);
+    assert_ne!(two_colors, PIPELINE);
+    // Of one colour less pays.
+    let one_color = two_colors.replace("[0.1, 0.4, 1.0]", "[1.0, 0.4, 0.1]");
+    assert_ne!(one_color, two_colors);
+    for (text, is_cast, rounds) in [(two_colors, true, 2.0), (one_color, false, 3.0)] {
+        let mut has_revised = false;
+        // Cells pay by their size in pixels: at some size those of the near half and all together.
+        for width in (6..=24).step_by(2) {
+            let text = text.replace("size = [24, 20]", &format!("size = [{width}, {width}]"));
+            let run = |path: &str, session: Session| {
+                let mut session = session;
+                let graph = graph(&text.replace("slabs.pvtu", path), folder.path()).unwrap();
+                session.run(&graph, &NoObserver).unwrap()
+            };
+            let name = format!("{width} pixels, {rounds} rounds");
+            let whole = run("whole.pvtu", session());
+            assert!(picture(&whole).rgba.iter().any(|pixel| pixel[3] > 0.1), "{name}: nothing is seen");
+            let cast = whole.counts.get("cells_cast");
+            let parts = run("halves.pvtu", session().with_memory(1));
+            same(&format!("{name}, one after the other"), picture(&parts), picture(&whole));
+            assert_eq!(parts.counts.get("cells_cast"), cast, "{name}, one after the other");
+            let drawn = on_ranks(2, |ranks| run("halves.pvtu", session().with_ranks(ranks)));
+            same(&format!("{name}, two processes"), picture(&drawn[0]), picture(&whole));
+            assert_eq!(drawn[0].counts.get("cells_cast"), cast, "{name}, two processes");
+            let drawn = parts.findings.iter().find_map(|finding| finding.figures.get("rounds_drawn"));
+            let is_revised = drawn.and_then(|rounds| rounds.as_f64()) == Some(rounds);
+            has_revised |= is_revised && cast.is_some_and(|cells| *cells > 0) == is_cast;
+        }
+        assert!(has_revised, "no size at which the choice was made in {rounds} rounds");
     }
 }
 

@@ -8,6 +8,7 @@ use crate::grid::point_keys::PointKeys;
 use crate::grid::shared_points::{SharedPoints, keys_of_all, shared_points};
 use crate::parameters::Parameters;
 use crate::progress::NoProgress;
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::sync::{Barrier, Mutex};
 
@@ -371,28 +372,31 @@ fn curved_cells_add_the_same_points_on_both_sides() {
     }
 }
 
-/// The keys that are left where the pieces are dealt out to processes, which are threads here.
-fn retained_by_processes(keys: &[PointKeys], count: usize) -> Vec<PointKeys> {
+/// The keys that are left where the pieces are dealt out to processes, which are threads here, and the bytes that each process received.
+fn retained_by_processes(keys: &[PointKeys], count: usize) -> (Vec<PointKeys>, Vec<usize>) {
     let (messages, barrier) = (Mutex::new(vec![Vec::new(); count]), Barrier::new(count));
     let process = |rank: usize| {
+        let byte_count = Cell::new(0);
         let exchange = |to_each: Vec<Vec<u8>>| {
             messages.lock().unwrap()[rank] = to_each;
             barrier.wait();
-            let received =
+            let received: Vec<Vec<u8>> =
                 messages.lock().unwrap().iter().map(|own: &Vec<Vec<u8>>| own[rank].clone()).collect();
+            byte_count.update(|count| count + received.iter().map(Vec::len).sum::<usize>());
             barrier.wait();
             Ok(received)
         };
         let mut own: Vec<PointKeys> = keys.iter().skip(rank).step_by(count).cloned().collect();
         PointKeys::retain_shared(&mut own, count, &exchange).unwrap();
-        own
+        (own, byte_count.get())
     };
-    let of_ranks: Vec<Vec<PointKeys>> = std::thread::scope(|scope| {
+    let of_ranks: Vec<(Vec<PointKeys>, usize)> = std::thread::scope(|scope| {
         let process = &process;
         let threads: Vec<_> = (0..count).map(|rank| scope.spawn(move || process(rank))).collect();
         threads.into_iter().map(|thread| thread.join().unwrap()).collect()
     });
-    (0..keys.len()).map(|piece| of_ranks[piece % count][piece / count].clone()).collect()
+    let retained = (0..keys.len()).map(|piece| of_ranks[piece % count].0[piece / count].clone()).collect();
+    (retained, of_ranks.into_iter().map(|own| own.1).collect())
 }
 
 #[test]
@@ -403,12 +407,25 @@ fn processes_keep_the_keys_that_several_pieces_have() {
             let way = Cut { ids: case & 1 > 0, ghosts: case & 2 > 0, mixed: case & 4 > 0 };
             let keys = keys_of_all(&cut(&whole, &owners, way));
             for count in [1, 2, 5] {
-                let retained = retained_by_processes(&keys, count);
+                let (retained, received) = retained_by_processes(&keys, count);
                 let what = format!("{name}, {way:?}, {count} processes");
-                assert_eq!(SharedPoints::find(&retained), SharedPoints::find(&keys), "{what}");
+                let shared = SharedPoints::find(&keys);
+                assert_eq!(SharedPoints::find(&retained), shared, "{what}");
+                for (piece, own) in retained.iter().enumerate() {
+                    let points: Vec<u32> = (0..own.count()).map(|key| own.point(key)).collect();
+                    let expected: Vec<u32> = shared.of_piece(piece).iter().map(|own| own.point).collect();
+                    assert_eq!(
+                        points, expected,
+                        "{what}: the keys of piece {piece} are those of shared points"
+                    );
+                }
+                // Hashes of 8 bytes and flags of one, about the same share for each process.
+                let all = 9 * keys.iter().map(PointKeys::count).sum::<usize>();
+                let most = if count == 1 { 0 } else { all / count + all / 10 };
+                assert!(received.iter().all(|bytes| *bytes <= most), "{what}: {received:?} of {all} bytes");
             }
             // Of a piece that is alone none.
-            assert_eq!(retained_by_processes(&keys[..1], 2)[0].byte_count(), 0);
+            assert_eq!(retained_by_processes(&keys[..1], 2).0[0].byte_count(), 0);
         }
     }
 }

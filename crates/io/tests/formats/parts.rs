@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use voltet_core::field::{GradientFilter, LeastSquares, QuadraticFit};
 use voltet_core::grid::Grid;
 use voltet_core::parameters::Parameters;
-use voltet_core::progress::NoProgress;
+use voltet_core::progress::{NoProgress, Progress};
 use voltet_io::formats::{
     Association, CellValues, Options, Request, TimeStep, arrays, piece_borders, piece_sizes, read, read_part,
 };
@@ -231,6 +231,53 @@ fn pieces_that_are_not_there_are_errors() {
     let other = file(&folder, "other.vtu", box_in_pieces(|_| 0, false, false).as_bytes());
     let error = read_part(&other, &request, &[1], &borders, &NoProgress).unwrap_err().to_string();
     assert!(error.contains("borders are those of another file") && error.contains("2 pieces"), "{error}");
+}
+
+#[test]
+fn ids_that_are_not_one_a_point_are_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let request = Request { scalar: Some("p".into()), ..Request::default() };
+    let head = "Name=\"GlobalPointIds\" type=\"Int64\" NumberOfComponents=\"1\" format=\"ascii\">";
+    for with_ghosts in [false, true] {
+        let sound = box_in_pieces(|[i, _, _]| i / 2, true, with_ghosts);
+        // More ids; a point's id that stands twice is shared, too.
+        let damaged = sound.replace(head, &format!("{head}0 3 6 "));
+        assert_ne!(sound, damaged);
+        let path = file(&folder, "box.vtu", damaged.as_bytes());
+        for first in [&[][..], &[0, 1, 2, 3]] {
+            let parts = piece_borders(&path, &request, 1, first, None, &NoProgress)
+                .and_then(|borders| read_part(&path, &request, &[1], &borders, &NoProgress));
+            let error = parts.map(drop).unwrap_err().to_string();
+            assert!(error.contains("box.vtu"), "{error}");
+        }
+    }
+}
+
+/// Progress of a process that may take so many bytes.
+struct MemoryLeft(u64);
+
+impl Progress for MemoryLeft {
+    fn report(&self, _stage: &str, _fraction: f64) {}
+
+    fn memory_left(&self) -> Option<u64> {
+        Some(self.0)
+    }
+}
+
+#[test]
+fn memory_is_checked_before_keys_of_points_are_compared_and_sent() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(&folder, "box.vtu", box_in_pieces(|[i, _, _]| i / 2, true, false).as_bytes());
+    let request = Request { scalar: Some("p".into()), ..Request::default() };
+    let refused = |bytes: u64| {
+        let borders = piece_borders(&path, &request, 1, &[], None, &MemoryLeft(bytes));
+        let error = borders.err().map(|error| error.to_string());
+        error.filter(|error| error.contains("memory ends") && error.contains("291 points are at borders"))
+    };
+    // Three of the triangle, 6 × 6 in each of the planes of the slabs; 40 bytes each.
+    let all = (3 + 36 * (3 + 3 + 2)) * 40;
+    assert!(refused(all - 1).is_some());
+    assert_eq!(refused(all), None);
 }
 
 #[test]
