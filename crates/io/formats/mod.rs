@@ -193,7 +193,7 @@ pub fn outline(path: &Path, request: &Request) -> Result<Outline> {
 /// As [`read`]; a file without three-dimensional cells or without arrays is no error here.
 pub fn inspect(path: &Path, request: &Request, progress: &dyn Progress) -> Result<Summary> {
     let dataset = open(path, request)?;
-    inspect::summarize(&dataset, progress).map_err(|error| error.in_file(path))
+    inspect::summarize(&dataset, request.association, progress).map_err(|error| error.in_file(path))
 }
 
 /// The times of a file's steps, none where it is no series, and the number of the step that `request` means; 0 where it
