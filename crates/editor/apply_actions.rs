@@ -3,7 +3,7 @@
 
 use crate::editor::{Editor, Making, Next, Panels};
 use crate::files::{Disk, FileDialog, Recover, age, ask, begun, free_path, is_pipeline};
-use crate::jobs::{Arrays, Job, reads};
+use crate::jobs::{Arrays, Job};
 use crate::picture::milliseconds;
 use crate::scene::{Action, Command, FilePurpose, error_text};
 use crate::view::View;
@@ -18,7 +18,6 @@ use voltet_document::arrange::{PlacedNode, align, tidy};
 use voltet_document::{Annotation, AnnotationId, Document, Edit, Recovery};
 use voltet_graph::NodeEntry;
 use voltet_graph::pipeline::Pipeline;
-use voltet_io::formats::{ArrayChoice, Association};
 use voltet_nodes::VIEW_PARAMETERS;
 use voltet_nodes::files::{folder, refuse_unwritable, relative_to};
 
@@ -95,11 +94,9 @@ impl Editor {
             match edit {
                 Edit::AddNode { name, .. } => {
                     added.insert(name.clone());
-                    self.new_readers.insert(name.clone());
+                    self.expect_array(name);
                 }
-                Edit::Set { node, path, .. } if *path == "path".into() => {
-                    self.new_readers.insert(node.clone());
-                }
+                Edit::Set { node, path, .. } if *path == "path".into() => self.expect_array(node),
                 Edit::Rename { node, to } if self.selection.remove(node) => {
                     self.selection.insert(to.clone());
                 }
@@ -110,32 +107,6 @@ impl Editor {
         if !added.is_empty() {
             self.select(added);
         }
-    }
-
-    /// Has each reader that was given a file name the array that it draws, as `voltet start` does, where the file leaves that open.
-    pub(crate) fn name_arrays(&mut self, ctx: &Context) {
-        for name in std::mem::take(&mut self.new_readers) {
-            let entry = self.document.pipeline().nodes.iter().find(|node| node.name == name);
-            let Some(entry) = entry.filter(|entry| reads(entry, &self.registry)) else { continue };
-            if entry.setting("scalar").is_some() {
-                continue;
-            }
-            let found = self.arrays.feeding(ctx, &self.document, &self.registry, &name);
-            match &found.first {
-                Some(Some(first)) => self.name_array(&name, first),
-                Some(None) => {}
-                None => drop(self.new_readers.insert(name)),
-            }
-        }
-    }
-
-    fn name_array(&mut self, reader: &str, ArrayChoice { scalar, association }: &ArrayChoice) {
-        let mut edits = vec![Edit::set(reader, ["scalar"], scalar.as_str().into())];
-        if *association == Some(Association::Cell) {
-            edits.push(Edit::set(reader, ["association"], "cell".into()));
-        }
-        self.edit(format!("draw '{scalar}'"), &edits);
-        self.say(format!("{reader}: draws '{scalar}', the first array that varies; 'scalar' names another"));
     }
 
     pub(crate) fn move_camera(&mut self, to: impl FnOnce(View) -> View) {
@@ -473,6 +444,7 @@ impl Editor {
     pub(crate) fn settle_with_disk(&mut self, takes_over: bool) {
         let outcome = if takes_over { self.document.reload() } else { self.document.save_over() };
         self.disk = Disk::default();
+        self.new_readers.clear();
         self.check(outcome);
     }
 
@@ -519,6 +491,7 @@ impl Editor {
     /// Another document in place of this one.
     pub(crate) fn take(&mut self, document: Document) {
         self.document = document;
+        self.new_readers.clear();
         (self.run, self.made) = (None, None);
         self.recover.forget();
         self.begin();

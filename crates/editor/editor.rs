@@ -3,7 +3,7 @@
 
 use crate::files::{BETWEEN, Disk, FileDialog, FileWatcher, Recent, Recover, ask, show_dialog};
 use crate::graph::GraphView;
-use crate::jobs::{Arrays, Job};
+use crate::jobs::{Arrays, DataSource, Job};
 use crate::keys::{self, GestureTracker};
 use crate::panes::Pane;
 use crate::parameters::ParameterPanel;
@@ -20,7 +20,7 @@ use eframe::egui::{
     Align, Button, CentralPanel, Context, Frame, Key, Label, Layout, Modifiers, Panel, Popup, Rect, RichText,
     Ui, UiBuilder, ViewportCommand, vec2,
 };
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::{Error, Result};
@@ -87,8 +87,8 @@ pub struct Editor {
     pub(crate) selection: BTreeSet<String>,
     pub(crate) shown_node: Option<String>,
     pub(crate) arrays: Arrays,
-    /// Readers that were given a file in this window, and take its first array where none is named.
-    pub(crate) new_readers: BTreeSet<String>,
+    /// Readers that were given a file in this window, and take its first array where none is named, with what they read.
+    pub(crate) new_readers: BTreeMap<String, DataSource>,
     pub(crate) message: Option<(String, bool)>,
     pub(crate) recover: Recover,
     pub(crate) disk: Disk,
@@ -129,7 +129,7 @@ impl Editor {
             selection: BTreeSet::new(),
             shown_node: None,
             arrays: Arrays::default(),
-            new_readers: BTreeSet::new(),
+            new_readers: BTreeMap::new(),
             message: None,
             recover: Recover::default(),
             disk: Disk::default(),

@@ -163,26 +163,31 @@ pub(crate) fn color(
 pub(crate) fn edited_color(ui: &mut Ui, linear: [f64; 3]) -> Option<[f64; 3]> {
     let brightest = linear.iter().copied().fold(1.0, f64::max);
     let [r, g, b] = linear.map(|x| (x / brightest) as f32);
-    let mut display: Color32 = Rgba::from_rgb(r, g, b).into();
+    let before: Color32 = Rgba::from_rgb(r, g, b).into();
+    let mut display = before;
     let button = ui.add(Button::new("").fill(display).min_size(vec2(32.0, 16.0)));
     button.widget_info(|| WidgetInfo::labeled(WidgetType::ColorButton, true, "colour"));
-    let (code, mut is_changed) = (hex(display), false);
-    Popup::menu(&button).close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
-        ui.spacing_mut().slider_width = 220.0;
-        is_changed = color_picker_color32(ui, &mut display, Alpha::Opaque);
-        ui.horizontal(|ui| {
-            ui.label("sRGB").on_hover_text("the code of colours on screens; the file has linear numbers");
-            if let Some(typed) = hex_field(ui, display) {
-                (display, is_changed) = (typed, true);
-            }
-        });
-    });
-    button.on_hover_text(format!("{code} in sRGB"));
-    is_changed.then(|| {
+    let menu = Popup::menu(&button).close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+    menu.show(|ui| color_controls(ui, &mut display));
+    button.on_hover_text(format!("{} in sRGB", hex(before)));
+    (display != before).then(|| {
         let linear = Rgba::from(display);
         // A screen has 256 levels of each.
         [linear.r(), linear.g(), linear.b()].map(|x| decimal(f64::from(x) * brightest, 1e-5 * brightest))
     })
+}
+
+/// Controls of a colour, which stays what it is until a hand changes it.
+fn color_controls(ui: &mut Ui, display: &mut Color32) {
+    ui.spacing_mut().slider_width = 220.0;
+    // What the package says of a change is true of colours that it rounds on the way to a hue and back, too.
+    let _ = color_picker_color32(ui, display, Alpha::Opaque);
+    ui.horizontal(|ui| {
+        ui.label("sRGB").on_hover_text("the code of colours on screens; the file has linear numbers");
+        if let Some(typed) = hex_field(ui, *display) {
+            *display = typed;
+        }
+    });
 }
 
 /// Width and steps of a colour map beside its name, points.
@@ -251,5 +256,20 @@ mod tests {
             assert_eq!(stated(x), text);
             assert_eq!(parsed(text), Some(x));
         }
+    }
+
+    #[test]
+    fn a_colour_that_is_looked_at_stays_as_it_is() {
+        let mut harness = egui_kittest::Harness::new_ui(|ui| {
+            for level in 0..=255 {
+                let before = Color32::from_gray(level);
+                let mut display = before;
+                ui.push_id(level, |ui| color_controls(ui, &mut display));
+                assert_eq!(display, before);
+                let linear = Rgba::from(before);
+                assert_eq!(Color32::from(Rgba::from_rgb(linear.r(), linear.g(), linear.b())), before);
+            }
+        });
+        harness.run_steps(2);
     }
 }

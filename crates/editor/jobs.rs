@@ -4,7 +4,7 @@ use crate::worker::short_by;
 use eframe::egui::Context;
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,7 +13,7 @@ use voltet_core::{Error, Result};
 use voltet_document::Document;
 use voltet_document::links::upstream;
 use voltet_graph::{LocatedValue, NodeEntry, Observer, Registry};
-use voltet_io::formats::{self, Association, Request};
+use voltet_io::formats::{self, Association};
 use voltet_io::memory;
 use voltet_nodes::external_formats;
 
@@ -113,19 +113,38 @@ pub(crate) fn path_of(entry: &NodeEntry) -> Option<&str> {
     entry.setting("path").and_then(LocatedValue::text)
 }
 
+/// Data that a reader reads: its file, and what the pipeline states of how that is read.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(crate) struct DataSource {
+    path: PathBuf,
+    stated: Vec<(String, String)>,
+}
+
+impl DataSource {
+    /// `None` of a node that reads no file.
+    pub fn of_node(entry: &NodeEntry, folder: &Path, registry: &Registry) -> Option<DataSource> {
+        let path = folder.join(path_of(entry).filter(|_| reads(entry, registry))?);
+        let stated = external_formats::settings_of(entry);
+        let stated = stated.map(|field| (field.name.clone(), field.setting.datum.to_string()));
+        Some(DataSource { path, stated: stated.collect() })
+    }
+}
+
 /// Arrays of a data file.
 #[derive(Debug, Default)]
 pub(crate) struct FileArrays {
     pub choices: Vec<ArrayChoice>,
     /// Blocks by their names, with `/` after each group, once all of the file was read.
     pub blocks: Vec<String>,
-    /// Once all of the file was read: the array to draw that a reader must name, since there are several and the file marks none.
-    pub first: Option<Option<formats::ArrayChoice>>,
+    /// The array that the reader must name to draw the first by rank.
+    pub to_be_named: Option<formats::ArrayChoice>,
+    /// True once all of the file was read, or could not be.
+    pub is_whole: bool,
 }
 
 /// Arrays of data files; none while a file is being read.
 #[derive(Default)]
-pub(crate) struct Arrays(Arc<Mutex<HashMap<PathBuf, Arc<FileArrays>>>>);
+pub(crate) struct Arrays(Arc<Mutex<HashMap<DataSource, Arc<FileArrays>>>>);
 
 impl Arrays {
     /// The arrays of the file that feeds a node; empty while they are not known.
@@ -140,41 +159,59 @@ impl Arrays {
         let feeding = upstream(nodes, node);
         let reader =
             nodes.iter().filter(|entry| feeding.contains(&entry.name)).find(|entry| reads(entry, registry));
-        let Some(path) = reader.and_then(path_of) else { return Arc::default() };
-        let path = document.folder().join(path);
-        let registry = registry.clone();
+        reader.map_or_else(Arc::default, |reader| self.of_reader(ctx, document, registry, reader))
+    }
+
+    /// The arrays of the file that a node reads; empty while they are not known.
+    pub fn of_reader(
+        &self,
+        ctx: &Context,
+        document: &Document,
+        registry: &Registry,
+        reader: &NodeEntry,
+    ) -> Arc<FileArrays> {
+        let folder = document.folder();
+        let Some(source) = DataSource::of_node(reader, &folder, registry) else { return Arc::default() };
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let begin = || {
-            let (known, ctx, path) = (self.0.clone(), ctx.clone(), path.clone());
-            // Without a thread there are no choices, and the name is typed.
-            let _ = std::thread::Builder::new().name("arrays".into()).spawn(move || {
-                let tell = |found: FileArrays| {
-                    let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
-                    known.insert(path.clone(), Arc::new(found));
-                    drop(known);
-                    ctx.request_repaint();
-                };
-                // Names come from the headers at once; ranges take a reading of the file.
-                // A file that cannot be read has no arrays to choose from; the run says what is wrong with it.
-                let Ok(request) = external_formats::request(Request::default(), &path, &registry) else {
-                    return;
-                };
-                let heads = formats::arrays(&path, &request).unwrap_or_default();
-                let of_heads = heads.iter().flat_map(|head| choices(head, None)).collect();
-                tell(FileArrays { choices: of_heads, ..FileArrays::default() });
-                if let Ok(found) = formats::inspect(&path, &request, &NoProgress) {
-                    let arrays = found.arrays.iter();
-                    let choices = arrays.flat_map(|array| choices(&array.head, array.range)).collect();
-                    let is_open = found.active_scalars.is_none() && found.quantities().nth(1).is_some();
-                    let first = found.first_quantity().filter(|_| is_open);
-                    let blocks = found.blocks.iter().map(|block| block.name.clone()).collect();
-                    tell(FileArrays { choices, blocks, first: Some(first) });
-                }
-            });
-            Arc::default()
+            let (known, ctx, source) = (self.0.clone(), ctx.clone(), source.clone());
+            let tell = move |found: FileArrays| {
+                let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
+                known.insert(source.clone(), Arc::new(found));
+                drop(known);
+                ctx.request_repaint();
+            };
+            let (reader, registry) = (reader.clone(), registry.clone());
+            let work = move || read_arrays(&reader, &folder, &registry, tell);
+            match std::thread::Builder::new().name("arrays".into()).spawn(work) {
+                Ok(_) => Arc::default(),
+                // Without a thread there are no choices, and the name is typed.
+                Err(_) => Arc::new(FileArrays { is_whole: true, ..FileArrays::default() }),
+            }
         };
-        known.entry(path.clone()).or_insert_with(begin).clone()
+        known.entry(source.clone()).or_insert_with(begin).clone()
     }
+}
+
+/// Names come from the headers at once; ranges take a reading of the file. A file that cannot be read has no arrays to choose from: the
+/// run says what is wrong with it.
+fn read_arrays(reader: &NodeEntry, folder: &Path, registry: &Registry, tell: impl Fn(FileArrays)) {
+    let nothing = || FileArrays { is_whole: true, ..FileArrays::default() };
+    let Ok((path, request)) = external_formats::request_of(reader, folder, registry) else {
+        return tell(nothing());
+    };
+    let heads = formats::arrays(&path, &request).unwrap_or_default();
+    let of_heads = || heads.iter().flat_map(|head| choices(head, None)).collect();
+    tell(FileArrays { choices: of_heads(), ..FileArrays::default() });
+    tell(match formats::inspect(&path, &request, &NoProgress) {
+        Ok(found) => FileArrays {
+            choices: found.arrays.iter().flat_map(|array| choices(&array.head, array.range)).collect(),
+            blocks: found.blocks.iter().map(|block| block.name.clone()).collect(),
+            to_be_named: found.to_be_named(request.association),
+            is_whole: true,
+        },
+        Err(_) => FileArrays { choices: of_heads(), ..nothing() },
+    });
 }
 
 fn choices(head: &voltet_core::reading::FileArray, range: Option<[f64; 2]>) -> Vec<ArrayChoice> {

@@ -5,6 +5,7 @@ mod blocks;
 mod editor;
 mod fields;
 mod files;
+mod first_arrays;
 mod graph;
 mod jobs;
 mod keys;

@@ -3,6 +3,7 @@
 
 use crate::blocks::block_tree;
 use crate::fields::{color, gradient, number_field, numbers};
+use crate::jobs::reads;
 use crate::scene::{Action, FilePurpose, Scene, error_text};
 use crate::theme::{self, button};
 use eframe::egui::collapsing_header::CollapsingState;
@@ -11,6 +12,7 @@ use eframe::egui::{
     Ui, WidgetInfo, WidgetType, vec2,
 };
 use std::collections::HashMap;
+use std::ops::RangeInclusive;
 use voltet_core::colormap::Colormap;
 use voltet_document::panel::{Control, Row, default_value, to_text, typed};
 use voltet_document::{Edit, Path};
@@ -34,8 +36,8 @@ struct Typing {
     width: f32,
     /// Reason for which a number field holds another number than was typed in it in this frame.
     remark: Option<String>,
-    /// The last such remark: whose, itself.
-    remarked: Option<[String; 2]>,
+    /// The last such remark: whose, itself; and the revisions of the document that it holds for.
+    remarked: Option<([String; 2], RangeInclusive<u64>)>,
 }
 
 impl Typing {
@@ -93,17 +95,18 @@ impl Typing {
         }
     }
 
-    /// Keeps the remark of this frame on the row of a key; another value of it ends the one before.
-    fn keep_remark(&mut self, key: &str, is_changed: bool) {
-        match self.remark.take() {
-            Some(remark) => self.remarked = Some([key.to_string(), remark]),
-            None if is_changed => self.remarked = self.remarked.take().filter(|[whose, _]| whose != key),
-            None => {}
+    /// Keeps the remark of this frame on the row of a key. It holds until the document changes, after the edit that it is about.
+    fn keep_remark(&mut self, key: &str, is_changed: bool, revision: u64) {
+        if let Some(remark) = self.remark.take() {
+            let last = revision + u64::from(is_changed);
+            self.remarked = Some(([key.to_string(), remark], revision..=last));
         }
+        self.remarked.take_if(|(_, revisions)| !revisions.contains(&revision));
     }
 
     fn say_why_refused(&self, ui: &mut Ui, key: &str) {
-        let remark = self.remarked.as_ref().filter(|[whose, _]| whose == key).map(|[_, remark]| remark);
+        let remark = self.remarked.as_ref().map(|(remark, _)| remark);
+        let remark = remark.filter(|[whose, _]| whose == key).map(|[_, remark]| remark);
         if let Some(why) = self.refused(key).map(|[_, _, why]| why).or(remark) {
             let color = theme::wrong(ui.visuals().dark_mode);
             ui.set_max_width(REASON);
@@ -286,7 +289,8 @@ impl ParameterPanel {
                     return;
                 }
                 let value = self.value(ui, of, row);
-                self.typing.keep_remark(&of.key(row), value.is_some());
+                let revision = of.scene.document.revision();
+                self.typing.keep_remark(&of.key(row), value.is_some(), revision);
                 if let Some(value) = value {
                     of.set(row, value);
                 }
@@ -461,17 +465,19 @@ impl ParameterPanel {
         }
     }
 
-    /// Names of blocks, typed or ticked.
+    /// Names of blocks, typed or ticked. A reader without names reads all; other nodes look at other things then.
     fn blocks(&mut self, ui: &mut Ui, of: Of, row: &Row, key: &str) -> Option<ParameterValue> {
         let found = of.scene.arrays.feeding(ui.ctx(), of.scene.document, of.scene.registry, of.node);
-        match block_tree(ui, &row.value().map(texts).unwrap_or_default(), &found.blocks) {
-            // Without a name all blocks are read.
-            Some(none) if none.is_empty() => {
+        let is_reader = of.scene.entry(of.node).is_some_and(|entry| reads(entry, of.scene.registry));
+        let names = row.value().map(texts).unwrap_or_default();
+        match block_tree(ui, &names, &found.blocks, is_reader) {
+            // A list without names is none.
+            Some(names) if names.is_empty() => {
                 of.unset(&row.path);
                 None
             }
             Some(names) => Some(names.iter().map(String::as_str).collect()),
-            None => self.typing.value(ui, key, row, 260.0, "all"),
+            None => self.typing.value(ui, key, row, 260.0, if is_reader { "all" } else { "" }),
         }
     }
 

@@ -57,23 +57,28 @@ pub(crate) struct PicturePanel {
 impl PicturePanel {
     pub fn show(&mut self, ui: &mut Ui, scene: &Scene) {
         self.head(ui, scene);
-        let own = scene
-            .picture_size
-            .map(|[width, height]| vec2(width as f32, height as f32) / ui.pixels_per_point());
-        match own.filter(|_| self.is_own_size) {
-            Some(own) => {
+        // What no camera gives a size has that of its pixels.
+        let of_pixels = || {
+            let pixels = scene.pixels.as_ref()?;
+            Some([pixels.picture.width, pixels.picture.height].map(|length| length as u32 * pixels.divisor))
+        };
+        let own = scene.picture_size.or_else(of_pixels).filter(|_| self.is_own_size);
+        let own = own.map(|[width, height]| vec2(width as f32, height as f32) / ui.pixels_per_point());
+        match own {
+            Some(_) => {
                 let area = ScrollArea::both().scroll_source(ScrollSource::SCROLL_BAR);
                 area.show(ui, |ui| self.image(ui, scene, own));
             }
-            None => self.image(ui, scene, vec2(16.0, 16.0)),
+            None => self.image(ui, scene, None),
         }
     }
 
-    /// The picture, as large as fits and at least of a size.
-    fn image(&mut self, ui: &mut Ui, scene: &Scene, least: Vec2) {
+    /// The picture of a size, points, else as large as fits.
+    fn image(&mut self, ui: &mut Ui, scene: &Scene, own: Option<Vec2>) {
+        let least = own.unwrap_or(vec2(16.0, 16.0));
         let (rect, response) =
             ui.allocate_exact_size(ui.available_size().max(least), Sense::click_and_drag());
-        let room = if self.is_own_size { least } else { rect.size() } * ui.pixels_per_point();
+        let room = own.unwrap_or(rect.size()) * ui.pixels_per_point();
         self.room = [room.x.round().max(1.0) as u32, room.y.round().max(1.0) as u32];
         self.take(ui, scene);
         ui.painter().rect_filled(rect, 0.0, Color32::BLACK);
@@ -83,8 +88,7 @@ impl PicturePanel {
         } else {
             vec2(rect.width(), rect.width() / aspect)
         };
-        let size = if self.is_own_size { least } else { size };
-        let picture = Rect::from_center_size(rect.center(), size);
+        let picture = Rect::from_center_size(rect.center(), own.unwrap_or(size));
         self.rect = Some(picture);
         if let Some(texture) = self.texture.as_ref().filter(|_| scene.pixels.is_some()) {
             ui.painter().image(texture.id(), picture, WHOLE, theme::tint(scene.is_earlier()));

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use voltet_core::Result;
 use voltet_core::reading::GridReader;
 use voltet_graph::{
-    GridPart, Node, Outputs, Parameter, Parameters, PlanContext, Preparation, Registry, RunContext,
+    Field, GridPart, Node, NodeEntry, Outputs, Parameter, Parameters, PlanContext, Preparation, Registry,
+    RunContext,
 };
 use voltet_io::formats::{Request, SelectedArrays};
 
@@ -61,4 +62,31 @@ fn leak<T>(thing: T) -> &'static T {
 pub fn request(request: Request, path: &Path, registry: &Registry) -> Result<Request> {
     let chosen = SelectedArrays::for_file(path, registry.readers().map(|(_, reader)| reader))?;
     Ok(Request { chosen, ..request })
+}
+
+/// Keys of a reader that choose among what its file holds.
+const CHOICES: [&str; 4] = ["scalar", "blocks", "displacement", "displacement_factor"];
+
+/// Settings of a reader about its file and how that is read, without the choice among what it holds.
+pub fn settings_of(entry: &NodeEntry) -> impl Iterator<Item = &Field> {
+    entry.settings.iter().filter(|field| !CHOICES.contains(&field.name.as_str()))
+}
+
+/// The file of a node that reads one, and the request of all that it may choose from. `folder`: what paths are relative to.
+///
+/// Errors: the node reads no file, or one of [its settings](settings_of) is wrong; as of [`request`].
+pub fn request_of(entry: &NodeEntry, folder: &Path, registry: &Registry) -> Result<(PathBuf, Request)> {
+    let node = registry.find(entry.node_type.text().unwrap_or_default())?;
+    let stated: Vec<Field> = settings_of(entry).cloned().collect();
+    let parameters = Parameters::check(node.parameters, &stated, &entry.origin, &[])?;
+    let path = parameters.path("path", folder)?;
+    let mut asked = reader::request(&parameters, None)?;
+    if parameters.is_set("solution") {
+        asked.solution = Some(parameters.path("solution", folder)?);
+    }
+    if let Some(reader) = node.reader {
+        asked.chosen = Some(SelectedArrays { reader, parameters });
+        return Ok((path, asked));
+    }
+    Ok((path.clone(), request(asked, &path, registry)?))
 }

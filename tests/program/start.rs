@@ -285,3 +285,54 @@ fn any_grid_is_seen_whole() {
     };
     (0..count).into_par_iter().for_each(drawn);
 }
+
+/// One rule chooses the array of `start` and of `info`, what the editor has a reader name, and what that then reads.
+#[test]
+fn one_array_is_the_first_for_all() {
+    use voltet::core::progress::NoProgress;
+    use voltet::io::formats::{Association, Request, inspect, read};
+    let data = |kept: &[&str], marks: &str| {
+        let text = cube(3).replace("<PointData>", &format!("<PointData {marks}>"));
+        let (head, arrays) = text.split_once("<PointData").unwrap();
+        let (arrays, rest) = arrays.split_once("</CellData>").unwrap();
+        let is_kept = |line: &&str| {
+            !line.contains("<DataArray") || kept.iter().any(|name| line.contains(&format!("Name=\"{name}\"")))
+        };
+        let arrays: Vec<&str> = arrays.lines().filter(is_kept).collect();
+        format!("{head}<PointData{}\n</CellData>{rest}", arrays.join("\n"))
+    };
+    let folder = Folder::new();
+    for (kept, marks, wanted, is_named) in [
+        (&["ones", "y"][..], "", "y", true),
+        (&["x", "y"], "Scalars=\"y\"", "y", false),
+        (&["x", "y"], "Scalars=\"gone\"", "x", true),
+        (&["ones", "y"], "Scalars=\"ones\"", "y", true),
+        (&["y", "layer"], "Scalars=\"layer\"", "layer", false),
+        (&["layer", "ones", "gradient"], "", "layer", true),
+        (&["y"], "", "y", false),
+    ] {
+        let case = format!("{kept:?} {marks}");
+        let text = data(kept, marks);
+        folder.write("data.vtu", &text);
+        let path = folder.join("data.vtu");
+        let summary = inspect(&path, &Request::default(), &NoProgress).unwrap();
+        assert_eq!(summary.first_quantity().unwrap().scalar, wanted, "{case}");
+        let named = summary.to_be_named(None);
+        assert_eq!(named.as_ref().map(|named| named.scalar.as_str()), is_named.then_some(wanted), "{case}");
+        let of = |scalar: Option<String>| {
+            let request = Request { scalar, ..Request::default() };
+            read(&path, &request, &NoProgress).unwrap().scalar.unwrap().to_vec()
+        };
+        assert_eq!(of(named.map(|named| named.scalar)), of(Some(wanted.into())), "{case}");
+        let key = format!("scalar = \"{wanted}\"");
+        let started = folder.voltet(&["start", "data.vtu", "-o", "-"]).ok().stdout;
+        let suggested = folder.voltet(&["info", "data.vtu"]).ok().stdout;
+        assert!(started.contains(&key) && suggested.contains(&key), "{case}\n{started}\n{suggested}");
+    }
+    folder.write("data.vtu", data(&["x", "y", "layer"], ""));
+    let of_cells = Request { association: Some(Association::Cell), ..Request::default() };
+    let summary = inspect(&folder.join("data.vtu"), &of_cells, &NoProgress).unwrap();
+    assert_eq!(summary.to_be_named(of_cells.association), None, "the only array of the cells");
+    let of_points = summary.to_be_named(Some(Association::Point)).unwrap();
+    assert_eq!(of_points.scalar, "x");
+}

@@ -5,7 +5,7 @@ use super::declaration::{
 };
 use super::nearest::suggest;
 use super::relative::{ArrayRef, RelativeNumber};
-use super::setting::{Field, LocatedValue, ParameterValue, SourceSpan, find_setting};
+use super::setting::{Field, LocatedValue, ParameterValue, SourceSpan, differ_in_names, find_setting};
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -34,10 +34,14 @@ struct Entry {
 /// Receiver of the mistakes in what a table sets: the parameter, or the unknown key, and the error with its location.
 pub type FaultSink<'a> = &'a mut dyn FnMut(&str, Error);
 
-/// Compares values; the declarations are assumed equal (one node type).
+/// Compares values, of entries without their names; the declarations are assumed equal (one node type).
 impl PartialEq for Parameters {
     fn eq(&self, other: &Self) -> bool {
-        self.iter().map(|(_, setting, _)| setting).eq(other.iter().map(|(_, setting, _)| setting))
+        let same = |(a, b): (&Entry, &Entry)| {
+            let has_entries = matches!(a.declared.parameter_type, ParameterType::Kinds(_));
+            a.setting == b.setting || has_entries && differ_in_names([&a.setting, &b.setting])
+        };
+        self.entries.len() == other.entries.len() && self.entries.iter().zip(&other.entries).all(same)
     }
 }
 

@@ -22,4 +22,6 @@ pub use declaration::{
 };
 pub use nearest::{edit_distance, nearest, nearest_first, suggest};
 pub use relative::{ArrayRef, Relative, RelativeNumber};
-pub use setting::{Field, LocatedValue, ParameterValue, SourceSpan, find_setting, key_text, replace_field};
+pub use setting::{
+    ENTRY_NAME, Field, LocatedValue, ParameterValue, SourceSpan, find_setting, key_text, replace_field,
+};

@@ -57,6 +57,20 @@ pub enum ParameterValue {
     Table(Vec<Field>),
 }
 
+/// Key of a table in a list of kinds of a thing by which people name it: nothing is made of it.
+pub const ENTRY_NAME: &str = "name";
+
+/// True if two lists of tables differ in the tables' names alone.
+pub(super) fn differ_in_names(settings: [&Option<LocatedValue>; 2]) -> bool {
+    fn others(entry: &LocatedValue) -> Option<Vec<&Field>> {
+        Some(entry.table()?.iter().filter(|field| field.name != ENTRY_NAME).collect())
+    }
+    let [Some(a), Some(b)] = settings.map(|list| list.as_ref().and_then(LocatedValue::list)) else {
+        return false;
+    };
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| others(a).is_some_and(|own| Some(own) == others(b)))
+}
+
 /// One key of a table with its value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {

@@ -50,3 +50,32 @@ fn a_program_sets_some_values_and_the_others_are_standard() {
     assert!(set.is_set("power") && !set.is_set("side"));
     assert!(Parameters::from_values(&[POWER], [("power", ParameterValue::Number(5.0))]).is_err());
 }
+
+#[test]
+fn names_of_entries_are_no_difference() {
+    const NAMED: Parameter = Parameter {
+        name: ENTRY_NAME,
+        parameter_type: ParameterType::Text,
+        default: DefaultValue::Unset("none"),
+        ..POWER
+    };
+    const KEYS: &[Parameter] = &[POWER, NAMED];
+    const LIST: Parameter = Parameter {
+        name: "list",
+        parameter_type: ParameterType::Kinds(&[VariantSchema { name: "a", summary: "A.", parameters: KEYS }]),
+        default: DefaultValue::Unset("none"),
+        ..POWER
+    };
+    let with = |power: f64, name: Option<&str>| {
+        let fields = [
+            Some(Field::new("kind", "a")),
+            Some(Field::new("power", power)),
+            name.map(|name| Field::new("name", name)),
+        ];
+        let entry = ParameterValue::Table(fields.into_iter().flatten().collect());
+        Parameters::from_values(&[LIST], [("list", [entry].into_iter().collect())]).unwrap()
+    };
+    assert_eq!(with(2.0, None), with(2.0, Some("bone")));
+    assert_eq!(with(2.0, Some("skin")), with(2.0, Some("bone")));
+    assert_ne!(with(2.0, Some("bone")), with(3.0, Some("bone")));
+}

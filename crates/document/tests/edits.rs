@@ -297,3 +297,17 @@ fn a_comment_above_or_behind_names_a_part_of_a_node() {
         ["muscle", "blood"].map(|words| Some(words.into()))
     );
 }
+
+#[test]
+fn what_is_no_prose_and_stands_above_several_entries_names_none() {
+    let text = "[nodes.look]\n# Bone\nwidgets = [{ kind = \"a\" }, { kind = \"b\" }]\n\n[nodes.other]\nwidgets = [\n  # fat\n  \
+                { kind = \"a\" }, { kind = \"b\" },\n  # -----\n  # extinction = 3.0\n  { kind = \"c\" },\n  # skin\n  # =====\n  \
+                # 5.0\n  { kind = \"d\" },\n  # s = 3 is where it begins\n  { kind = \"e\" },\n  # { kind = \"f\" },\n  { kind = \"g\" },\n]\n";
+    let document = Document::from_text(text.into(), None);
+    let names = |node: &str, count: usize| -> Vec<_> {
+        (0..count).map(|place| document.comment(node, &Path::from("widgets").with(place))).collect()
+    };
+    assert_eq!(names("look", 2), [None, None]);
+    let wanted = [Some("fat"), None, None, Some("skin"), None, None];
+    assert_eq!(names("other", 6), wanted.map(|words| words.map(String::from)));
+}

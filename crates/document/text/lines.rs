@@ -50,11 +50,19 @@ pub fn with_comments_above(text: &str, at: usize, floor: usize) -> usize {
     from
 }
 
-/// Words of comment lines, as one text; `None` where there are none.
+/// Words of comment lines, as one text, without rulers and what was commented out; `None` where there are none.
 pub fn comment(text: &str) -> Option<String> {
     let words = text.lines().map(|line| line.trim().trim_start_matches('#').trim());
-    let joined = words.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
+    let joined = words.filter(|line| is_prose(line)).collect::<Vec<_>>().join(" ");
     Some(joined).filter(|joined| !joined.is_empty())
+}
+
+/// True unless a comment's line has no letter, or is a key with its value, a header, or an entry of a list.
+fn is_prose(line: &str) -> bool {
+    let key = line.split_once('=').map(|(key, _)| key.trim_end());
+    let is_key_letter = |c: char| c.is_alphanumeric() || "_-.\"'".contains(c);
+    let is_setting = key.is_some_and(|key| !key.is_empty() && key.chars().all(is_key_letter));
+    line.contains(char::is_alphabetic) && !is_setting && !line.starts_with(['[', '{', ']', '}'])
 }
 
 /// Words of the comment that follows on the line of a byte at which a value, or a header, ends.

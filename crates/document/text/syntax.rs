@@ -273,7 +273,10 @@ impl Syntax {
         match self.find(&path.0).ok()? {
             Match::Value(spot) => {
                 let span = spot.element.span();
-                above(span.start, 0).or_else(|| lines::comment_after(text, span.end))
+                // Of several entries of a line the comment is none's.
+                let above =
+                    Some(span.start).filter(|at| lines::is_first(text, *at)).and_then(|at| above(at, 0));
+                above.or_else(|| lines::comment_after(text, span.end))
             }
             Match::Pieces(pieces) => {
                 let section = pieces.iter().find_map(Piece::section)?;

@@ -31,11 +31,11 @@ use voltet_graph::NodeEntry;
 /// Frames until nodes have the sizes that they are fitted by.
 const FRAMES_TO_FIT: u32 = 3;
 
-/// Least and largest scale: the package draws no smaller, and beyond the other nothing else is seen.
+/// Least and largest scale: the package draws no smaller in one step, and beyond the other nothing else is seen.
 const ZOOM: [f32; 2] = [0.2, 2.0];
 
-/// Least scale at which all nodes are brought into view: some thousand of them.
-const MIN_FIT: f32 = 0.02;
+/// Least scale at which all nodes are brought into view, in two steps of the package: some hundreds of them.
+const MIN_FIT: f32 = ZOOM[0] * ZOOM[0];
 
 /// Height of letters, points, below which they are left out; and that of the names which are drawn then.
 const FAR_LETTERS: f32 = 6.0;
@@ -109,6 +109,12 @@ impl GraphView {
         self.menu.is_some() || self.writing.is_some()
     }
 
+    /// The view in the window.
+    #[cfg(test)]
+    pub fn pane(&self) -> Rect {
+        self.view.clip_rect
+    }
+
     pub fn fit(&mut self) {
         self.fitted = 0;
     }
@@ -120,8 +126,7 @@ impl GraphView {
         self.grid(ui);
         self.frames_and_notes(ui, scene);
         let wires_at = ui.painter().add(egui::Shape::Noop);
-        // The package scales a copy of the style.
-        self.view.zoom(self.view.clip_rect, ui.style(), 1.0);
+        self.scale_style(ui);
         let nodes = self.nodes(ui, scene, pictures);
         self.wires(ui, wires_at, scene);
         self.over_nodes(ui, scene);
@@ -254,6 +259,20 @@ impl GraphView {
             if pans {
                 self.view.pan += delta;
             }
+        }
+    }
+
+    /// The package scales a copy of the style.
+    fn scale_style(&mut self, ui: &Ui) {
+        let (zoom, clip_rect) = (self.view.zoom, self.view.clip_rect);
+        let first = zoom.max(ZOOM[0]);
+        self.view.zoom = first;
+        self.view.zoom(clip_rect, ui.style(), 1.0);
+        if zoom < first {
+            let style = self.view.zoomed_style.clone();
+            self.view.zoom = zoom / first;
+            self.view.zoom(clip_rect, &style, 1.0);
+            self.view.zoom = zoom;
         }
     }
 

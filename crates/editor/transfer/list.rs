@@ -322,11 +322,14 @@ impl TransferPanel {
         response.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "name of the widget"));
         if response.has_focus() {
             self.typed_name = Some((key, text));
-        } else if response.lost_focus() && text != stated {
+        } else if response.lost_focus()
+            && text.trim() != stated
+            && !ui.input(|input| input.key_pressed(Key::Escape))
+        {
             let (node, path) = (look.node.name.clone(), Path::from("widgets").with(self.chosen).with("name"));
-            look.actions.edit(match text.is_empty() {
-                true => Edit::Unset { node, path },
-                false => Edit::Set { node, path, value: text.into() },
+            look.actions.edit(match text.trim() {
+                "" => Edit::Unset { node, path },
+                text => Edit::Set { node, path, value: text.into() },
             });
         }
         response.on_hover_text("name of the widget, such as \"bone\"; the file keeps it");

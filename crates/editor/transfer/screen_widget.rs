@@ -131,20 +131,25 @@ impl ScreenWidget {
         handles
     }
 
-    /// Its handles as they are drawn and taken: one that would lie on another stands beside it.
+    /// Its handles as they are drawn and taken: a centre, a width or an angle that would lie on one of these stands beside it. Points and
+    /// corners lie where they are.
     pub fn grips(&self, plane: &Plane) -> Vec<Grip> {
-        let mut grips: Vec<Grip> = Vec::new();
-        for (handle, at) in self.handles(plane) {
+        let mut spread: Vec<Pos2> = Vec::new();
+        let grip = |(handle, at): (Handle, [f64; 2])| {
             let place = plane.to_window(at);
-            let is_free = |place: &Pos2| grips.iter().all(|grip| grip.place.distance(*place) >= APART);
+            if !matches!(handle, Handle::Centre | Handle::Width(_) | Handle::Angle) {
+                return Grip { handle, at, place };
+            }
+            let is_free = |place: &Pos2| spread.iter().all(|other| other.distance(*place) >= APART);
             let around = (1..=3u8).flat_map(|ring| (0..8u8).map(move |turn| (ring, turn)));
             let around = around.map(|(ring, turn)| {
                 place + APART * f32::from(ring) * Vec2::angled(f32::from(turn) * std::f32::consts::FRAC_PI_4)
             });
             let place = std::iter::once(place).chain(around).find(is_free).unwrap_or(place);
-            grips.push(Grip { handle, at, place });
-        }
-        grips
+            spread.push(place);
+            Grip { handle, at, place }
+        };
+        self.handles(plane).into_iter().map(grip).collect()
     }
 
     pub fn moved(&self, handle: Handle, to: [f64; 2], plane: &Plane) -> Vec<Change> {

@@ -419,3 +419,19 @@ fn along_a_logarithmic_axis_a_hand_moves_decades_and_the_file_has_values() {
     let fault = read_on(&fields, Some(&known), scales).fault.unwrap();
     assert!(fault.contains("logarithmic axis"), "{fault}");
 }
+
+#[test]
+fn crowded_handles_are_told_apart_and_points_lie_where_they_are() {
+    let plane = Plane { rect: Rect::from_min_size(Pos2::ZERO, vec2(400.0, 200.0)), ..PLANE };
+    let points = [[50.0, 0.5, 0.5, 0.5, 0.1], [50.1, 0.5, 0.5, 0.5, 0.2], [50.2, 0.5, 0.5, 0.5, 0.3]];
+    let curve =
+        vec![field("kind", ParameterValue::Text("piecewise-linear".into())), field("points", rows(&points))];
+    for Grip { handle, at, place } in read(&curve).grips(&plane) {
+        assert_eq!(place, plane.to_window(at), "{handle:?}");
+    }
+    let grips = read(&gaussian_widget()).grips(&plane);
+    assert!(grips.len() >= 3);
+    for (i, grip) in grips.iter().enumerate() {
+        assert!(grips[..i].iter().all(|other| other.place.distance(grip.place) >= APART - 0.01));
+    }
+}

@@ -137,3 +137,19 @@ fn nodes_that_are_laid_out_do_not_cover_each_other() {
         }
     }
 }
+
+#[test]
+fn hundreds_of_nodes_are_all_brought_into_view() {
+    let more: String = (0..300).map(|i| format!("[nodes.more{i}]\ntype = \"wavelet\"\n\n")).collect();
+    let mut hand =
+        Hand::before_window(&TEXT.replace("[nodes.view]", &(more + "[nodes.view]")), [700.0, 500.0], &|_| {});
+    hand.editor.panels.graph.fit();
+    hand.frames(8);
+    let pane = hand.editor.panels.graph.pane();
+    let names: Vec<String> =
+        hand.editor.document().pipeline().nodes.iter().map(|node| node.name.clone()).collect();
+    for name in names {
+        let frame = hand.rect(&format!("node {name}"));
+        assert!(pane.contains_rect(frame) && frame.width() < 0.2 * 150.0, "{name}: {frame:?} in {pane:?}");
+    }
+}

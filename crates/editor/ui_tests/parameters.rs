@@ -1,5 +1,6 @@
 use super::*;
 use std::sync::Arc;
+use voltet_document::{Edit, Gesture};
 
 /// The value of a row; the panel shows it once its node is selected.
 fn row(hand: &Hand, key: &str) -> Rect {
@@ -119,27 +120,113 @@ fn arrays_of_the_data_are_chosen_one_or_several() {
     }
 }
 
-#[test]
-fn a_reader_that_is_given_a_file_takes_the_first_array_that_varies() {
+/// A grid of four points with an array of one value, and one that varies.
+fn of_two_arrays() -> String {
     let points = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
-    let data = format!(
+    format!(
         "# vtk DataFile Version 3.0\ndata\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n{points}CELLS 1 5\n4 0 1 2 3\n\
          CELL_TYPES 1\n10\nPOINT_DATA 4\nFIELD all 2\nsame 1 4 float\n1 1 1 1\nheat 1 4 float\n1 2 3 4\n"
-    );
+    )
+}
+
+/// Before a window with a reader of such a file, which is there as `other.vtk`, too.
+fn before_reader() -> (Hand, String) {
     let reader = "type = \"reader\"\npath = \"data.vtk\"";
     let text = TEXT.replace("type = \"wavelet\"\nresolution = [12, 12, 12] # coarse", reader);
-    let mut hand = Hand::with_file(&text, "data.vtk", &data);
-    std::fs::copy(hand.folder.path().join("data.vtk"), hand.folder.path().join("other.vtk")).unwrap();
+    let hand = Hand::in_folder(&text, &|folder| {
+        ["data.vtk", "other.vtk"].map(|name| std::fs::write(folder.join(name), of_two_arrays()).unwrap());
+    });
+    (hand, text)
+}
+
+fn read_other(hand: &mut Hand) {
+    hand.editor.edit("read".into(), &[Edit::set("grid", ["path"], "other.vtk".into())]);
+}
+
+/// Frames until the arrays of a file are known, or that they cannot be; and some more.
+fn until_read(hand: &mut Hand, path: &str) {
+    until(hand, "the file is not read", |hand| {
+        let editor = &hand.editor;
+        let mut reader =
+            editor.document.pipeline().nodes.iter().find(|node| node.name == "grid").unwrap().clone();
+        reader.settings.retain(|field| field.name != "path");
+        reader.settings.push(voltet_graph::Field::new("path", path));
+        editor.arrays.of_reader(&hand.ctx, &editor.document, &editor.registry, &reader).is_whole
+    });
+    hand.frames(3);
+}
+
+#[test]
+fn a_reader_that_is_given_a_file_takes_the_first_array_that_varies() {
+    let (mut hand, text) = before_reader();
     let fault = "the file holds several arrays";
     until(&mut hand, "no fault", |hand| !hand.shown_beginning(fault).is_empty());
     let of_node = hand.rect("node grid");
     assert!(hand.shown_beginning(fault).iter().any(|at| of_node.contains(*at)), "the reader says it");
     assert_eq!(hand.text(), text, "a file that is opened stays as it is");
-    hand.editor.edit("read".into(), &[voltet_document::Edit::set("grid", ["path"], "other.vtk".into())]);
+    hand.editor.gesture = Some(Gesture(77));
+    read_other(&mut hand);
     until(&mut hand, "no array", |hand| hand.text().contains("scalar = \"heat\""));
     assert!(hand.said().starts_with("grid: draws 'heat'"), "{}", hand.said());
     hand.settle();
     assert!(hand.shown_beginning(fault).is_empty());
+    assert_eq!(hand.steps(), 2, "a step of its own");
+    hand.key(Key::Z, Modifiers::COMMAND);
+    until_read(&mut hand, "other.vtk");
+    assert!(
+        hand.text().contains("other.vtk") && !hand.text().contains("scalar = \"heat\""),
+        "{}",
+        hand.text()
+    );
+    assert!(hand.editor.document.history().redo_label().is_some());
+}
+
+#[test]
+fn what_a_hand_undid_before_the_arrays_are_known_stays_undone() {
+    let (mut hand, text) = before_reader();
+    let ctx = hand.ctx.clone();
+    read_other(&mut hand);
+    hand.editor.command(&ctx, Command::Undo);
+    hand.frames(1);
+    until_read(&mut hand, "other.vtk");
+    assert_eq!(hand.text(), text);
+    assert_eq!(hand.editor.document.history().redo_label(), Some("read"));
+    hand.editor.command(&ctx, Command::Redo);
+    hand.frames(3);
+    assert_eq!(hand.text(), text.replace("data.vtk", "other.vtk"));
+    // An earlier step that stands undone can be done again, too.
+    hand.editor.edit("later".into(), &[Edit::set("grid", ["path"], "data.vtk".into())]);
+    hand.editor.edit("last".into(), &[Edit::set("look", "widgets.0.extinction", 3.0.into())]);
+    hand.editor.command(&ctx, Command::Undo);
+    until_read(&mut hand, "data.vtk");
+    assert_eq!(hand.editor.document.history().redo_label(), Some("last"));
+}
+
+#[test]
+fn another_document_is_not_edited_by_what_the_former_one_waited_for() {
+    let (mut hand, text) = before_reader();
+    let other = text.replace("data.vtk", "other.vtk");
+    let path = hand.folder.path().join("second.toml");
+    std::fs::write(&path, &other).unwrap();
+    read_other(&mut hand);
+    hand.editor.take(Document::open(&path).unwrap());
+    until_read(&mut hand, "other.vtk");
+    assert_eq!(hand.text(), other);
+    assert!(hand.editor.document.is_saved());
+    // The document's own file, as another program left it.
+    hand.editor.edit("read".into(), &[Edit::set("grid", ["path"], "data.vtk".into())]);
+    std::fs::write(&path, &text).unwrap();
+    hand.editor.settle_with_disk(true);
+    until_read(&mut hand, "data.vtk");
+    assert_eq!(hand.text(), text);
+}
+
+#[test]
+fn a_file_that_cannot_be_read_is_not_waited_for() {
+    let (mut hand, text) = before_reader();
+    hand.editor.edit("read".into(), &[Edit::set("grid", ["path"], "gone.vtk".into())]);
+    until(&mut hand, "the reader waits", |hand| hand.editor.new_readers.is_empty());
+    assert_eq!(hand.text(), text.replace("data.vtk", "gone.vtk"));
 }
 
 /// The data are not there, so that nothing is drawn; what is wrong is shown, too.
@@ -216,6 +303,13 @@ fn a_number_field_says_why_it_holds_another_number_than_was_typed() {
     assert!(hand.text().contains("extinction = 12345678"), "{}", hand.text());
     assert!(!hand.texts("1.2345678e7").is_empty(), "a long number has an exponent");
     assert!(hand.texts("0.0 is the least: -3 is below it").is_empty());
+    let at = field(&hand);
+    type_at(&mut hand, at, "-4");
+    assert_eq!(hand.texts("0.0 is the least: -4 is below it").len(), 1);
+    let ctx = hand.ctx.clone();
+    hand.editor.command(&ctx, Command::Undo);
+    hand.frames(2);
+    assert!(hand.texts("0.0 is the least: -4 is below it").is_empty(), "what was undone is not explained");
 }
 
 #[test]

@@ -209,3 +209,14 @@ fn every_node_that_gives_a_picture_shows_it() {
     hand.settle();
     assert_eq!(preview(&mut hand, "counts", &|width| width < 512).size(), [128, 128]);
 }
+
+#[test]
+fn a_picture_whose_camera_gives_no_size_has_that_of_its_pixels() {
+    let mut hand = Hand::new(&TEXT.replace("size = [160, 120]\n", ""));
+    hand.click_on("1:1");
+    hand.settle();
+    let pixels = hand.editor.scene().pixels.unwrap();
+    assert!(pixels.is_full() && pixels.picture.width > 100);
+    let shown = hand.editor.panels.picture.rect.unwrap().size();
+    assert_eq!(shown, vec2(pixels.picture.width as f32, pixels.picture.height as f32));
+}

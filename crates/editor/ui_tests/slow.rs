@@ -10,11 +10,16 @@ static ENDED: AtomicUsize = AtomicUsize::new(0);
 static MAY_END: AtomicBool = AtomicBool::new(false);
 
 /// Time after which the node ends by itself, so that a window that waits for it fails and does not hang.
-const LONGEST: Duration = Duration::from_secs(60);
+const LONGEST: Duration = Duration::from_secs(600);
 
 static DEAF: Node = Node {
     name: "deaf",
     summary: "A picture that comes when it is released; it hears of no cancellation.",
+    inputs: &[Port {
+        name: "transfer_function",
+        port_type: PortType::TransferFunction,
+        summary: "whose changes ask for another picture",
+    }],
     outputs: &[Port { name: "image", port_type: PortType::Image, summary: "a picture" }],
     demand: &|_| Ok(()),
     run: &|_| {
@@ -29,12 +34,14 @@ static DEAF: Node = Node {
     ..Node::BLANK
 };
 
-/// Frames are counted while the node runs: edits, selections, undo and movements of the pointer need none of its answers.
+/// Frames are counted while the node runs: edits, selections, undo and movements of the pointer need none of its answers. Each edit asks
+/// for another picture in place of the one that it makes.
 #[test]
 fn the_window_is_drawn_and_edited_while_a_node_runs() {
     let mut registry = voltet_nodes::registry().unwrap();
     registry.add(&DEAF).unwrap();
-    let text = format!("{TEXT}\n[nodes.late]\ntype = \"deaf\"\n");
+    let text =
+        format!("{TEXT}\n[nodes.late]\ntype = \"deaf\"\ninputs = {{ transfer_function = \"look\" }}\n");
     let mut hand = Hand::with_registry(&text, [1280.0, 720.0], &|_| {}, &registry);
     hand.frames(4);
     hand.editor.shown_node = Some("late".into());

@@ -113,6 +113,37 @@ fn a_widget_has_the_name_that_its_comment_or_a_hand_gives() {
     assert_eq!(hand.steps(), 1);
     hand.key(Key::Z, Modifiers::COMMAND);
     assert_eq!(hand.text(), text);
+    for (typed, key) in [("skull", Key::Escape), ("  ", Key::Enter)] {
+        hand.click_on("name of the widget");
+        hand.typed(typed);
+        hand.key(key, Modifiers::NONE);
+        hand.frames(2);
+        assert_eq!(hand.text(), text, "'{typed}' is no name");
+    }
+    hand.click_on("name of the widget");
+    hand.typed(" skull ");
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(2);
+    assert!(hand.text().contains("\nname = \"skull\"\n"), "{}", hand.text());
+}
+
+#[test]
+fn the_picture_stays_when_a_widget_is_named() {
+    let mut hand = Hand::new(TEXT);
+    let full = |hand: &Hand| {
+        let pixels = hand.editor.worker().shown(|shown| shown.pixels.clone()).unwrap();
+        assert!(pixels.is_full());
+        (pixels.number, pixels.picture)
+    };
+    let before = full(&hand);
+    hand.editor.edit("name".into(), &[voltet_document::Edit::set("look", "widgets.0.name", "bone".into())]);
+    hand.settle();
+    let after = full(&hand);
+    assert!(after.0 > before.0 && Arc::ptr_eq(&after.1, &before.1), "no node runs for a name");
+    hand.editor
+        .edit("thin".into(), &[voltet_document::Edit::set("look", "widgets.0.extinction", 2.0.into())]);
+    hand.settle();
+    assert!(!Arc::ptr_eq(&full(&hand).1, &before.1));
 }
 
 #[test]

@@ -45,6 +45,8 @@ pub struct Summary {
     pub arrays: Vec<ArraySummary>,
     /// Name of the array that the file marks as its scalars.
     pub active_scalars: Option<String>,
+    /// The array that a reader takes where none is named; `None` where it must be named.
+    pub unnamed: Option<(String, Association)>,
     /// The time that the file says it is of.
     pub time: Option<f64>,
     /// Times of the steps of a series; empty where the file is none.
@@ -123,12 +125,19 @@ pub(super) fn array_heads(dataset: &Dataset) -> Vec<FileArray> {
 }
 
 /// Decodes everything, small pieces side by side and of each one array at a time, and says what it is.
-pub(super) fn summarize(dataset: &Dataset, progress: &dyn Progress) -> Result<Summary> {
+pub(super) fn summarize(
+    dataset: &Dataset,
+    association: Option<Association>,
+    progress: &dyn Progress,
+) -> Result<Summary> {
     let meter = Meter::new(progress, dataset.file_bytes);
     let mut summary = Summary {
         format: dataset.format.clone(),
         piece_count: dataset.pieces.len(),
         active_scalars: dataset.active_scalars.clone(),
+        unnamed: request::scalar(dataset, None, association)
+            .ok()
+            .map(|found| (found.name, found.association)),
         time: dataset.time,
         time_steps: dataset.time_steps.clone(),
         file_bytes: dataset.file_bytes,

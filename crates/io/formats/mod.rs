@@ -196,7 +196,8 @@ pub fn outline(path: &Path, request: &Request) -> Result<Outline> {
 pub fn inspect(path: &Path, request: &Request, progress: &dyn Progress) -> Result<Summary> {
     let dataset = open(path, request)?;
     // A thread of the pool need not wait for another one at each of a hundred thousand small arrays.
-    rayon::scope(|_| inspect::summarize(&dataset, progress)).map_err(|error| error.in_file(path))
+    let summarize = || inspect::summarize(&dataset, request.association, progress);
+    rayon::scope(|_| summarize()).map_err(|error| error.in_file(path))
 }
 
 /// The times of a file's steps, none where it is no series, and the number of the step that `request` means; 0 where it

@@ -52,19 +52,38 @@ impl ArraySummary {
 }
 
 impl Summary {
-    /// The file's own scalar, or the first array that is a quantity; a flag or a number of something where nothing else varies. `None`
-    /// where all values are the same.
-    pub fn first_quantity(&self) -> Option<ArrayChoice> {
-        // Labels last; the file's own first, then scalars of the points, scalars of the cells, vectors, whole numbers.
+    /// The arrays that vary, the one to draw first: quantities before labels; among each the file's own scalar, then scalars of the points,
+    /// scalars of the cells, vectors, whole numbers.
+    pub fn by_rank(&self) -> Vec<&ArraySummary> {
         let rank = |array: &&ArraySummary| {
             let own = self.active_scalars.as_deref() == Some(array.head.name.as_str());
             let is_whole = !array.number_type.starts_with("Float");
             let is_cell = array.head.association == Association::Cell;
             (is_label(&array.head.name), !own, is_whole, array.head.component_count > 1, is_cell)
         };
-        let first = self.quantities().filter(|array| array.varies()).min_by_key(rank)?;
+        let mut all: Vec<&ArraySummary> = self.quantities().filter(|array| array.varies()).collect();
+        all.sort_by_key(rank);
+        all
+    }
+
+    /// The words by which a reader names one of the arrays.
+    pub fn choice_of(&self, array: &ArraySummary) -> ArrayChoice {
         let heads: Vec<FileArray> = self.arrays.iter().map(|array| array.head.clone()).collect();
-        Some(ArrayChoice::from_head(&first.head, &heads))
+        ArrayChoice::from_head(&array.head, &heads)
+    }
+
+    /// The array that is drawn where none is named: the first [by rank](Self::by_rank). `None` where all values are the same.
+    pub fn first_quantity(&self) -> Option<ArrayChoice> {
+        self.by_rank().first().map(|first| self.choice_of(first))
+    }
+
+    /// The array that a reader of this association, or of either, must name to read the first of them by rank; `None` where it reads
+    /// that one unnamed, or all values are the same.
+    pub fn to_be_named(&self, association: Option<Association>) -> Option<ArrayChoice> {
+        let is_asked = |head: &FileArray| association.is_none_or(|asked| asked == head.association);
+        let first = self.by_rank().into_iter().find(|array| is_asked(&array.head))?;
+        let read = self.unnamed.as_ref().map(|(name, of)| (name.as_str(), *of));
+        (read != Some((&first.head.name, first.head.association))).then(|| self.choice_of(first))
     }
 }
 

@@ -15,7 +15,7 @@ use crate::graph::pipeline::Pipeline;
 use crate::graph::{Graph, LinkEntry, NodeEntry, ParameterValue, PortType, Registry};
 use crate::io::encode;
 use crate::io::formats::{
-    ArrayChoice, ArraySummary, Association, BlockSummary, FileArray, Request, Summary, inspect, unread,
+    ArrayChoice, ArraySummary, Association, BlockSummary, Request, Summary, inspect, unread,
 };
 use crate::io::memory::GridSize;
 use crate::io::provenance::{CameraRecord, DataFile, PluginRecord, Provenance, SidecarFiles};
@@ -204,10 +204,9 @@ fn suggestion(arguments: &Info, wanted: &Request, summary: &Summary, registry: &
     let (Some(bounds), true) = (summary.bounds, summary.quantities().any(ArraySummary::varies)) else {
         return "\nNo array whose values differ: nothing to draw.\n".into();
     };
-    let heads: Vec<FileArray> = summary.arrays.iter().map(|array| array.head.clone()).collect();
     let mut refusal = None;
-    for array in summary.quantities().filter(|array| array.varies()) {
-        let choice = ArrayChoice::from_head(&array.head, &heads);
+    for array in summary.by_rank() {
+        let choice = summary.choice_of(array);
         let pipeline =
             pipeline(arguments, wanted.node_type(), &choice, array.range.unwrap_or_default(), bounds);
         match run_error(arguments, wanted, choice, &pipeline, registry) {

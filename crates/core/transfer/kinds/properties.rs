@@ -5,7 +5,8 @@
 
 use crate::colormap::{ColorCurve, Colormap};
 use crate::parameters::{
-    AxisRef, DefaultValue, Parameter, ParameterType, Parameters, Range, RelativeNumberType, StatisticKind,
+    AxisRef, DefaultValue, ENTRY_NAME, Parameter, ParameterType, Parameters, Range, RelativeNumberType,
+    StatisticKind,
 };
 use crate::transfer::region::Region;
 use crate::{Error, Result, counted};
@@ -171,7 +172,7 @@ pub(super) const EXTINCTION: Parameter = Parameter {
 
 /// A name for people: no engine reads it.
 pub(super) const NAME: Parameter = Parameter {
-    name: "name",
+    name: ENTRY_NAME,
     parameter_type: ParameterType::Text,
     unit: "",
     default: DefaultValue::Unset("the comment before the widget"),
