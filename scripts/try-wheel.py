@@ -38,6 +38,12 @@ print(voltet.__version__)
 
 def main() -> int:
     wheels = Path(sys.argv[1]).resolve()
+    versions = {wheel.name.split("-")[1] for wheel in wheels.glob("voltet-*.whl")}
+    if len(versions) != 1:
+        found = f"wheels of the versions {', '.join(sorted(versions))}" if versions else "no wheels"
+        print(f"try-wheel: {wheels} holds {found}; expected those of one version", file=sys.stderr)
+        return 1
+    (version,) = versions
     with tempfile.TemporaryDirectory() as folder:
         environment = Path(folder, "environment")
         subprocess.run([sys.executable, "-m", "venv", environment], check=True)
@@ -64,7 +70,6 @@ def main() -> int:
             return done.stdout + done.stderr
 
         voltet = programs / "voltet"
-        version = next(wheels.glob("voltet-*.whl")).name.split("-")[1]
         assert ran(voltet, "--version").strip() == f"voltet {version}"
         assert ran(python, "-c", CODE).strip() == version
         assert "in order" in ran(voltet, "check", "ball.toml")

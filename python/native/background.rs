@@ -1,4 +1,4 @@
-//! Runs without the interpreter's lock, with callbacks for progress, cancelled by Ctrl-C.
+//! Runs detached from the interpreter, with callbacks for progress, cancelled by Ctrl-C.
 
 use crate::error::{exception, guarded, refuse_forked};
 use crate::filter::{self, Run};

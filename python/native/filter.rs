@@ -140,9 +140,9 @@ pub fn register_filter(
         kept.push(filter);
         *filters = kept;
         drop(filters);
-        // Freed without the lock: what it leads to may be code in Python, which other threads of Python wait for.
-        drop(former);
         REGISTERED.fetch_add(1, Ordering::AcqRel);
+        // Freed without the lock, and once it is no longer in use: what it leads to may be code in Python, which other threads wait for.
+        drop(former);
         Ok(())
     })
 }
@@ -192,7 +192,7 @@ pub fn keywords<'py>(
     Ok(set)
 }
 
-/// Calls Python for a function, with the interpreter's lock; an exception becomes an error, and the cause of the one that the run
+/// Calls Python for a function, attached to the interpreter; an exception becomes an error, and the cause of the one that the run
 /// raises. `subject`: "the reader 'x'".
 pub fn attached<T>(subject: &str, work: impl FnOnce(Python<'_>) -> PyResult<T>) -> Result<T> {
     Python::attach(|py| {

@@ -213,6 +213,7 @@ def test_words_of_a_wrong_type_are_refused_by_name(words):
 
 @pytest.mark.parametrize("name, value, message", [
     ("mesh", {"topology_dimension": "three"}, "'mesh' of three dimensions"), ("volumes", {"start_index": "one"}, "an unknown start_index"),
+    ("volumes", {"start_index": 0.5}, "an unknown start_index"), ("volumes", {"start_index": float("inf")}, "an unknown start_index"),
 ])
 def test_attributes_of_ugrid_that_are_no_numbers_are_said(name, value, message):
     data = of_xarray()

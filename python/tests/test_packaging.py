@@ -35,6 +35,23 @@ def test_extras_and_limits_are_those_of_the_recipes():
     assert f"- python {project['requires-python']}" in conda
 
 
+def test_every_recipe_takes_a_maturin_that_knows_the_stable_interface_without_the_lock():
+    files = ("python/pyproject.toml", "python/tests/requirements.txt", "packaging/conda/recipe.yaml", "scripts/build-wheel.sh", ".github/workflows/release.yml")
+    limits = {file: re.findall(r"maturin ?([<>=][0-9.,<>=]+)", (ROOT / file).read_text()) for file in files}
+    (limit,) = limits[files[0]]
+    assert limits == {file: [limit] for file in files}
+    low = tuple(map(int, re.match(r">=([0-9.]+),<2$", limit)[1].split(".")))
+    assert low >= (1, 14, 1) and "abi3t-py315" in (ROOT / "Cargo.toml").read_text()
+
+
+def test_wheels_of_two_versions_are_not_tried(tmp_path):
+    for names, found in (((), "no wheels"), (("0.1.0", "0.2.0"), "wheels of the versions 0.1.0, 0.2.0")):
+        for version in names:
+            (tmp_path / f"voltet-{version}-cp311-abi3-any.whl").touch()
+        done = subprocess.run([sys.executable, ROOT / "scripts/try-wheel.py", tmp_path], capture_output=True, text=True)
+        assert done.returncode == 1 and done.stderr.endswith(f"holds {found}; expected those of one version\n"), done.stderr
+
+
 def test_the_recipe_for_conda_is_one_and_renders():
     rattler_build = pytest.importorskip("rattler_build")
     recipe = rattler_build.Stage0Recipe.from_file(str(ROOT / "packaging/conda/recipe.yaml"))

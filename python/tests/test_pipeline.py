@@ -318,6 +318,33 @@ def test_a_scene_has_surfaces_and_clips(cube, tmp_path):
         scene(clip=[{"normal": [1, 0, 0]}]).render()
 
 
+@pytest.mark.parametrize(
+    "words, what",
+    [
+        ({"widgets": 5}, "'widgets' is no list: found 5"), ({"widgets": {"kind": "uniform"}}, "'widgets' is no list"),
+        ({"clip": 5}, "'clip' is no list: found 5"), ({"clip": "plane"}, "'clip' is no list"), ({"surfaces": 5}, "'surfaces' is no list"),
+        ({"surfaces": [{"type": 5}]}, "the type of a surface is no name"), ({"look": 5}, "'look' is no mapping"),
+        ({"look": {"widgets": []}}, "the scene states 'widgets' itself: found in look; expected widgets=… of the scene itself"),
+        ({"look": {"unit_distance": 1}}, "the scene states 'unit_distance' itself"), ({"method": {"grid": "grid"}}, "the scene states 'grid' itself"),
+        ({"annotation": {"image": "picture"}}, "the scene states 'image' itself"), ({"transfer_function": "x"}, "the scene states 'transfer_function' itself"),
+        ({"surfaces": [{"type": "slice", "volume": "gradient"}]}, "the scene states 'volume' itself"),
+        ({"camera": {"volume": "gradient"}}, "the scene states 'volume' itself"), ({"extinction": "2"}, "'extinction' is no number"),
+        ({"extinction": True}, "'extinction' is no number"), ({"extinction": bytearray(b"2")}, "'extinction' is no number"),
+        ({"extinction": 10**400}, "'extinction' is no number"), ({"extinction": np.ones(1)}, "'extinction' is no number"),
+        ({"size": 5}, "'size' is no pair"),
+    ],
+)
+def test_words_of_a_scene_that_are_none_are_said(cube, words, what):
+    with pytest.raises(voltet.UsageError) as raised:
+        voltet.scene(voltet.Grid(**cube), **words)
+    assert str(raised.value).startswith(what)
+
+
+def test_no_surfaces_and_clips_are_nothing(cube):
+    scene = voltet.scene(voltet.Grid(**cube), surfaces=None, clip=[], look=None, extinction=np.float32(2), size=(8, 8))
+    assert "surfaces" not in scene["picture"].inputs and "clip" not in scene["picture"].parameters
+
+
 def test_a_threshold_takes_infinite_ends(cube):
     pipeline = voltet.scene(voltet.Grid(**cube), size=(16, 16), engine="cpu")
     pipeline.add("part", "threshold", volume="gradient", range=[-float("inf"), 1.5], smooth=True)
@@ -328,7 +355,7 @@ def test_a_threshold_takes_infinite_ends(cube):
 
 def test_backgrounds_and_nodes_that_are_none_are_said(slab, tmp_path):
     picture = slab.render()
-    for background in ("white", (1, 1), 3):
+    for background in ("white", (1, 1), 3, "111", b"111", ("1", "1", "1"), {0: 1, 1: 1, 2: 1}, (0, 0, 10**400)):
         for call in (lambda: picture.srgb8(background), lambda: picture.save(tmp_path / "a.png", background=background)):
             with pytest.raises(voltet.UsageError, match="the background is no colour: found"):
                 call()

@@ -92,6 +92,55 @@ def test_log_scale_stretches_the_colours_by_decades():
             ramp(-1.0).voltet.render("T", log_scale=True, **words, **SIZE)
 
 
+def test_limits_are_numbers_of_any_type():
+    grid = ramp()
+    plain = column(grid, clim=(-9.0, 9.0))
+    for clim in (9, np.float32(9), np.int64(9), np.array(9.0), np.array([-9, 9]), [np.float32(-9), 9]):
+        assert np.array_equal(column(grid, clim=clim), plain), clim
+    for clim in ("12", b"12", ("0", "1"), {0: 1, 1: 2}, (0, 10**400), (0, None), (1, 2, 3), True):
+        with pytest.raises(voltet.UsageError, match="'clim' is no pair"):
+            column(grid, clim=clim)
+    with pytest.raises(voltet.UsageError, match="'opacity_unit_distance' is no number"):
+        column(grid, opacity_unit_distance="far")
+
+
+@pytest.mark.filterwarnings("default::voltet.VoltetWarning")
+@pytest.mark.parametrize("words", [{"scalars": "U"}, {"scalars": "T", "categories": True}])
+def test_each_warning_is_told_once(words):
+    grid = cube(5)
+    grid["U"][7] = grid["T"][7] = np.nan
+    with pytest.warns(voltet.VoltetWarning, match="finite") as told:
+        grid.voltet.render(**words, **SIZE)
+    assert len(told) == 1, [str(warning.message) for warning in told]
+
+
+def test_arrays_are_copied_as_numbers_that_vtk_has():
+    x = np.linspace(1.0, 2.0, 64).reshape(4, 4, 4)
+    drawn = lambda values: volume_of(values).picture
+    expected = drawn(x)
+    assert np.array_equal(drawn(pv.wrap(x)), expected) and expected[..., 3].max() > 0
+    for values in (np.ma.masked_array(x), x.astype(np.longdouble)):
+        assert np.array_equal(drawn(values), expected)
+    half = x.astype(np.float16)
+    assert np.array_equal(drawn(half), drawn(half.astype(float)))
+    masked = np.ma.masked_where(x > 1.5, x)
+    with pytest.warns(voltet.VoltetWarning, match="finite"):
+        part = drawn(masked)
+    with pytest.warns(voltet.VoltetWarning, match="finite"):
+        assert np.array_equal(part, drawn(np.where(x > 1.5, np.nan, x)))
+    for wrong in (x.astype("datetime64[s]"), x.astype(complex), x.astype(str)):
+        with pytest.raises(voltet.UsageError, match="an array has a wrong type"):
+            drawn(wrong)
+
+
+def volume_of(values):
+    """An array as a volume of a plotter that is shown."""
+    p = plotter()
+    volume = p.voltet.add_volume(values, show_scalar_bar=False, engine="cpu")
+    p.show(auto_close=False)
+    return volume
+
+
 def test_colours_beyond_the_limits():
     got = column(ramp(0.0, 1.0), cmap=["lime", "lime"], clim=(0.25, 0.75), above_color="red", below_color="blue")
     expected = np.repeat([[0.0, 0, 1], [0, 1, 0], [1, 0, 0]], [4, 8, 4], axis=0)

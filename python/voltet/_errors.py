@@ -115,11 +115,36 @@ def whole(name: str, value: object, low: int = 0, high: int = 2**32 - 1) -> int:
 
 
 def number(name: str, value: Any, expected: str = "a number") -> float:
-    """A real number of any type that is one, an array of one number among them."""
+    """A real number of any type that is one, 0-dimensional arrays among them; finite in 64 bits or infinite by itself."""
+    is_real = getattr(getattr(value, "dtype", None), "kind", "f") in "iuf" and getattr(value, "ndim", 0) == 0
+    # Which float() would take, too.
+    if is_real and not isinstance(value, (str, bytes, bytearray, bool)):
+        try:
+            return float(value)
+        except (TypeError, ValueError, OverflowError):
+            pass
+    raise argument_type(f"'{name}' is no number", repr(value)[:80], expected)
+
+
+def real_numbers(value: Any, count: int) -> list[float] | None:
+    """So many real numbers; None where it is none such. Texts and mappings are no lists of numbers."""
     try:
-        return float("text" if isinstance(value, (str, bytes)) else value)
-    except (TypeError, ValueError):
-        raise argument_type(f"'{name}' is no number", repr(value)[:80], expected) from None
+        found = [] if isinstance(value, (str, bytes, bytearray, Mapping)) else [number("", part) for part in value]
+    except TypeError:
+        return None
+    return found if len(found) == count else None
+
+
+def sequence(name: str, value: Any, expected: str) -> list[Any]:
+    """Values one after the other, as a list; None is an empty one. `expected`: an example of one."""
+    if value is None:
+        return []
+    try:
+        if not isinstance(value, (str, bytes, bytearray, Mapping)):
+            return list(value)
+    except TypeError:
+        pass
+    raise argument_type(f"'{name}' is no list", repr(value)[:80], expected)
 
 
 def mapping(name: str, value: Any, expected: str) -> dict[str, Any]:

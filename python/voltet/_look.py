@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pyvista as pv
 
 from . import _vtk_grid
-from ._errors import usage, whole
+from ._errors import VoltetWarning, number, real_numbers, usage, whole
 from ._grid import Grid
 
 if TYPE_CHECKING:
@@ -54,7 +56,7 @@ class Look:
         if isinstance(scalars, np.ndarray):
             self.data = data.copy(deep=False)
             place = self.data.point_data if len(scalars) == data.n_points else self.data.cell_data
-            place["Data"] = scalars
+            place["Data"] = _plain(scalars)
             scalars = "Data"
         self.name: str = self._named(scalars)
         fields = [field for widget in widgets or [] for field in widget.get("fields", [])]
@@ -92,9 +94,7 @@ class Look:
 
     def _category_count(self) -> int:
         """The number of different values, of which none is NaN."""
-        from ._scene import scene
-
-        values = scene(self.grid(), self.scalar, widgets=[]).volume("gradient", gradient_magnitude=False)["scalar"]
+        values = self._values()
         return len(np.unique(values[np.isfinite(values)]))
 
     def grid(self) -> Grid:
@@ -136,17 +136,24 @@ class Look:
             raise usage("'scalars' is no name", repr(scalars), "the name of an array, or an array")
         return scalars
 
-    def _range_of_magnitude(self) -> list[float]:
-        from ._scene import scene
+    def _values(self) -> NDArray[np.float64]:
+        """The scalar at the points of cells. The run that draws it shows the grid's warnings, so that this one is silent."""
+        from ._scene import pipeline_of
 
-        values = scene(self.grid(), self.scalar, widgets=[]).volume("gradient", gradient_magnitude=False)["scalar"]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", VoltetWarning)
+            return pipeline_of(self.grid(), self.scalar, widgets=[]).volume("gradient", gradient_magnitude=False)["scalar"]
+
+    def _range_of_magnitude(self) -> list[float]:
+        values = self._values()
         return [float(np.nanmin(values)), float(np.nanmax(values))]
 
     def _distance(self, given: float | None, widgets: Any) -> float | None:
         if given is not None:
-            if not (np.isfinite(given) and given > 0):
+            length = number("opacity_unit_distance", given, "a length above 0")
+            if not (np.isfinite(length) and length > 0):
                 raise usage("'opacity_unit_distance' is out of range", given, "a length above 0")
-            return float(given)
+            return length
         if widgets is not None:
             return None
         dimensions = getattr(self.data, "dimensions", None)
@@ -183,10 +190,21 @@ class Look:
 
 
 def _wrapped(values: NDArray[Any]) -> Any:
-    """A three-dimensional array as PyVista takes it."""
+    """A three-dimensional array as PyVista takes it: a copy."""
     if values.ndim != 3:
         raise usage("an array is no volume", f"shape {values.shape}", "three dimensions")
-    return pv.wrap(values)
+    return pv.wrap(_plain(values))
+
+
+def _plain(values: NDArray[Any]) -> NDArray[Any]:
+    """An array of a type that VTK has, NaN where it is masked."""
+    if values.dtype.kind not in "biuf":
+        raise usage("an array has a wrong type", values.dtype, "real numbers")
+    if isinstance(values, np.ma.MaskedArray):
+        return np.ma.filled(values.astype(np.float64), np.nan)
+    if values.dtype.kind == "b":
+        return values.astype(np.uint8)
+    return values.astype(np.float64) if values.dtype.kind == "f" and values.dtype.itemsize not in (4, 8) else values
 
 
 def _limits(clim: float | Sequence[float] | None, range: Sequence[float], log: bool) -> tuple[float, float]:
@@ -196,15 +214,16 @@ def _limits(clim: float | Sequence[float] | None, range: Sequence[float], log: b
             raise usage("'log_scale' needs values above 0", f"{low} to {high}", "clim=(low, high), both above 0")
         # A field that is the same everywhere.
         return (low, high) if high > low else (low, low + max(abs(low), 1.0) * 1e-6)
-    try:
-        low, high = (-clim, clim) if isinstance(clim, (int, float)) else map(float, clim)
-    except (TypeError, ValueError):
-        raise usage("'clim' is no pair", repr(clim), "two numbers, or one for both sides of 0") from None
+    is_one = isinstance(clim, Real) or getattr(clim, "ndim", None) == 0
+    ends = real_numbers([clim], 1) if is_one else real_numbers(clim, 2)
+    if ends is None:
+        raise usage("'clim' is no pair", repr(clim)[:80], "two numbers, or one for both sides of 0")
+    low, high = (-ends[0], ends[0]) if is_one else ends
     if not (np.isfinite([low, high]).all() and low < high):
         raise usage("'clim' is out of range", clim, "two numbers, the first the less")
     if log and low <= 0.0:
         raise usage("'clim' is out of range", clim, "numbers above 0, with log_scale")
-    return float(low), float(high)
+    return low, high
 
 
 def _reversed(cmap: Any) -> Any:

@@ -34,8 +34,6 @@ class Measured:
         bin (bins of g × bins of s), and `s_edges`, `g_edges`, the limits of the bins."""
         from ._figures import figures
 
-        # Says which nodes there are.
-        self._native.node(node)
         self._lend()
         with followed(progress) as told:
             return figures(json.loads(self._native.figures(node, told)))
@@ -52,8 +50,6 @@ class Measured:
 
         `scalar` (n), `gradient_magnitude` (n, units of the scalar per unit of length) and `gradient` (n × 3) where asked for. Of
         a grid that you gave the points are yours, in your order; NaN at points of no cell."""
-        # Says which nodes there are.
-        self._native.node(node)
         self._lend(keep_cells=True)
         with followed(progress) as told:
             return self._native.volume(node, bool(gradient_magnitude), bool(gradient), told)

@@ -185,6 +185,7 @@ def _of_ugrid(data: Any) -> tuple[dict[str, Any], list[str]]:
 def _whole(attribute: Any) -> int | None:
     """A whole number of an attribute, where it is one."""
     try:
-        return int(attribute)
-    except (TypeError, ValueError):
+        found = int(attribute)
+        return found if found == float(attribute) else None
+    except (TypeError, ValueError, OverflowError):
         return None

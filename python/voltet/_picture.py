@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _native
-from ._errors import usage
+from ._errors import real_numbers, usage
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -93,10 +93,9 @@ class Picture(np.ndarray):
 
 def _linear_rgb(background: Any) -> tuple[float, float, float]:
     """A background's three numbers."""
-    try:
-        red, green, blue = map(float, background)
-    except (TypeError, ValueError):
-        raise usage("the background is no colour", repr(background)[:80], "linear red, green and blue, as (1, 1, 1) for white") from None
+    if (rgb := real_numbers(background, 3)) is None:
+        raise usage("the background is no colour", repr(background)[:80], "linear red, green and blue, as (1, 1, 1) for white")
+    red, green, blue = rgb
     return red, green, blue
 
 

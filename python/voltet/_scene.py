@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from inspect import signature
 from math import sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ._colors import colormap_widget
 from ._declared import ports
-from ._errors import mapping, number, picture_size, usage, warn
+from ._errors import mapping, number, picture_size, sequence, usage, warn
 from ._grid import Grid
 from ._picture import Picture
 from ._pipeline import Pipeline
@@ -31,7 +32,7 @@ def scene(
     method: str | Mapping[str, Any] | None = None,
     unit_distance: float | None = None,
     look: Mapping[str, Any] | None = None,
-    surfaces: Sequence[Mapping[str, Any]] = (),
+    surfaces: Sequence[Mapping[str, Any]] | None = None,
     clip: Sequence[Mapping[str, Any]] | None = None,
     annotation: Mapping[str, Any] | None = None,
     **renderer: Any,
@@ -84,43 +85,19 @@ def scene(
     >>> voltet.scene(grid, size=(32, 24), engine="cpu").render().shape
     (24, 32, 4)
     """
-    if not isinstance(grid, Grid):
-        grid = Grid.from_mesh(grid)
-    # Before anything is drawn, since a volume that is plotted may never be.
-    warn(grid.about["warnings"])
-    words = {"cmap": cmap, "clim": clim, "opacity": opacity, "extinction": extinction, "widgets": widgets, "camera": camera, "size": size}
-    words |= {"method": method, "unit_distance": unit_distance, "look": look, "surfaces": surfaces, "clip": clip, "annotation": annotation}
-    return pipeline_of(grid, scalar, **words, **renderer)
-
-
-def pipeline_of(
-    grid: Grid,
-    scalar: str | None = None,
-    *,
-    cmap: Any = None,
-    clim: Sequence[Any] | None = None,
-    opacity: str | Sequence[Sequence[float]] | None = None,
-    extinction: float | None = None,
-    widgets: Sequence[Mapping[str, Any]] | None = None,
-    camera: Mapping[str, Any] | None = None,
-    size: tuple[int, int] = (640, 480),
-    method: str | Mapping[str, Any] | None = None,
-    unit_distance: float | None = None,
-    look: Mapping[str, Any] | None = None,
-    surfaces: Sequence[Mapping[str, Any]] = (),
-    clip: Sequence[Mapping[str, Any]] | None = None,
-    annotation: Mapping[str, Any] | None = None,
-    **renderer: Any,
-) -> Pipeline:
-    """As `scene`, without the grid's warnings, which a run shows."""
     size = picture_size("size", size)
+    is_told = isinstance(grid, _ToldByRun)
+    grid = grid.grid if is_told else grid if isinstance(grid, Grid) else Grid.from_mesh(grid)
     about = grid.about
     scalar = scalar or about["scalar"]
     if scalar is None:
         raise usage("the scalar is not named", None, "one of " + ", ".join(about["arrays"]))
+    if not is_told:
+        # Before anything is drawn, since a volume that is plotted may never be.
+        warn(about["warnings"])
     pipeline = Pipeline()
     pipeline.add("grid", "given-grid", scalar=scalar)
-    method = {"method": method} if isinstance(method, str) else mapping("method", method, 'a name, or {"method": "least-squares"}')
+    method = {"method": method} if isinstance(method, str) else _words("method", method, 'a name, or {"method": "least-squares"}', "grid")
     pipeline.add("gradient", "gradient-magnitude", grid="grid", **method)
     pipeline.give(grid, "grid")
     words = {"cmap": cmap, "clim": clim, "opacity": opacity, "extinction": extinction}
@@ -129,18 +106,34 @@ def pipeline_of(
         widgets = [colormap_widget(cmap, clim, opacity, 0.08 if extinction is None else number("extinction", extinction), known)]
     elif both := [word for word, value in words.items() if value is not None]:
         raise usage("the transfer function is stated twice", f"'widgets' and '{both[0]}'", "one of them")
+    widgets = sequence("widgets", widgets, "[voltet.widgets.uniform(…)]")
     # By which numbers may be relative to the data.
-    pipeline.add("look", "transfer-function", volume="gradient", widgets=list(widgets), unit_distance=unit_distance, **mapping("look", look, '{"s_scale": "log"}'))
-    camera = mapping("camera", camera, '{"view": "+x"}, or {"eye": [x, y, z], "target": [x, y, z]}')
+    further = _words("look", look, '{"s_scale": "log"}', "volume", "widgets", "unit_distance")
+    pipeline.add("look", "transfer-function", volume="gradient", widgets=widgets, unit_distance=unit_distance, **further)
+    camera = _words("camera", camera, '{"view": "+x"}, or {"eye": [x, y, z], "target": [x, y, z]}', "volume")
     placed = {"volume": "gradient", "size": list(size)} if {"view", "direction"} & camera.keys() else _fitted(about["bounds"], size)
     pipeline.add("view", "camera", **{**placed, **camera})
     wires: dict[str, Any] = {"volume": "gradient", "transfer_function": "look", "camera": "view"}
-    drawn = [_surface(pipeline, f"surface_{number}", given) for number, given in enumerate(surfaces)]
-    pipeline.add("picture", "renderer", **wires, surfaces=drawn or None, clip=None if clip is None else list(clip), **renderer)
+    given = sequence("surfaces", surfaces, '[{"type": "boundary"}]')
+    drawn = [_surface(pipeline, f"surface_{number}", surface) for number, surface in enumerate(given)]
+    clips = sequence("clip", clip, '[{"kind": "plane", "origin": [0, 0, 0], "normal": [0, 0, 1]}]')
+    renderer = _words("the renderer", renderer, "", *wires)
+    pipeline.add("picture", "renderer", **wires, surfaces=drawn or None, clip=clips or None, **renderer)
     if annotation is not None:
-        words = mapping("annotation", annotation, '{} for a colour bar, {"title": "T"}, or None for no annotation')
-        pipeline.add("figure", "annotation", image="picture", **wires, **words)
+        written = _words("annotation", annotation, '{} for a colour bar, {"title": "T"}, or None for no annotation', "image", *wires)
+        pipeline.add("figure", "annotation", image="picture", **wires, **written)
     return pipeline
+
+
+class _ToldByRun(NamedTuple):
+    """A grid whose warnings a run will show."""
+
+    grid: Grid
+
+
+def pipeline_of(grid: Grid, scalar: str | None = None, **options: Any) -> Pipeline:
+    """As `scene`, without the grid's warnings, which a run shows."""
+    return scene(_ToldByRun(grid), scalar, **options)
 
 
 def render(mesh: Any, scalars: str | None = None, *, progress: bool | None | Progress = None, **options: Any) -> Picture:
@@ -172,12 +165,23 @@ def render(mesh: Any, scalars: str | None = None, *, progress: bool | None | Pro
     return pipeline_of(grid, scalars, **options).render(progress=progress)
 
 
+def _words(name: str, value: Any, expected: str, *own: str) -> dict[str, Any]:
+    """Parameters of a node in a mapping, without those that the scene states itself."""
+    words = mapping(name, value, expected)
+    if both := [word for word in (*own, "inputs") if word in words]:
+        remedy = f"{both[0]}=… of the scene itself" if both[0] in signature(scene).parameters else "a pipeline of your own, whose nodes are wired freely"
+        raise usage(f"the scene states '{both[0]}' itself", f"in {name}", remedy)
+    return words
+
+
 def _surface(pipeline: Pipeline, name: str, given: Mapping[str, Any]) -> str:
     """The node of a surface, added under this name."""
     if not isinstance(given, Mapping) or "type" not in given:
         raise usage("a surface is not stated", given, 'a mapping of "type" and parameters, such as {"type": "boundary"}')
-    parameters = dict(given)
-    type = parameters.pop("type")
+    type = given["type"]
+    if not isinstance(type, str):
+        raise usage("the type of a surface is no name", repr(type)[:80], '"contour", "slice", "boundary" or "surface-reader"')
+    parameters = _words("a surface", {word: value for word, value in given.items() if word != "type"}, '{"type": "boundary"}', "volume")
     volume: dict[str, Any] = {"volume": "gradient"} if "volume" in ports(type) else {}
     pipeline.add(name, type, **volume, **parameters)
     return name

@@ -234,8 +234,9 @@ class PlotterAccessor:
 
         Parameters
         ----------
-        volume : data set with cells, or a composite one
-            What is drawn; unstructured grids share their memory.
+        volume : data set with cells, a composite one, or array
+            What is drawn; unstructured grids share their memory. A three-dimensional array of real numbers is copied as it is now: what
+            is masked becomes NaN, whose cells are left out.
         scalars, clim, opacity, n_colors, cmap, opacity_unit_distance, preference, flip_scalars, categories, log_scale, annotations
             As of `pyvista.Plotter.add_volume`.
         component, above_color, below_color, shade, ambient, diffuse

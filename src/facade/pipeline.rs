@@ -515,6 +515,11 @@ impl Pipeline {
 
     /// Graph of the nodes that a value depends on, and no others, with the sink.
     fn graph_for(&self, node: &str, port: &str) -> Result<Graph> {
+        let names = || self.source.nodes.nodes.iter().map(|entry| entry.name.as_str());
+        // The sink's own wire would be refused in its name.
+        if !names().any(|known| known == node) {
+            return Err(unknown_node(node, names()));
+        }
         let mut entries = links::feeding(&self.source.nodes.nodes, node);
         entries.push(NodeEntry::of_program(&SINK, Vec::new(), [(port, self.output(node, port))]));
         self.graph(entries)
