@@ -563,7 +563,7 @@ mod tests {
         for threads in [1, 4] {
             decoded.store(0, Ordering::Relaxed);
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let found = pool.install(|| summarize(&dataset, &NoProgress)).unwrap_err().to_string();
+            let found = pool.install(|| summarize(&dataset, None, &NoProgress)).unwrap_err().to_string();
             assert!(found.contains("piece 5 is damaged"), "{found}");
             if threads == 1 {
                 assert_eq!(decoded.load(Ordering::Relaxed), 6);
@@ -582,7 +582,7 @@ mod tests {
         let of = |numbers: Range<usize>, threads: usize| {
             let dataset = Dataset { pieces: numbers.map(piece).collect(), ..Dataset::default() };
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| summarize(&dataset, &NoProgress)).unwrap()
+            pool.install(|| summarize(&dataset, None, &NoProgress)).unwrap()
         };
         let all = of(0..65, 4);
         assert_eq!(all, of(0..65, 1));
