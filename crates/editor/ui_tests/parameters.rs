@@ -66,7 +66,7 @@ fn what_a_new_widget_begins_with_is_right() {
     for kind in kinds {
         let entry = voltet_document::panel::default_value(kind);
         let list = row.path.clone();
-        let edit = voltet_document::Edit::Insert { node: "look".into(), list, place: 1, entry };
+        let edit = Edit::Insert { node: "look".into(), list, place: 1, entry };
         hand.editor.edit(edit.label(), &[edit]);
         let faults = hand.editor.document().faults(&registry);
         let is_name = |fault: &voltet_document::Diagnostic| {
@@ -134,7 +134,9 @@ fn before_reader() -> (Hand, String) {
     let reader = "type = \"reader\"\npath = \"data.vtk\"";
     let text = TEXT.replace("type = \"wavelet\"\nresolution = [12, 12, 12] # coarse", reader);
     let hand = Hand::in_folder(&text, &|folder| {
-        ["data.vtk", "other.vtk"].map(|name| std::fs::write(folder.join(name), of_two_arrays()).unwrap());
+        for name in ["data.vtk", "other.vtk"] {
+            std::fs::write(folder.join(name), of_two_arrays()).unwrap();
+        }
     });
     (hand, text)
 }
