@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use voltet::graph::NoObserver;
+use voltet::graph::{Demand, NoObserver};
 use voltet::optics::engine::Compositor;
 use voltet::prelude::*;
 use voltet::{Error, RendererOptions};
@@ -233,4 +233,48 @@ fn the_picture_that_is_not_named_is_the_last() {
     );
     let error = node(&format!("{annotated}\n{histogram}")).unwrap_err().to_string();
     assert!(error.contains("several nodes that give a picture") && error.contains("figure"), "{error}");
+}
+
+/// A value that is not finite leaves cells out where its array is requested, and nowhere else, in whichever order pictures are drawn.
+#[test]
+fn values_that_are_not_requested_leave_nothing_out() -> Result<()> {
+    let view = [[-3.0, -2.5, 3.0], [0.5, 0.5, 1.0]];
+    let widgets = "[[nodes.look.widgets]]\nkind = \"gaussian\"\ncentre = [2.0, 0.0]\nsigma = [0.7, inf]\ncolor = [1.0, 0.5, 0.0]\n\
+                   extinction = 9.0\n";
+    let of_mask = "[[nodes.look.widgets]]\nkind = \"gaussian-nd\"\nfields = [\"mask\"]\ncentre = [1.0]\nsigma = [9.0]\n\
+                   color = [1.0, 0.5, 0.0]\nextinction = 9.0\n";
+    let masked = |first: f64| {
+        let mut values = vec![1.0; 13];
+        values[0] = first;
+        grid().point_data("mask", values)
+    };
+    let drawn = |widgets: &str, grid: Grid| {
+        let text = pipeline(None, widgets, "", view);
+        Pipeline::parse(&text, "")?.with_grid("grid", grid)?.render("picture")
+    };
+    let plain = drawn(widgets, grid())?;
+    let gaps = drawn(of_mask, masked(f64::NAN)?)?;
+    assert_ne!(gaps, drawn(of_mask, masked(1.0)?)?);
+    let mut both =
+        Pipeline::parse(&pipeline(None, widgets, "", view), "")?.with_grid("grid", masked(f64::NAN)?)?;
+    let text = |widgets: &str| widgets.replace("[[nodes.look.widgets]]", "[[widgets]]");
+    for (widgets, expected) in [(widgets, &plain), (of_mask, &gaps), (widgets, &plain)] {
+        both.set_node("look", &text(widgets))?;
+        assert!(both.render("picture")? == *expected, "{widgets}");
+        assert_eq!(both.warnings().unwrap().iter().any(|text| text.contains("finite")), *expected == gaps);
+    }
+    Ok(())
+}
+
+#[test]
+fn a_node_that_is_none_is_named() -> Result<()> {
+    let view = [[-3.0, -2.5, 3.0], [0.5, 0.5, 1.0]];
+    let mut pipeline = Pipeline::parse(&pipeline(None, "", "", view), "")?.with_grid("grid", grid())?;
+    let error =
+        pipeline.value(("nosuch", "volume"), &Demand::default(), &NoObserver).err().unwrap().to_string();
+    assert!(
+        error.contains("no node 'nosuch'") && error.contains("gradient") && !error.contains("program"),
+        "{error}"
+    );
+    Ok(())
 }

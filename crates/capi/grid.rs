@@ -5,13 +5,14 @@ use crate::structs::{Array as GivenArray, GridInfo, GridSource, read, stated_siz
 use std::ffi::{c_int, c_void};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use voltet::nodes::in_memory_grid::HostGrid;
 use voltet::{CellArrays, PointNumbers, add_array, borrowed_piece, build_grid, unnamed_scalar};
-use voltet_core::grid::{Array, CellValues, Grid, Options, RawGrid, extent};
+use voltet_core::grid::{Array, CellValues, Options, RawGrid, extent};
 use voltet_core::{Error, Result, SharedSlice, counted};
 
 /// `voltet_grid`.
 pub struct GridHandle {
-    pub(crate) grid: Arc<Grid>,
+    pub(crate) grid: Arc<HostGrid>,
     /// Memory that was copied is bound by the caller's promise, too, until the handle is dropped.
     _lender: Arc<Lender>,
 }
@@ -66,8 +67,8 @@ pub(crate) unsafe fn make(source: *const GridSource) -> Result<GridHandle> {
         ..Options::default()
     };
     let grid = build_grid(pieces, scalar, &options)?;
-    if grid.scalar.is_none() {
-        return Err(unnamed_scalar(&grid));
+    if grid.whole().scalar.is_none() {
+        return Err(unnamed_scalar(grid.whole()));
     }
     lender.armed.store(true, Ordering::Relaxed);
     Ok(GridHandle { grid: Arc::new(grid), _lender: lender })
@@ -76,7 +77,7 @@ pub(crate) unsafe fn make(source: *const GridSource) -> Result<GridHandle> {
 impl GridHandle {
     /// Counts, bounds and bytes.
     pub(crate) fn info(&self, size: usize) -> GridInfo {
-        let grid = &self.grid;
+        let grid = self.grid.whole();
         let [low, high] = grid.bounds().unwrap_or_default();
         let arrays = grid.point_arrays.values().map(|array| bytes(&array.values));
         let all = arrays.chain([bytes(&grid.points), bytes(&grid.tetrahedra)]);

@@ -8,6 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 use voltet::nodes::files::is_stream;
+use voltet::nodes::in_memory_grid::HostGrid;
 use voltet::series::names::{self, MarkValues, Varying};
 use voltet::series::{file_names, written};
 use voltet::{Pipeline, RunStatus, build_grid, run_in_background, unnamed_scalar};
@@ -370,7 +371,7 @@ impl GridSource {
 /// Grid of a channel on this process.
 #[derive(Clone)]
 enum GivenGrid {
-    Whole(Arc<Grid>),
+    Whole(Arc<HostGrid>),
     /// A piece of one that several processes hold; `None`: this one holds nothing of it.
     Piece(Option<Arc<Grid>>),
 }
@@ -419,10 +420,12 @@ impl Grids {
     fn get(&self, source: &GridSource, channel: &str) -> Result<&GivenGrid> {
         let found = self.0.get(&key(source, channel));
         let given = found.ok_or_else(|| Error::run(format!("the channel '{channel}' has no grid")))?;
-        match given {
-            GivenGrid::Whole(grid) | GivenGrid::Piece(Some(grid))
-                if source.has_unnamed_scalar && grid.scalar.is_none() =>
-            {
+        let grid = match given {
+            GivenGrid::Whole(grid) => Some(grid.whole()),
+            GivenGrid::Piece(grid) => grid.as_ref(),
+        };
+        match grid {
+            Some(grid) if source.has_unnamed_scalar && grid.scalar.is_none() => {
                 Err(unnamed_scalar(grid).at_node(&source.node))
             }
             _ => Ok(given),

@@ -22,11 +22,10 @@ mod run;
 #[cfg(test)]
 mod unit_tests;
 
-pub use api::context::{
-    DemandContext, NoObserver, NodeProgress, Observer, Outputs, PlanContext, Preparation, RunContext,
-};
+pub use api::context::{DemandContext, Outputs, PlanContext, Preparation, RunContext};
 pub use api::demand::{Arrays, Demand};
 pub use api::node::{NamedStub, Node, PartWork, PlanningStub, Steps, TimeSeries};
+pub use api::observer::{NoObserver, NodeProgress, Observer};
 pub use api::origins::{FileRead, FileStamp, Origins, ResolvedPipeline, Stamp, relative_path};
 pub use api::parts::{GRADIENT_LAYERS, GridPart, MEAN_LAYERS, PIECES_READ, SweptParts};
 pub use api::ranks;

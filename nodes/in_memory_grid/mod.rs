@@ -1,6 +1,9 @@
 //! A grid that a program holds in memory, in place of one that a node reads.
 
+mod host_grid;
+
 use crate::reader::SCALAR;
+pub use host_grid::HostGrid;
 use rayon::prelude::*;
 use std::sync::Arc;
 use voltet_core::grid::{Array, Grid};
@@ -26,9 +29,14 @@ pub static NODE: Node = Node {
 };
 
 /// The grid of a program, for [`voltet_graph::Graph::give`]. Its scalar is drawn where the node names none, else the point
-/// array of that name.
-pub fn grid(grid: Arc<Grid>) -> NodeOverride {
-    NodeOverride::new(move |call| run(call, &grid))
+/// array of that name. Values that are not finite count in the arrays that are requested alone.
+pub fn grid(grid: Arc<HostGrid>) -> NodeOverride {
+    let work = move |call: &mut RunContext| {
+        let scalar = call.parameters.optional(SCALAR.name).and_then(|setting| setting.text());
+        let part = grid.with_requested(&call.demand.arrays, scalar, call.progress())?;
+        run(call, &part)
+    };
+    NodeOverride::new(work)
 }
 
 /// The piece of one process of a grid that several hold together; `None`: it holds nothing of it.

@@ -8,12 +8,15 @@ use pyo3::types::PyDict;
 use std::sync::{Arc, OnceLock};
 use voltet::{CellArrays, PointNumbers, add_array, borrowed_piece, build_grid};
 use voltet_core::grid::{Array, CellValues, Options, RawGrid, extent};
+use voltet_core::progress::NoProgress;
 use voltet_core::{Error, SharedSlice, grid};
+use voltet_graph::Arrays;
+use voltet_nodes::in_memory_grid::HostGrid;
 
 /// A grid, and the arrays that it was built from.
 #[pyclass(frozen, module = "voltet._native")]
 pub struct Grid {
-    pub grid: Arc<grid::Grid>,
+    pub grid: Arc<HostGrid>,
     watched: Vec<Watched>,
     /// Summary (JSON), made at the first request.
     about: OnceLock<String>,
@@ -53,7 +56,7 @@ impl Grid {
         let cell_values = if constant_cells { CellValues::Constant } else { CellValues::Average };
         let options = Options { subdivision, cell_values, keep_cells, ..Options::default() };
         let mut grid = guarded(py, || py.detach(|| build_grid(pieces, scalar.as_deref(), &options)))?;
-        Arc::make_mut(&mut grid.origin).warnings.extend(warnings);
+        grid.add_warnings(&warnings);
         Ok(Grid { grid: Arc::new(grid), watched, about: OnceLock::new() })
     }
 
@@ -63,10 +66,22 @@ impl Grid {
         Ok(py.detach(|| any_changed(&self.pieces().collect::<Vec<Piece<'_>>>())))
     }
 
-    /// Summary (JSON), made once: ranges read all of the arrays.
-    fn about(&self, py: Python<'_>) -> PyResult<&str> {
+    /// Summary (JSON), made once: ranges read all of the arrays. `scalar`: of the grid that is drawn of it alone.
+    #[pyo3(signature = (scalar = None))]
+    fn about(&self, py: Python<'_>, scalar: Option<&str>) -> PyResult<String> {
         guarded(py, refuse_forked)?;
-        Ok(self.about.get_or_init(|| about(&self.grid)))
+        let whole = self.grid.whole();
+        let drawn = match scalar {
+            Some(_) => {
+                let of_scalar = || self.grid.with_requested(&Arrays::default(), scalar, &NoProgress);
+                guarded(py, || py.detach(of_scalar))?
+            }
+            None => whole.clone(),
+        };
+        Ok(match Arc::ptr_eq(&drawn, whole) {
+            true => self.about.get_or_init(|| about(whole)).clone(),
+            false => about(&drawn),
+        })
     }
 }
 

@@ -1,6 +1,7 @@
 """Grids of numpy arrays: what is lent, what is refused."""
 
 import gc
+import warnings
 import weakref
 
 import numpy as np
@@ -165,6 +166,36 @@ def test_nan_leaves_cells_out_with_a_warning(cube):
     grid = voltet.Grid(**cube)
     assert grid.cell_count < 625 and any("finite" in text for text in grid.about["warnings"])
     assert np.isfinite(uniform(grid).render()).all()
+
+
+def test_nan_of_an_array_that_is_not_drawn_leaves_nothing_out(cube):
+    plain = uniform(voltet.Grid(**cube)).render()
+    mask, own = np.ones(216), np.zeros(625)
+    mask[40] = own[300] = np.nan
+    grid = voltet.Grid(**{**cube, "point_data": {**cube["point_data"], "mask": mask}, "cell_data": {"c": own}})
+    assert grid.cell_count < 625
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        scene = uniform(grid)
+        drawn = scene.render()
+    assert np.array_equal(drawn, plain) and drawn.report["counts"] == plain.report["counts"]
+    assert np.array_equal(scene.volume("gradient")["scalar"], cube["point_data"]["T"])
+    # Drawn itself, or looked at by a widget, it leaves its cells out; after that the other one is whole again.
+    for name in ("mask", "c"):
+        with pytest.warns(voltet.VoltetWarning, match="finite"):
+            assert not np.array_equal(uniform(grid, scalar=name).render(), plain)
+    widgets = scene["look"]["widgets"]
+    scene["look"]["widgets"] = [voltet.widgets.gaussian_nd(fields=["mask"], centre=[1.0], sigma=[9.0], color=[1.0, 0.5, 0.25], extinction=2.0)]
+    with pytest.warns(voltet.VoltetWarning, match="finite"):
+        assert not np.isnan(scene.render()).any()
+    scene["look"]["widgets"] = widgets
+    assert np.array_equal(scene.render(), plain)
+    # Nor does one without any finite value, of which nothing could be drawn.
+    empty = np.full(216, np.nan)
+    grid = voltet.Grid(**{**cube, "point_data": {**cube["point_data"], "mask": mask, "empty": empty}})
+    assert np.array_equal(uniform(grid).render(), plain)
+    with pytest.raises(voltet.Error, match="nothing to draw: .*not finite"):
+        uniform(grid, scalar="empty").render()
 
 
 WRONG = {

@@ -241,6 +241,10 @@ class Grid:
         """What is known of it: counts, bounds, arrays with components and ranges, bytes lent and copied, warnings."""
         return json.loads(self._current().about())
 
+    def _about(self, scalar: str) -> dict[str, Any]:
+        """What is known of what is drawn of a scalar alone: values of other arrays that are not finite do not count."""
+        return json.loads(self._current().about(scalar))
+
     @property
     def point_count(self) -> int:
         """Points that cells use."""

@@ -92,6 +92,7 @@ def scene(
     scalar = scalar or about["scalar"]
     if scalar is None:
         raise usage("the scalar is not named", None, "one of " + ", ".join(about["arrays"]))
+    about = grid._about(scalar)
     if not is_told:
         # Before anything is drawn, since a volume that is plotted may never be.
         warn(about["warnings"])

@@ -13,7 +13,7 @@ use voltet_core::grid::{
 use voltet_core::progress::{NoProgress, Progress};
 use voltet_core::{Error, Result, SharedSlice, grid};
 use voltet_io::formats::{self, Request, TimeStep, face_stream};
-use voltet_nodes::in_memory_grid;
+use voltet_nodes::in_memory_grid::{self, HostGrid};
 
 /// An unstructured or structured grid with its arrays, which stay in the numbering in which they are given: unused points, ghost
 /// cells and cells that cannot be drawn are left out inside.
@@ -291,6 +291,19 @@ impl Grid {
     }
 }
 
+impl Grid {
+    /// The grid that stands for a node's.
+    ///
+    /// # Errors
+    /// As of [`Grid::build`].
+    pub(crate) fn in_memory(self) -> Result<HostGrid> {
+        match self.source {
+            Source::Arrays(raw, options) => HostGrid::build(*raw, None, &options, &NoProgress),
+            _ => self.build(None, &NoProgress).map(HostGrid::from),
+        }
+    }
+}
+
 impl From<Arc<BuiltGrid>> for Grid {
     fn from(grid: Arc<BuiltGrid>) -> Self {
         Grid { source: Source::Built(grid) }
@@ -353,18 +366,13 @@ pub fn borrowed_piece(
 
 /// Builds the grid of pieces, which are put together. `scalar`: the array that is drawn; where none is named the only one of one
 /// component, and none where several are.
-pub fn build_grid(pieces: Vec<RawGrid>, scalar: Option<&str>, options: &Options) -> Result<BuiltGrid> {
+pub fn build_grid(pieces: Vec<RawGrid>, scalar: Option<&str>, options: &Options) -> Result<HostGrid> {
     if pieces.iter().any(|piece| piece.point_arrays.is_empty() && piece.cell_arrays.is_empty()) {
         return Err(Error::usage("the grid has no arrays").expected("at least the scalar that is drawn"));
     }
     let parts = grid::join(pieces)?;
     let scalar = scalar_of(scalar, &parts)?;
-    let mut grid = grid::build(parts, options, &NoProgress)?;
-    if let Some(name) = scalar {
-        grid.scalar = grid.point_arrays.get(&name).map(|array| array.values.clone());
-        grid.scalar_name = name;
-    }
-    Ok(grid)
+    HostGrid::build(parts, scalar.as_deref(), options, &NoProgress)
 }
 
 /// Error for a grid whose scalar must be named.

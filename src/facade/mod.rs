@@ -4,6 +4,7 @@ mod background;
 mod camera;
 mod grid;
 mod pipeline;
+mod pipeline_text;
 mod renderer;
 mod scene;
 mod transfer;
@@ -11,7 +12,8 @@ mod transfer;
 pub use background::{RunStatus, panic_message, run_in_background};
 pub use camera::Camera;
 pub use grid::{CellArrays, Grid, PointNumbers, add_array, borrowed_piece, build_grid, unnamed_scalar};
-pub use pipeline::{Pipeline, PipelineText, RenderPlan, RunRecord};
+pub use pipeline::{Pipeline, RenderPlan, RunRecord};
+pub use pipeline_text::PipelineText;
 pub use renderer::{Engine, Image, RenderOptions, RenderOutput, Renderer, RendererOptions, render_to_depth};
 pub use scene::{Integrator, Light, Scene, Shading, Volume};
 pub use transfer::{

@@ -2,16 +2,16 @@
 
 use super::camera::Camera;
 use super::grid::Grid;
+use super::pipeline_text::PipelineText;
 use super::renderer::Image;
 use crate::core::parameters::nearest_first;
 use crate::document::{Change, Document};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use voltet_core::camera::Projection;
 use voltet_core::grid::Grid as BuiltGrid;
 use voltet_core::picture::Picture;
-use voltet_core::progress::NoProgress;
 use voltet_core::{Error, Result};
 use voltet_document::links;
 use voltet_graph::pipeline::{Pipeline as Nodes, locate, parameters};
@@ -22,7 +22,8 @@ use voltet_graph::{
 };
 use voltet_io::encode::Source;
 use voltet_io::provenance::{run_report, whole_report};
-use voltet_nodes::{VIEW_PARAMETERS, in_memory_grid};
+use voltet_nodes::VIEW_PARAMETERS;
+use voltet_nodes::in_memory_grid::{self, HostGrid};
 
 /// A pipeline that a program changes and renders. Values of nodes that a change does not concern are kept between renders.
 pub struct Pipeline {
@@ -34,20 +35,6 @@ pub struct Pipeline {
     /// In-memory grids by the name of the node that they replace.
     grids: BTreeMap<String, NodeOverride>,
     last: Option<RunReport>,
-}
-
-/// Nodes of a pipeline, which may be changed, with the texts that errors point at.
-#[derive(Clone, Default)]
-pub struct PipelineText {
-    nodes: Nodes,
-    folder: PathBuf,
-    text: String,
-    /// Name of the text in errors.
-    path: PathBuf,
-    /// True once the nodes are others than the text states.
-    is_changed: bool,
-    /// Texts of the nodes whose parameters were set by one.
-    node_texts: BTreeMap<String, String>,
 }
 
 /// A graph that renders the picture of one node.
@@ -237,7 +224,7 @@ impl Pipeline {
     /// - no such node;
     /// - those of [`Grid::build`].
     pub fn with_grid(mut self, node: &str, grid: impl Into<Grid>) -> Result<Pipeline> {
-        let grid = grid.into().build(None, &NoProgress)?;
+        let grid = Arc::new(grid.into().in_memory()?);
         self.set_grid(Some(node), Some(&grid))?;
         Ok(self)
     }
@@ -305,7 +292,7 @@ impl Pipeline {
     ///
     /// # Errors
     /// - no such node.
-    pub fn set_grid(&mut self, node: Option<&str>, grid: Option<&Arc<BuiltGrid>>) -> Result<String> {
+    pub fn set_grid(&mut self, node: Option<&str>, grid: Option<&Arc<HostGrid>>) -> Result<String> {
         self.override_grid(node, grid.map(|grid| in_memory_grid::grid(grid.clone())))
     }
 
@@ -553,34 +540,6 @@ impl Pipeline {
             }
         }
         Ok(graph)
-    }
-}
-
-impl PipelineText {
-    /// Nodes that a text states. `path`: its file, or a name for reports; `folder`: that which paths are relative to.
-    pub fn new(nodes: Nodes, text: String, path: PathBuf, folder: PathBuf) -> Self {
-        PipelineText { nodes, folder, text, path, ..Self::default() }
-    }
-
-    fn node(&mut self, name: &str) -> Result<&mut NodeEntry> {
-        let names: Vec<String> = self.nodes.nodes.iter().map(|node| node.name.clone()).collect();
-        self.is_changed = true;
-        let unknown = || unknown_node(name, names.iter().map(String::as_str));
-        self.nodes.nodes.iter_mut().find(|node| node.name == name).ok_or_else(unknown)
-    }
-
-    /// A text that states the nodes, for reports.
-    fn text(&self) -> String {
-        if self.is_changed { self.nodes.to_string() } else { self.text.clone() }
-    }
-
-    /// Completes an error with file, line and column.
-    pub fn locate(&self, error: Error) -> Error {
-        let of_node = error.location.node.as_ref().and_then(|name| self.node_texts.get_key_value(name));
-        match of_node {
-            Some((name, text)) if error.location.span.is_some() => locate(error, text, Path::new(name)),
-            _ => locate(error, &self.text, &self.path),
-        }
     }
 }
 

@@ -9,17 +9,19 @@
 
 mod check;
 mod declaration;
+mod named_paths;
 mod nearest;
 mod relative;
 mod setting;
 #[cfg(test)]
 mod tests;
 
-pub use check::{FaultSink, NamedPath, Parameters, refuse_contradictions, repeated};
+pub use check::{FaultSink, Parameters, refuse_contradictions, repeated};
 pub use declaration::{
     AxisRef, DefaultValue, Parameter, ParameterType, Range, RelativeNumberType, StatisticKind, Variant,
     VariantSchema,
 };
+pub use named_paths::NamedPath;
 pub use nearest::{edit_distance, nearest, nearest_first, suggest};
 pub use relative::{ArrayRef, Relative, RelativeNumber};
 pub use setting::{

@@ -63,6 +63,13 @@ impl Arrays {
         self.and_all_others || self.named.contains(name) || self.optional.contains(name)
     }
 
+    /// True if both request the same arrays, wherever their names are written.
+    pub(crate) fn are_those_of(&self, other: &Arrays) -> bool {
+        let requests =
+            |arrays: &Arrays| (arrays.named.clone(), arrays.optional.clone(), arrays.and_all_others);
+        requests(self) == requests(other)
+    }
+
     fn join(&mut self, other: &Arrays) {
         self.named.extend(other.named.iter().cloned());
         self.optional.extend(other.optional.iter().cloned());

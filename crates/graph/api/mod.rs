@@ -3,6 +3,7 @@
 pub(crate) mod context;
 pub(crate) mod demand;
 pub(crate) mod node;
+pub(crate) mod observer;
 pub(crate) mod origins;
 pub(crate) mod parts;
 pub mod ranks;

@@ -5,7 +5,7 @@ use crate::api::context::{FOR_THE_SESSION, Make, Preparation, RetainedValue};
 use crate::api::demand::Demand;
 use crate::api::node::{Node, Steps};
 use crate::api::origins::{FileStamp, ResolvedPipeline, Stamp};
-use crate::api::value::Revision;
+use crate::api::value::{Revision, Value};
 use crate::build::graph::{Graph, GraphNode, NodeOverride};
 use std::any::TypeId;
 use std::collections::{BTreeSet, HashMap, HashSet};
@@ -35,6 +35,17 @@ pub(super) struct Entry {
     pub(super) is_ahead: bool,
 }
 
+impl Entry {
+    /// True if it gives what a run for this demand would.
+    pub(super) fn serves(&self, demand: &Demand) -> bool {
+        // Where a value of a requested array is not finite cells are left out, for nobody but those who requested it.
+        let is_grid_with_gaps =
+            |value: &Value| matches!(value, Value::Grid(grid) if grid.origin.cells_not_finite > 0);
+        let has_gaps = self.done.outputs.iter().any(|(value, _)| is_grid_with_gaps(value));
+        self.demand.covers(demand) && (!has_gaps || self.demand.arrays.are_those_of(&demand.arrays))
+    }
+}
+
 /// Former runs. They are found by what they were made from, not by the node's name, so that pipelines that read
 /// the same grid share it.
 #[derive(Default)]
@@ -49,7 +60,7 @@ impl Cache {
         &mut self,
         node: &GraphNode,
         inputs: &[(usize, Revision)],
-        serves: impl Fn(&Demand) -> bool,
+        serves: impl Fn(&Entry) -> bool,
         files: &[(PathBuf, Stamp)],
         stated: &ResolvedPipeline,
     ) -> Option<&mut Entry> {
@@ -61,7 +72,7 @@ impl Cache {
                 && e.given == node.given
                 && e.carried.as_ref().is_none_or(|carried| carried == stated)
                 && e.parameters == node.parameters
-                && serves(&e.demand)
+                && serves(e)
         })
     }
 

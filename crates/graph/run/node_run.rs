@@ -3,11 +3,10 @@
 use super::cache::{Key, Store, stamped};
 use super::parts::{Division, PartOutputs, PartRuns};
 use super::plan::{Done, asks_of, inputs_of};
-use crate::api::context::{
-    Make, NodeProgress, Observer, PartCallback, Preparation, RetainedValue, RunContext, RunServices,
-};
+use crate::api::context::{Make, PartCallback, Preparation, RetainedValue, RunContext, RunServices};
 use crate::api::demand::Demand;
 use crate::api::node::Steps;
+use crate::api::observer::{NodeProgress, Observer};
 use crate::api::origins::{FileRead, FileStamp, Origins, Stamp};
 use crate::api::parts::{GridPart, PIECES_READ, SweptParts};
 use crate::api::ranks::Ranks;

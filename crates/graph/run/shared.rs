@@ -2,8 +2,8 @@
 
 use super::cache::{Cache, Entry, Store};
 use super::plan::Done;
-use crate::api::context::Observer;
 use crate::api::demand::Demand;
+use crate::api::observer::Observer;
 use crate::api::origins::{ResolvedPipeline, Stamp};
 use crate::api::value::{PortType, Revision, Value};
 use crate::build::graph::{Graph, GraphNode, NodeOverride};
@@ -206,7 +206,7 @@ impl SharedOutputs {
         let NodeCall { inputs, files, .. } = &work;
         let mut state = self.lock();
         loop {
-            let former = state.cache.find(node, inputs, |former| former.covers(demand), files, stated);
+            let former = state.cache.find(node, inputs, |former| former.serves(demand), files, stated);
             if let Some(entry) = former.filter(|_| !exhaustive) {
                 if std::mem::take(&mut entry.is_ahead) {
                     return Claim::Former(Box::new(entry.done.clone()));
@@ -219,7 +219,7 @@ impl SharedOutputs {
             }
             state = self.has_run.wait(state).unwrap_or_else(PoisonError::into_inner);
         }
-        let elsewhere = |former: &Demand| former.everywhere().covers(demand);
+        let elsewhere = |former: &Entry| former.demand.everywhere().covers(demand);
         let was_elsewhere = state.cache.find(node, inputs, elsewhere, files, stated).is_some();
         let number = self.next_revision().0;
         state.in_work.push((number, work));
