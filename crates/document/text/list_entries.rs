@@ -1,10 +1,9 @@
 //! Entries of lists, written in one list or each under a header of its own: added, copied and moved.
 
 use super::syntax::{Match, Piece, Syntax, Value};
-use super::{Draft, nothing_at};
+use super::{Draft, headed, no_entry, nothing_at};
 use crate::path::{Path, Step};
 use std::ops::Range;
-use voltet_core::parameters::key_text;
 use voltet_core::{Error, Result};
 use voltet_graph::{LocatedValue, ParameterValue};
 
@@ -141,27 +140,4 @@ impl Draft {
         }
         Err(no_entry(&list.with(place), count))
     }
-}
-
-pub(super) fn no_entry(path: &Path, count: usize) -> Error {
-    let error = Error::usage("there is no such entry in the list").got(path);
-    error.expected(format!("a number below {count}"))
-}
-
-/// An entry under a header of its own.
-pub(super) fn headed(list: &Path, entry: &ParameterValue) -> Result<String> {
-    let ParameterValue::Table(fields) = entry else {
-        return Err(Error::usage("an entry of this list must be a table").got(entry));
-    };
-    // Numbers of entries are not written: the last one before is meant.
-    let keys: Vec<String> = list
-        .0
-        .iter()
-        .filter_map(|step| match step {
-            Step::Key(key) => Some(key_text(key)),
-            Step::Entry(_) => None,
-        })
-        .collect();
-    let lines = fields.iter().map(|field| format!("{} = {}\n", key_text(&field.name), field.setting.datum));
-    Ok(format!("[[{}]]\n{}", keys.join("."), lines.collect::<String>()))
 }

@@ -11,7 +11,6 @@ mod syntax;
 pub use syntax::Syntax;
 
 use crate::path::{Path, Step};
-use list_entries::{headed, no_entry};
 use std::ops::Range;
 use std::sync::Arc;
 use syntax::{Element, InsertionPoint, Match, Piece, Value, ValueKind};
@@ -550,4 +549,27 @@ fn nothing_at(path: &Path) -> Error {
 
 fn assigned(key: &str, setting: &LocatedValue) -> String {
     format!("{} = {}", key_text(key), setting.datum)
+}
+
+fn no_entry(path: &Path, count: usize) -> Error {
+    let error = Error::usage("there is no such entry in the list").got(path);
+    error.expected(format!("a number below {count}"))
+}
+
+/// An entry under a header of its own.
+fn headed(list: &Path, entry: &ParameterValue) -> Result<String> {
+    let ParameterValue::Table(fields) = entry else {
+        return Err(Error::usage("an entry of this list must be a table").got(entry));
+    };
+    // Numbers of entries are not written: the last one before is meant.
+    let keys: Vec<String> = list
+        .0
+        .iter()
+        .filter_map(|step| match step {
+            Step::Key(key) => Some(key_text(key)),
+            Step::Entry(_) => None,
+        })
+        .collect();
+    let lines = fields.iter().map(|field| format!("{} = {}\n", key_text(&field.name), field.setting.datum));
+    Ok(format!("[[{}]]\n{}", keys.join("."), lines.collect::<String>()))
 }
