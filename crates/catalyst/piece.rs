@@ -7,10 +7,10 @@ use crate::mesh::Mesh;
 use glam::DVec3;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use voltet::nodes::in_memory_grid::HostGrid;
 use voltet_core::grid::{
-    Grid, Halo, Options, PointKeys, RawGrid, SharedPoints, boxes_of_others, build_part, extent, join_part,
+    Halo, Options, PointKeys, RawGrid, SharedPoints, boxes_of_others, extent, join_part,
 };
-use voltet_core::progress::NoProgress;
 use voltet_core::{Error, Result};
 use voltet_graph::ranks::Ranks;
 
@@ -37,7 +37,7 @@ pub fn number_blocks(mesh: &mut Mesh, ranks: &dyn Ranks) -> Result<()> {
 /// # Errors
 /// - no process has a domain with the fields;
 /// - domains that contradict each other.
-pub fn build(mesh: Mesh, layers: usize, options: &Options, ranks: &dyn Ranks) -> Result<Option<Grid>> {
+pub fn build(mesh: Mesh, layers: usize, options: &Options, ranks: &dyn Ranks) -> Result<Option<HostGrid>> {
     let mut own: Vec<RawGrid> = mesh.pieces.into_iter().filter(|piece| piece.cells.count() > 0).collect();
     let outline = |piece: &RawGrid| -> Outline {
         let bounds = extent::bounds(&piece.points);
@@ -73,14 +73,14 @@ pub fn build(mesh: Mesh, layers: usize, options: &Options, ranks: &dyn Ranks) ->
     let starts = outlines.iter().scan(0, |sum, own| Some(std::mem::replace(sum, *sum + own.2)));
     let numbered = own.into_iter().enumerate().map(|(place, piece)| (first + place, piece)).collect();
     let joined = join_part(numbered, &halos, &shared, &starts.collect::<Vec<u64>>())?;
-    let Some(mut grid) = build_part(joined, options, &NoProgress)? else { return Ok(None) };
+    let arrays = joined.point_arrays.iter().chain(&joined.cell_arrays);
     let scalars: Vec<&String> =
-        grid.point_arrays.iter().filter(|(_, array)| array.component_count == 1).map(|own| own.0).collect();
-    if let [only] = scalars[..] {
-        let name = only.clone();
-        voltet::nodes::in_memory_grid::set_scalar(&mut grid, &name)?;
-    }
-    Ok(Some(grid))
+        arrays.filter(|(_, array)| array.component_count == 1).map(|(name, _)| name).collect();
+    let only = match scalars[..] {
+        [only] => Some(only.clone()),
+        _ => None,
+    };
+    HostGrid::build_piece(joined, only.as_deref(), options)
 }
 
 /// The values of all processes, in order of their numbers.

@@ -12,7 +12,7 @@ use voltet::nodes::in_memory_grid::HostGrid;
 use voltet::series::names::{self, MarkValues, Varying};
 use voltet::series::{file_names, written};
 use voltet::{Pipeline, RunStatus, build_grid, run_in_background, unnamed_scalar};
-use voltet_core::grid::{CellValues, Grid, Options};
+use voltet_core::grid::{CellValues, Options};
 use voltet_core::{Error, Result};
 use voltet_graph::ranks::Ranks;
 use voltet_graph::{Demand, GRADIENT_LAYERS, Graph, GraphNode, MEAN_LAYERS, PortType};
@@ -373,7 +373,7 @@ impl GridSource {
 enum GivenGrid {
     Whole(Arc<HostGrid>),
     /// A piece of one that several processes hold; `None`: this one holds nothing of it.
-    Piece(Option<Arc<Grid>>),
+    Piece(Option<Arc<HostGrid>>),
 }
 
 /// Grids of a step, by their channels; those with values constant in cells by themselves.
@@ -421,10 +421,10 @@ impl Grids {
         let found = self.0.get(&key(source, channel));
         let given = found.ok_or_else(|| Error::run(format!("the channel '{channel}' has no grid")))?;
         let grid = match given {
-            GivenGrid::Whole(grid) => Some(grid.whole()),
+            GivenGrid::Whole(grid) => Some(grid),
             GivenGrid::Piece(grid) => grid.as_ref(),
         };
-        match grid {
+        match grid.map(|grid| grid.whole()) {
             Some(grid) if source.has_unnamed_scalar && grid.scalar.is_none() => {
                 Err(unnamed_scalar(grid).at_node(&source.node))
             }

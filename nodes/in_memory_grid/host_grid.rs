@@ -3,20 +3,30 @@
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, PoisonError};
-use voltet_core::Result;
-use voltet_core::grid::{Array, Grid, Options, RawGrid, build};
-use voltet_core::progress::Progress;
+use voltet_core::grid::{Array, Grid, Options, RawGrid, build, build_part};
+use voltet_core::progress::{NoProgress, Progress};
+use voltet_core::{Error, Result};
 use voltet_graph::Arrays;
 
-/// A grid that a program holds in memory, with all of its arrays. A cell with a value that is not finite is left out of the whole,
-/// whichever array has it; of the grid that a node gives it is left out for a value of a requested array alone, as a reader does.
+/// A grid that a program holds in memory, with all of its arrays, or the piece of one process of it. A cell with a value that is not finite
+/// is left out of the whole, whichever array has it; of the grid that a node gives it is left out for a value of a requested array alone, as
+/// a reader does.
 #[derive(Debug)]
 pub struct HostGrid {
     whole: Arc<Grid>,
     /// The arrays that it was built from, where one has a value that is not finite.
-    source: Option<(RawGrid, Options)>,
+    source: Option<Source>,
     /// The last grid of some of the arrays, and their names: a summary of a scalar and its picture are of one.
-    last: Mutex<Option<(BTreeSet<String>, Arc<Grid>)>>,
+    last: Mutex<Option<(BTreeSet<String>, Option<Arc<Grid>>)>>,
+}
+
+/// Arrays, and how a grid is made of them.
+#[derive(Debug, Clone)]
+struct Source {
+    raw: RawGrid,
+    options: Options,
+    /// True if they are a piece, which may have nothing to draw.
+    is_piece: bool,
 }
 
 impl From<Arc<Grid>> for HostGrid {
@@ -31,22 +41,17 @@ impl HostGrid {
     ///
     /// # Errors
     /// - those of [`build`].
-    pub fn build(
-        raw: RawGrid,
-        scalar: Option<&str>,
-        options: &Options,
-        progress: &dyn Progress,
-    ) -> Result<HostGrid> {
-        let arrays = || raw.point_arrays.iter().chain(&raw.cell_arrays);
-        if arrays().all(|(_, array)| is_finite(array)) {
-            return Ok(Arc::new(built(raw, scalar, options, progress)?).into());
-        }
-        // Without arrays that leave nothing to draw there may be something.
-        let is_of_use = |(name, array): &(&String, &Array)| Some(name.as_str()) == scalar || is_finite(array);
-        let names = arrays().filter(is_of_use).map(|(name, _)| name.clone()).collect();
-        let whole = built(raw.clone(), scalar, options, progress)
-            .or_else(|error| built(only(&raw, &names), scalar, options, progress).map_err(|_| error))?;
-        Ok(HostGrid { source: Some((raw, *options)), ..Arc::new(whole).into() })
+    pub fn build(raw: RawGrid, scalar: Option<&str>, options: &Options) -> Result<HostGrid> {
+        let grid = Source { raw, options: *options, is_piece: false }.into_grid(scalar)?;
+        grid.ok_or_else(|| Error::run("the grid has nothing to draw"))
+    }
+
+    /// Builds the tetrahedra of a piece; `None` where it has nothing to draw.
+    ///
+    /// # Errors
+    /// - those of [`build_part`].
+    pub fn build_piece(raw: RawGrid, scalar: Option<&str>, options: &Options) -> Result<Option<HostGrid>> {
+        Source { raw, options: *options, is_piece: true }.into_grid(scalar)
     }
 
     /// The grid with all of its arrays; where nothing could be drawn of that, with those whose values are all finite, and its scalar.
@@ -58,14 +63,14 @@ impl HostGrid {
     pub fn add_warnings(&mut self, warnings: &[String]) {
         let origin = &mut Arc::make_mut(&mut self.whole).origin;
         Arc::make_mut(origin).warnings.extend_from_slice(warnings);
-        if let Some((raw, _)) = &mut self.source {
-            raw.origin.warnings.extend_from_slice(warnings);
+        if let Some(source) = &mut self.source {
+            source.raw.origin.warnings.extend_from_slice(warnings);
         }
         self.last = Mutex::default();
     }
 
     /// The grid with at least the requested arrays and the scalar (default: its own): the whole where an array is not known, so that
-    /// errors name all that there are.
+    /// errors name all that there are. `None`: a piece that has nothing to draw of these.
     ///
     /// # Errors
     /// - no cell has finite values of these arrays.
@@ -74,24 +79,71 @@ impl HostGrid {
         requested: &Arrays,
         scalar: Option<&str>,
         progress: &dyn Progress,
-    ) -> Result<Arc<Grid>> {
-        let Some((raw, options)) = self.source.as_ref().filter(|_| !requested.and_all_others) else {
-            return Ok(self.whole.clone());
+    ) -> Result<Option<Arc<Grid>>> {
+        let Some(source) = self.source.as_ref().filter(|_| !requested.and_all_others) else {
+            return Ok(Some(self.whole.clone()));
         };
         let own = self.whole.scalar.as_ref().map(|_| self.whole.scalar_name.as_str());
         let scalar = scalar.or(own);
         let wanted = requested.named.iter().map(String::as_str).chain(scalar);
-        let known: Option<BTreeSet<String>> = wanted.map(|name| array_of(raw, name)).collect();
-        let Some(mut names) = known else { return Ok(self.whole.clone()) };
-        names.extend(requested.optional.iter().filter_map(|name| array_of(raw, name)));
+        let known: Option<BTreeSet<String>> = wanted.map(|name| array_of(&source.raw, name)).collect();
+        let Some(mut names) = known else { return Ok(Some(self.whole.clone())) };
+        names.extend(requested.optional.iter().filter_map(|name| array_of(&source.raw, name)));
         let last = || self.last.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, grid)) = last().as_ref().filter(|last| last.0 == names) {
             return Ok(grid.clone());
         }
         let own = own.filter(|name| names.contains(*name));
-        let grid = Arc::new(built(only(raw, &names), own, options, progress)?);
+        let grid = source.only(&names).built(own, progress)?.map(Arc::new);
         *last() = Some((names, grid.clone()));
         Ok(grid)
+    }
+}
+
+impl Source {
+    fn into_grid(self, scalar: Option<&str>) -> Result<Option<HostGrid>> {
+        let grid_of = |source: Source| -> Result<Option<Arc<Grid>>> {
+            Ok(source.built(scalar, &NoProgress)?.map(Arc::new))
+        };
+        let arrays = || self.raw.point_arrays.iter().chain(&self.raw.cell_arrays);
+        if arrays().all(|(_, array)| is_finite(array)) {
+            return Ok(grid_of(self)?.map(HostGrid::from));
+        }
+        let whole = grid_of(self.clone());
+        let whole = match &whole {
+            Ok(Some(_)) => whole,
+            // Without arrays that leave nothing to draw there may be something.
+            _ => {
+                let is_of_use =
+                    |(name, array): &(&String, &Array)| Some(name.as_str()) == scalar || is_finite(array);
+                let names = arrays().filter(is_of_use).map(|(name, _)| name.clone()).collect();
+                grid_of(self.only(&names)).or(whole)
+            }
+        };
+        Ok(whole?.map(|whole| HostGrid { source: Some(self), ..whole.into() }))
+    }
+
+    /// The same with these arrays alone.
+    fn only(&self, names: &BTreeSet<String>) -> Source {
+        let mut source = self.clone();
+        source.raw.point_arrays.retain(|name, _| names.contains(name));
+        source.raw.cell_arrays.retain(|name, _| names.contains(name));
+        source
+    }
+
+    /// The grid; `None`: a piece that has nothing to draw.
+    fn built(self, scalar: Option<&str>, progress: &dyn Progress) -> Result<Option<Grid>> {
+        let grid = match self.is_piece {
+            true => build_part(self.raw, &self.options, progress)?,
+            false => Some(build(self.raw, &self.options, progress)?),
+        };
+        Ok(grid.map(|mut grid| {
+            if let Some(name) = scalar {
+                grid.scalar = grid.point_arrays.get(name).map(|array| array.values.clone());
+                grid.scalar_name = name.to_string();
+            }
+            grid
+        }))
     }
 }
 
@@ -102,23 +154,6 @@ fn array_of(raw: &RawGrid, name: &str) -> Option<String> {
     Some(name).filter(is_known).or_else(|| stem().filter(is_known)).map(str::to_string)
 }
 
-/// The grid with these arrays alone.
-fn only(raw: &RawGrid, names: &BTreeSet<String>) -> RawGrid {
-    let mut raw = raw.clone();
-    raw.point_arrays.retain(|name, _| names.contains(name));
-    raw.cell_arrays.retain(|name, _| names.contains(name));
-    raw
-}
-
 fn is_finite(array: &Array) -> bool {
     array.values.par_iter().with_min_len(1 << 15).all(|value| value.is_finite())
-}
-
-fn built(raw: RawGrid, scalar: Option<&str>, options: &Options, progress: &dyn Progress) -> Result<Grid> {
-    let mut grid = build(raw, options, progress)?;
-    if let Some(name) = scalar {
-        grid.scalar = grid.point_arrays.get(name).map(|array| array.values.clone());
-        grid.scalar_name = name.to_string();
-    }
-    Ok(grid)
 }

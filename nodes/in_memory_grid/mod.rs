@@ -31,17 +31,12 @@ pub static NODE: Node = Node {
 /// The grid of a program, for [`voltet_graph::Graph::give`]. Its scalar is drawn where the node names none, else the point
 /// array of that name. Values that are not finite count in the arrays that are requested alone.
 pub fn grid(grid: Arc<HostGrid>) -> NodeOverride {
-    let work = move |call: &mut RunContext| {
-        let scalar = call.parameters.optional(SCALAR.name).and_then(|setting| setting.text());
-        let part = grid.with_requested(&call.demand.arrays, scalar, call.progress())?;
-        run(call, &part)
-    };
-    NodeOverride::new(work)
+    NodeOverride::new(move |call: &mut RunContext| give(call, &grid))
 }
 
 /// The piece of one process of a grid that several hold together; `None`: it holds nothing of it.
-pub fn piece(grid: Option<Arc<Grid>>) -> NodeOverride {
-    let work = move |call: &mut RunContext| grid.as_ref().map_or(Ok(Vec::new()), |grid| run(call, grid));
+pub fn piece(grid: Option<Arc<HostGrid>>) -> NodeOverride {
+    let work = move |call: &mut RunContext| grid.as_ref().map_or(Ok(Vec::new()), |grid| give(call, grid));
     NodeOverride::new(work).in_pieces()
 }
 
@@ -59,15 +54,19 @@ pub fn stand_in(entry: &mut NodeEntry, registry: &Registry) -> Result<()> {
     Ok(())
 }
 
-fn run(call: &mut RunContext, given: &Grid) -> Result<Outputs> {
-    let mut grid = given.clone();
+fn give(call: &mut RunContext, grid: &HostGrid) -> Result<Outputs> {
+    let scalar = call.parameters.optional(SCALAR.name).and_then(|setting| setting.text());
+    let Some(given) = grid.with_requested(&call.demand.arrays, scalar, call.progress())? else {
+        return Ok(Vec::new());
+    };
+    let mut grid = Grid::clone(&given);
     if let Some(name) = call.parameters.optional(SCALAR.name).and_then(|setting| setting.text()) {
         set_scalar(&mut grid, name).map_err(|error| call.parameters.locate(SCALAR.name, error))?;
     }
     let asked = &call.demand.arrays;
     grid.point_arrays.retain(|name, _| asked.contains(name));
     for name in &asked.named {
-        let array = point_array(given, name).map_err(|error| asked.locate(name, error))?;
+        let array = point_array(&given, name).map_err(|error| asked.locate(name, error))?;
         grid.point_arrays.insert(name.to_string(), array);
     }
     if let Some(name) =

@@ -74,7 +74,7 @@ impl Grid {
         let drawn = match scalar {
             Some(_) => {
                 let of_scalar = || self.grid.with_requested(&Arrays::default(), scalar, &NoProgress);
-                guarded(py, || py.detach(of_scalar))?
+                guarded(py, || py.detach(of_scalar))?.unwrap_or(whole.clone())
             }
             None => whole.clone(),
         };

@@ -298,7 +298,7 @@ impl Grid {
     /// As of [`Grid::build`].
     pub(crate) fn in_memory(self) -> Result<HostGrid> {
         match self.source {
-            Source::Arrays(raw, options) => HostGrid::build(*raw, None, &options, &NoProgress),
+            Source::Arrays(raw, options) => HostGrid::build(*raw, None, &options),
             _ => self.build(None, &NoProgress).map(HostGrid::from),
         }
     }
@@ -372,7 +372,7 @@ pub fn build_grid(pieces: Vec<RawGrid>, scalar: Option<&str>, options: &Options)
     }
     let parts = grid::join(pieces)?;
     let scalar = scalar_of(scalar, &parts)?;
-    HostGrid::build(parts, scalar.as_deref(), options, &NoProgress)
+    HostGrid::build(parts, scalar.as_deref(), options)
 }
 
 /// Error for a grid whose scalar must be named.

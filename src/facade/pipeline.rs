@@ -10,7 +10,6 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 use voltet_core::camera::Projection;
-use voltet_core::grid::Grid as BuiltGrid;
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 use voltet_document::links;
@@ -301,7 +300,7 @@ impl Pipeline {
     ///
     /// # Errors
     /// - no such node.
-    pub fn set_piece(&mut self, node: &str, piece: Option<Arc<BuiltGrid>>) -> Result<()> {
+    pub fn set_piece(&mut self, node: &str, piece: Option<Arc<HostGrid>>) -> Result<()> {
         self.override_grid(Some(node), Some(in_memory_grid::piece(piece))).map(drop)
     }
 

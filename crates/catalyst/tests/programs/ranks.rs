@@ -231,3 +231,39 @@ fn processes_that_state_different_things_are_refused_together() {
     }
     assert!(folder.path().join("020.exr").exists());
 }
+
+/// Values of a field that is not drawn leave no cell out, in as many processes as it may be.
+#[test]
+fn a_field_that_another_pipeline_draws_leaves_nothing_out() {
+    // All of the first process, and of the second where it meets none of it.
+    let mask = |tree: Tree, [from, to]: [usize; 2], value: f64| {
+        let row = (from..=to).map(|layer| if layer < 6 { value } else { 1.0 });
+        let values = std::iter::repeat_n(row, (SIDE / 2 + 1).pow(2)).flatten().collect();
+        let tree = tree.text("fields/mask/association", "vertex").text("fields/mask/topology", "mesh");
+        tree.array::<f64>("fields/mask/values", values)
+    };
+    let other = PIPELINE.replace("{step:03}", "other{step:03}").replace("\"T\"", "\"mask\"");
+    assert!(other.contains("\"mask\""), "a pipeline that draws the other field");
+    let drawn = |value: f64| {
+        let folder = folder(PIPELINE);
+        std::fs::write(folder.path().join("other.toml"), &other).unwrap();
+        on_ranks(2, |ranks| {
+            let rank = ranks.rank();
+            let path = folder.path().join("other.toml");
+            let tree = start(folder.path()).text("catalyst/scripts/other/filename", path.to_str().unwrap());
+            let mut simulation = tree.simulation(ranks).unwrap();
+            let described = step(0, |tree| {
+                domains(rank, 2).iter().fold(tree.within(""), |tree, own| {
+                    let at = format!("catalyst/channels/grid/data/domain_{}", own[0]);
+                    mask(slab(tree.within(&at), *own), *own, value)
+                })
+            });
+            described.execute(&mut simulation).unwrap();
+        });
+        ["000.exr", "other000.exr"].map(|name| picture(&folder.path().join(name)))
+    };
+    let ([plain, _], [found, gaps]) = (drawn(1.0), drawn(f64::NAN));
+    let largest = largest_difference(&found, &plain);
+    assert!(largest <= SAME, "{largest}");
+    assert!(gaps != plain, "the other pipeline draws another picture");
+}
