@@ -17,8 +17,11 @@ pub struct HostGrid {
     /// The arrays that it was built from, where one has a value that is not finite.
     source: Option<Source>,
     /// The last grid of some of the arrays, and their names: a summary of a scalar and its picture are of one.
-    last: Mutex<Option<(BTreeSet<String>, Option<Arc<Grid>>)>>,
+    last: Mutex<Option<GridOfArrays>>,
 }
+
+/// Names of arrays, and the grid with these; `None`: a piece that has nothing to draw of them.
+type GridOfArrays = (BTreeSet<String>, Option<Arc<Grid>>);
 
 /// Arrays, and how a grid is made of them.
 #[derive(Debug, Clone)]
