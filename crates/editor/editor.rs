@@ -232,6 +232,7 @@ impl Editor {
                 asks: self.asks() || self.file_dialog.is_some(),
                 nodes: shown.nodes.clone(),
                 values: shown.values.clone(),
+                bounds: shown.output_bounds.clone(),
                 failure,
                 running: running(shown),
                 distribution: distribution.and_then(|found| found.as_ref().ok().cloned()),

@@ -141,6 +141,10 @@ const MOUSE: &[(&str, &[(&str, &str)])] = &[
             ("double click", "pick the centre to orbit about"),
             ("click", "probe: the values on the ray"),
             ("Alt-drag", "probe: the values on rays through a box"),
+            (
+                "drag a grip of a clip or slice",
+                "move or turn it; arrows: by a hundredth of the data's diagonal; Alt: a fifth",
+            ),
             ("right click", "menu"),
         ],
     ),

@@ -7,6 +7,7 @@ mod fields;
 mod files;
 mod first_arrays;
 mod graph;
+mod handles;
 mod jobs;
 mod keys;
 mod panes;

@@ -1,5 +1,6 @@
 //! The picture: what the worker drew last, and the hand that moves the camera.
 
+use crate::handles::Handles;
 use crate::scene::{Action, Command, EARLIER, Scene, command_buttons};
 use crate::theme::{self, button};
 use crate::view::View;
@@ -46,6 +47,7 @@ pub(crate) struct PicturePanel {
     /// True if a drag is a box to be probed, as it is with Alt, which some window managers keep for themselves.
     boxes: bool,
     boxed: Option<Pos2>,
+    handles: Handles,
     /// True if each pixel of the picture is one of the screen.
     is_own_size: bool,
     /// The picture in the window.
@@ -98,6 +100,7 @@ impl PicturePanel {
             triad(ui, picture.intersect(ui.clip_rect()), view);
             self.hand(ui, scene, &response, view);
         }
+        self.handles.show(ui, scene, picture);
         let name = format!("picture {}", scene.shown_node.unwrap_or("none"));
         response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, &name));
         response.context_menu(|ui| command_buttons(ui, scene.actions, PICTURE_MENU));

@@ -5,6 +5,7 @@ use crate::jobs::Arrays;
 use crate::view::View;
 use crate::worker::{Distribution, NodeStatus, PixelProbe, Pixels, Section, Share, VolumeSource};
 use eframe::egui::Ui;
+use glam::DVec3;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::PathBuf;
@@ -12,8 +13,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use voltet_core::{Error, Result};
 use voltet_document::arrange::Align;
-use voltet_document::{Document, Edit, Path};
-use voltet_graph::{Node, NodeEntry, PortType, Registry, RunReport};
+use voltet_document::{Document, Edit, Path, links};
+use voltet_graph::{Node, NodeEntry, Port, PortType, Registry, RunReport};
 
 /// View of the editor in one frame, and what the parts of the window request.
 pub(crate) struct Scene<'a> {
@@ -33,8 +34,9 @@ pub(crate) struct Scene<'a> {
     /// True if a question must be answered first, and other input is blocked.
     pub asks: bool,
     pub nodes: BTreeMap<String, NodeStatus>,
-    /// For each output what runs through it.
+    /// For each output what runs through it, and the box of its points.
     pub values: Arc<BTreeMap<String, String>>,
+    pub bounds: Arc<BTreeMap<String, [DVec3; 2]>>,
     pub failure: Option<Error>,
     pub running: Option<String>,
     pub seconds: Option<f64>,
@@ -145,6 +147,18 @@ impl<'a> Scene<'a> {
 
     pub fn entry(&self, name: &str) -> Option<&'a NodeEntry> {
         self.entries.get(name).copied()
+    }
+
+    /// The node and the output that a source names, the first where it names none; and the output's declaration.
+    pub fn giving<'t>(&self, text: &'t str) -> (&'t str, &'t str, Option<&'static Port>) {
+        let (name, output) = links::source(text, &self.document.pipeline().nodes);
+        let node = self.entry(name).and_then(|entry| self.node_type(entry));
+        let outputs = node.map_or(&[][..], |node| node.outputs);
+        let given = match output {
+            Some(output) => outputs.iter().find(|port| port.name == output),
+            None => outputs.first(),
+        };
+        (name, output.or(given.map(|port| port.name)).unwrap_or_default(), given)
     }
 
     pub fn is_empty(&self) -> bool {

@@ -25,6 +25,9 @@ pub struct View {
     pub projection: Projection,
 }
 
+/// Square of the sine of the angle between a line and a ray below which the ray says nothing of places along the line: 3 degrees.
+const END_ON: f64 = 3e-3;
+
 impl View {
     /// The view that a camera node states by eye and target; `None` where it states none, or one that is not sound.
     pub fn from_camera(node: &NodeEntry) -> Option<View> {
@@ -86,6 +89,58 @@ impl View {
             Projection::Perspective { fov_y } => 2.0 * self.distance() * (0.5 * fov_y).to_radians().tan(),
             Projection::Orthographic { height } => height,
         }
+    }
+
+    /// Place of a point in the picture; `None` of a point that is not before the eye.
+    pub fn place(&self, point: DVec3) -> Option<[f64; 2]> {
+        let axes = self.axes()?;
+        let from = point - self.eye;
+        let depth = from.dot(axes.forward);
+        let height = match self.projection {
+            Projection::Perspective { .. } => axes.pixel * depth,
+            Projection::Orthographic { height } => height,
+        };
+        let is_before = depth > 0.0 || matches!(self.projection, Projection::Orthographic { .. });
+        is_before.then(|| [from.dot(axes.right) / height, from.dot(axes.up) / height])
+    }
+
+    /// Origin and unit direction of the ray through a place of the picture, world units.
+    fn ray(&self, [right, up]: [f64; 2]) -> Option<[DVec3; 2]> {
+        let axes = self.axes()?;
+        let aside = axes.pixel * (right * axes.right + up * axes.up);
+        Some(match self.projection {
+            Projection::Perspective { .. } => [self.eye, (axes.forward + aside).normalize()],
+            Projection::Orthographic { .. } => [self.eye + aside, axes.forward],
+        })
+    }
+
+    /// The point on a line through `from` that is nearest to what is seen at a place. A line that points at the eye moves with the hand: up is
+    /// along its unit direction.
+    pub fn on_line(&self, from: DVec3, direction: DVec3, place: [f64; 2]) -> Option<DVec3> {
+        let [eye, ray] = self.ray(place)?;
+        let (between, cosine) = (from - eye, direction.dot(ray));
+        let along = if 1.0 - cosine * cosine > END_ON {
+            (cosine * ray.dot(between) - direction.dot(between)) / (1.0 - cosine * cosine)
+        } else {
+            (place[1] - self.place(from)?[1]) * self.height()
+        };
+        Some(from + along * direction)
+    }
+
+    /// The point at a place of the picture that is as deep as another point.
+    pub fn beside(&self, point: DVec3, place: [f64; 2]) -> Option<DVec3> {
+        let ([eye, ray], forward) = (self.ray(place)?, self.axes()?.forward);
+        Some(eye + (point - eye).dot(forward) / ray.dot(forward) * ray)
+    }
+
+    /// The point of a ball that is seen at a place, on the side on which another point lies; of a place beside it, the nearest on its rim.
+    pub fn on_ball(&self, centre: DVec3, near: DVec3, place: [f64; 2]) -> Option<DVec3> {
+        let [eye, ray] = self.ray(place)?;
+        let (radius, middle) = (near.distance(centre), eye + (centre - eye).dot(ray) * ray);
+        let aside = middle - centre;
+        let half = (radius * radius - aside.length_squared()).max(0.0).sqrt();
+        let side = if (near - centre).dot(ray) < 0.0 { -half } else { half };
+        Some(centre + radius * (aside + side * ray).try_normalize()?)
     }
 
     /// The view if it is sound, else the one before.

@@ -199,7 +199,7 @@ impl Port {
             (false, _) => "output",
         };
         let full = |text| {
-            let (node, output, _) = giving(scene, text);
+            let (node, output, _) = scene.giving(text);
             format!("{node}.{output}")
         };
         let sources: Vec<String> = match self.is_input {
@@ -211,7 +211,7 @@ impl Port {
         };
         let mut text = format!("{name} ({}, {side})\n{summary}", port_type.name());
         for (source, value) in sources.iter().filter_map(|source| Some((source, scene.values.get(source)?))) {
-            let node = scene.nodes.get(giving(scene, source).0);
+            let node = scene.nodes.get(scene.giving(source).0);
             let is_fresh = node.is_some_and(|status| status.state == NodeState::Fresh);
             let earlier = if is_fresh { String::new() } else { format!(" ({EARLIER})") };
             let from = if self.is_input { format!("from {source}: ") } else { String::new() };
@@ -222,21 +222,6 @@ impl Port {
         }
         text
     }
-}
-
-/// The node and the output that a source names, the first where it names none; and the output's declaration.
-pub(super) fn giving<'a>(
-    scene: &Scene,
-    text: &'a str,
-) -> (&'a str, &'a str, Option<&'static voltet_graph::Port>) {
-    let (name, output) = links::source(text, &scene.document.pipeline().nodes);
-    let node = scene.entry(name).and_then(|entry| scene.node_type(entry));
-    let outputs = node.map_or(&[][..], |node| node.outputs);
-    let given = match output {
-        Some(output) => outputs.iter().find(|port| port.name == output),
-        None => outputs.first(),
-    };
-    (name, output.or(given.map(|port| port.name)).unwrap_or_default(), given)
 }
 
 impl UserResponseTrait for Nothing {}

@@ -6,6 +6,7 @@ mod files;
 mod first_steps;
 mod graph;
 mod ground;
+mod handles;
 mod keyboard;
 mod parameters;
 mod picture;

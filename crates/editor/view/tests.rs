@@ -163,3 +163,30 @@ proptest! {
         }
     }
 }
+
+/// Points and their places are told from each other, by an independent projection.
+#[test]
+fn places_and_points_are_inverse() {
+    let point = DVec3::new(2.0, 1.0, 2.5);
+    for view in [view(), parallel()] {
+        let place = view.place(point).unwrap();
+        assert!((0..2).all(|k| (place[k] - seen(&view, point)[k]).abs() < 1e-12), "{place:?}");
+        assert!(near(view.beside(point, place).unwrap(), point));
+        let beside = view.beside(point, [0.1, -0.2]).unwrap();
+        assert!((0..2).all(|k| (seen(&view, beside)[k] - [0.1, -0.2][k]).abs() < 1e-12));
+        assert!(((beside - point).dot(view.axes().unwrap().forward)).abs() < 1e-9, "as deep");
+        // A point of a line is found again by its place, and the nearest one by a place beside the line.
+        let (direction, by) = (DVec3::new(0.6, 0.0, 0.8), 0.7);
+        let on = view.on_line(point, direction, seen(&view, point + by * direction)).unwrap();
+        assert!(near(on, point + by * direction), "{on}");
+        let [eye, sight] = ray(&view, place).unwrap();
+        let end_on = view.on_line(point, sight, [place[0], place[1] + 0.1]).unwrap();
+        assert!(near(end_on, point + 0.1 * view.height() * sight), "{eye} {end_on}");
+        // A ball: the side on which the other point lies, and its rim for a place beside it.
+        let tip = point + 0.5 * direction;
+        assert!(near(view.on_ball(point, tip, seen(&view, tip)).unwrap(), tip));
+        let rim = view.on_ball(point, tip, [place[0] + 0.4, place[1]]).unwrap();
+        assert!((rim.distance(point) - 0.5).abs() < 1e-9 && seen(&view, rim)[0] > place[0], "{rim}");
+    }
+    assert_eq!(view().place(DVec3::new(0.0, -20.0, 6.0)), None, "behind the eye");
+}

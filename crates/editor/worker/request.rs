@@ -142,10 +142,16 @@ fn find<'a>(nodes: &'a [NodeEntry], name: &str) -> Option<&'a NodeEntry> {
     nodes.iter().find(|node| node.name == name)
 }
 
+/// Parameters that handles in the picture move.
+const HANDLED: [&str; 4] = ["clip", "origin", "normal", "radius"];
+
 /// True if two states of a node differ in numbers that the pointer moves in the picture or over the histogram.
 fn is_movement(before: &NodeEntry, now: &NodeEntry) -> bool {
     let is_moved = ["camera", "transfer-function"].iter().any(|name| before.node_type.text() == Some(name));
-    is_moved && NodeEntry { settings: now.settings.clone(), ..before.clone() } == *now
+    let is_other = |field: &&Field| !HANDLED.contains(&field.name.as_str());
+    let others = |node: &NodeEntry| node.settings.iter().filter(is_other).cloned().collect::<Vec<_>>();
+    (is_moved || others(before) == others(now))
+        && NodeEntry { settings: now.settings.clone(), ..before.clone() } == *now
 }
 
 /// The nodes that feed one, and it; in the order of the document.
@@ -281,24 +287,29 @@ const ARRAYS: &str = "arrays";
 pub(super) struct Values {
     /// For each output, `"node.port"`, in words.
     pub words: BTreeMap<String, String>,
-    /// Least and greatest coordinates of the data.
+    /// Least and greatest coordinates of the data: of the first, and of each output.
     pub bounds: Option<[DVec3; 2]>,
+    pub output_bounds: BTreeMap<String, [DVec3; 2]>,
 }
 
 /// Descriptions of the values on the wires, from the session's cache.
 pub(super) fn wire_values(session: &mut Session, graph: &Graph) -> Option<Values> {
     let place = graph.nodes.iter().position(|node| node.node.name == WIRES.name)?;
     let (values, _) = session.feed(graph, place, &Demand::default(), &NoObserver).ok()?;
-    let mut seen = Values::default();
+    let (mut seen, mut known) = (Values::default(), BTreeMap::new());
     for (edge, value) in graph.nodes[place].inputs.iter().zip(values) {
         let giving = &graph.nodes[edge.node];
         let output = format!("{}.{}", giving.name, giving.node.outputs[edge.output].name);
-        seen.words.insert(output, describe(&value));
-        seen.bounds = seen.bounds.or_else(|| match &value {
-            Value::Grid(grid) => bounds(&grid.points),
-            Value::Volume(volume) => bounds(&volume.grid.points),
-            _ => None,
-        });
+        seen.words.insert(output.clone(), describe(&value));
+        let points = match &value {
+            Value::Grid(grid) => &grid.points,
+            Value::Volume(volume) => &volume.grid.points,
+            _ => continue,
+        };
+        // Most outputs share their points.
+        let found = *known.entry((points.as_ptr(), points.len())).or_insert_with(|| bounds(points));
+        seen.bounds = seen.bounds.or(found);
+        seen.output_bounds.extend(found.map(|found| (output, found)));
     }
     Some(seen)
 }

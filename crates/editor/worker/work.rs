@@ -69,7 +69,9 @@ impl WorkerState<'_> {
         self.pace.look_from(wanted.cameras());
         // The first picture of a wish is for a hand that moves, whether it is coarse or quick enough to have all pixels.
         let first = wanted.coarse_first.then(|| self.pace.divisor(wanted.pixels()));
-        let passes = first.map(|divisor| (divisor, Some(self.pace.patience(divisor)))).into_iter();
+        // A hand may move what a node makes of the data, such as a slice.
+        let others = Duration::from_secs_f64(2.0 * lock(&self.shared.state).output.stale_seconds(wanted));
+        let passes = first.map(|divisor| (divisor, Some(self.pace.patience(divisor) + others))).into_iter();
         for (divisor, patience) in passes.chain([(1, None)]) {
             match self.pass(number, wanted, divisor, patience) {
                 Ok(true) => return self.shared.show(|shown| shown.settled(number)),
@@ -452,6 +454,10 @@ mod tests {
             touched(&with("look", "unit_distance", ParameterValue::Number(2.0))),
             (of(&["look", "picture"]), true)
         );
+        // What handles in the picture move is a movement, what fields change is none.
+        let clip = with("picture", "clip", ParameterValue::List(Vec::new()));
+        assert_eq!(touched(&clip), (of(&["picture"]), true));
+        assert_eq!(touched(&with("picture", "overlap", "mix".into())), (of(&["picture"]), false));
         let other = with("gradient", "method", ParameterValue::Text("cell-average".into()));
         assert_eq!(touched(&other), (of(&["gradient", "picture"]), false));
         let elsewhere = RenderRequest { folder: "elsewhere".into(), ..wanted() };

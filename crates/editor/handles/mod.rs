@@ -1,0 +1,141 @@
+//! Handles in the picture: grips of clips and slices, which the pointer drags and keys move. What is moved is the parameters of their node.
+
+mod movable;
+mod space;
+
+use crate::scene::Scene;
+use crate::theme;
+use eframe::egui::{
+    Color32, CursorIcon, EventFilter, Key, PointerButton, Rect, Response, Sense, Stroke, Ui, Vec2,
+    WidgetInfo, WidgetType, vec2,
+};
+use movable::{Movable, PictureGrip};
+use std::rc::Rc;
+use voltet_document::links::upstream;
+
+/// Side of the square in which the pointer takes hold of a grip, and radius of its mark, points.
+const GRIP: f32 = 16.0;
+const RADIUS: f32 = 5.0;
+
+/// With Alt a drag goes so much of the hand's way, and a key of its step.
+const FINE: f64 = 0.2;
+
+/// Drag of a grip: what it belongs to as it was, and where the grip is.
+struct GripDrag {
+    object: Rc<dyn Movable>,
+    grip: usize,
+    place: [f64; 2],
+}
+
+/// The handles, with what a hand is doing to them.
+#[derive(Default)]
+pub(crate) struct Handles {
+    drag: Option<GripDrag>,
+}
+
+impl Handles {
+    /// Draws them over the picture and follows the hand. Shown after the picture, above which they lie.
+    pub fn show(&mut self, ui: &Ui, scene: &Scene, picture: Rect) {
+        let painter = ui.painter().with_clip_rect(picture.intersect(ui.clip_rect()));
+        let to_window = |[x, y]: [f64; 2]| picture.center() + picture.height() * vec2(x as f32, -y as f32);
+        let color = theme::accent(true);
+        let mut is_held = false;
+        for object in objects(scene) {
+            for ends in object.lines() {
+                // On a rim of black, so that it is seen over whatever the picture shows there.
+                painter.line_segment(ends.map(to_window), Stroke::new(3.0, Color32::from_black_alpha(110)));
+                painter.line_segment(ends.map(to_window), Stroke::new(1.2, color));
+            }
+            for grip in object.grips() {
+                let at = to_window(grip.place);
+                let name = format!("{}: {}", object.name(), grip.name);
+                let is_dragged = self.is_dragged(&*object, &grip);
+                is_held |= is_dragged;
+                if !is_dragged && !painter.clip_rect().contains(at) {
+                    continue;
+                }
+                let rect = Rect::from_center_size(at, Vec2::splat(GRIP));
+                let response = ui.interact(rect, ui.id().with(&name), Sense::drag());
+                response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, &name));
+                let response = response.on_hover_cursor(CursorIcon::Move).on_hover_text(&name);
+                self.hold(ui, scene, &object, &grip, &response, picture.height());
+                let is_chosen = response.has_focus() || response.hovered() || is_dragged;
+                let edge = if is_chosen { Color32::WHITE } else { Color32::BLACK };
+                painter.circle(at, RADIUS, color, Stroke::new(if is_chosen { 2.0 } else { 1.2 }, edge));
+            }
+        }
+        // What is gone, as by a key that takes it away, is not dragged on.
+        self.drag = self.drag.take().filter(|_| is_held || ui.input(|input| input.pointer.any_pressed()));
+    }
+
+    fn is_dragged(&self, object: &dyn Movable, grip: &PictureGrip) -> bool {
+        self.drag.as_ref().is_some_and(|drag| {
+            (drag.object.node(), drag.object.name(), drag.grip) == (object.node(), object.name(), grip.number)
+        })
+    }
+
+    fn hold(
+        &mut self,
+        ui: &Ui,
+        scene: &Scene,
+        object: &Rc<dyn Movable>,
+        grip: &PictureGrip,
+        response: &Response,
+        height: f32,
+    ) {
+        let alt = ui.input(|input| input.modifiers.alt);
+        let times = if alt { FINE } else { 1.0 };
+        let label = || format!("move the {}", object.name());
+        if response.drag_started_by(PointerButton::Primary) {
+            response.request_focus();
+            self.drag = Some(GripDrag { object: object.clone(), grip: grip.number, place: grip.place });
+        }
+        if response.dragged_by(PointerButton::Primary)
+            && let Some(drag) = &mut self.drag
+        {
+            let by = response.drag_delta() / height.max(1.0);
+            if by != Vec2::ZERO {
+                drag.place[0] += times * f64::from(by.x);
+                drag.place[1] -= times * f64::from(by.y);
+                scene.actions.edits(label(), drag.object.moved(drag.grip, drag.place));
+            }
+        }
+        if response.drag_stopped() {
+            self.drag = None;
+        }
+        if response.has_focus() && self.drag.is_none() {
+            let [right, up] = arrows(ui, response);
+            if [right, up] != [0.0; 2] {
+                scene.actions.edits(label(), object.nudged(grip.number, [times * right, times * up]));
+            }
+        }
+    }
+}
+
+/// Steps to the right and up by the arrow keys, which go to what has the focus.
+fn arrows(ui: &Ui, response: &Response) -> [f64; 2] {
+    let filter = EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+    ui.input(|input| {
+        let count = |key: Key| input.num_presses(key) as f64;
+        let [left, right, down, up] =
+            [Key::ArrowLeft, Key::ArrowRight, Key::ArrowDown, Key::ArrowUp].map(count);
+        [right - left, up - down]
+    })
+}
+
+/// The objects that have handles: those of the selected nodes; without any, the only one of the picture.
+fn objects(scene: &Scene) -> Vec<Rc<dyn Movable>> {
+    let (Some(shown), Some(view)) = (scene.shown_node, scene.view) else { return Vec::new() };
+    let nodes = &scene.document.pipeline().nodes;
+    let feeding = upstream(nodes, shown);
+    let in_picture = nodes.iter().filter(|node| feeding.contains(&node.name));
+    let mut found = space::objects(scene, view, in_picture);
+    let is_selected = |object: &Rc<dyn Movable>| scene.selection.contains(object.node());
+    if found.iter().any(is_selected) {
+        found.retain(is_selected);
+    } else if found.len() > 1 {
+        found.clear();
+    }
+    found
+}
