@@ -1,7 +1,8 @@
 //! The picture: what the worker drew last, and the hand that moves the camera.
 
 use crate::handles::Handles;
-use crate::scene::{Action, Command, EARLIER, Scene, command_buttons};
+use crate::hit_marks;
+use crate::scene::{Action, Command, EARLIER, ProbePurpose, Scene, command_buttons};
 use crate::theme::{self, button};
 use crate::view::View;
 use crate::worker::Pixels;
@@ -13,6 +14,7 @@ use eframe::egui::{
 use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// Radians that a drag over the height of the picture turns.
 const TURN: f64 = PI;
@@ -47,6 +49,10 @@ pub(crate) struct PicturePanel {
     /// True if a drag is a box to be probed, as it is with Alt, which some window managers keep for themselves.
     boxes: bool,
     boxed: Option<Pos2>,
+    /// True if clicks are the ends of a length.
+    measures: bool,
+    /// Place under the pointer, where it rested last.
+    pub hovered: Option<[f64; 2]>,
     handles: Handles,
     /// True if each pixel of the picture is one of the screen.
     is_own_size: bool,
@@ -100,6 +106,8 @@ impl PicturePanel {
             triad(ui, picture.intersect(ui.clip_rect()), view);
             self.hand(ui, scene, &response, view);
         }
+        self.hovered = scene.view.and_then(|_| hovered(ui, &response, picture, self.hovered));
+        hit_marks::show(ui, scene, picture, self.measures);
         self.handles.show(ui, scene, picture);
         let name = format!("picture {}", scene.shown_node.unwrap_or("none"));
         response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, &name));
@@ -149,6 +157,10 @@ impl PicturePanel {
                 let help = "a drag probes the values in a box, as it does with Alt";
                 if ui.selectable_label(self.boxes, "box").on_hover_text(help).clicked() {
                     self.boxes = !self.boxes;
+                }
+                let help = "the distance between the points at two clicks";
+                if ui.selectable_label(self.measures, "measure").on_hover_text(help).clicked() {
+                    self.measures = !self.measures;
                 }
                 let help = "a pixel of the picture is a pixel of the screen";
                 if ui.selectable_label(self.is_own_size, "1:1").on_hover_text(help).clicked() {
@@ -228,7 +240,8 @@ impl PicturePanel {
         if response.drag_stopped() {
             self.boxed = None;
             if chosen.is_positive() {
-                scene.actions.push(Action::Probe(grid(chosen).into_iter().map(place).collect()));
+                let places = grid(chosen).into_iter().map(place).collect();
+                scene.actions.push(Action::Probe(places, ProbePurpose::Values));
             }
         }
         true
@@ -273,15 +286,37 @@ impl PicturePanel {
             }
         }
         let at = response.interact_pointer_pos().filter(|at| picture.contains(*at));
-        match at {
-            Some(at) if response.double_clicked() => scene.actions.push(Action::Centre(place(at))),
-            Some(at) if response.clicked() => scene.actions.push(Action::Probe(vec![place(at)])),
-            _ => {}
+        if let Some(at) = at.filter(|_| response.clicked()) {
+            let purpose = match (self.measures, response.double_clicked()) {
+                (true, _) => ProbePurpose::Length,
+                (false, true) => ProbePurpose::Centre,
+                (false, false) => ProbePurpose::Values,
+            };
+            scene.actions.push(Action::Probe(vec![place(at)], purpose));
         }
         if to != view {
             scene.actions.push(Action::MoveCamera(to));
         }
     }
+}
+
+/// Time for which the pointer rests before what is under it is asked for, seconds: none while it only passes.
+const REST: f32 = 0.05;
+
+/// The place of the picture where a pointer over it rested last, in heights from its middle, to the right and up.
+fn hovered(ui: &Ui, response: &Response, picture: Rect, before: Option<[f64; 2]>) -> Option<[f64; 2]> {
+    let at = response.hover_pos().filter(|at| picture.contains(*at))?;
+    let (rest, is_down) =
+        ui.input(|input| (input.pointer.time_since_last_movement(), input.pointer.any_down()));
+    if is_down {
+        return None;
+    }
+    if rest < REST {
+        ui.ctx().request_repaint_after(Duration::from_secs_f32(REST - rest));
+        return before;
+    }
+    let from = (at - picture.center()) / picture.height().max(1.0);
+    Some([f64::from(from.x), -f64::from(from.y)])
 }
 
 /// Length of an axis of the triad, and its distance from the corner, points.

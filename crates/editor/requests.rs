@@ -7,11 +7,10 @@ use crate::section;
 use crate::transfer;
 use crate::view::View;
 use crate::worker::{
-    DataScales, DistributionQuery, PixelProbe, PreviewQuery, ProbeQuery, RenderRequest, SectionQuery,
-    ShareQuery, VolumeSource, retain_widgets, short, short_by, size_of,
+    DataScales, DistributionQuery, PreviewQuery, RenderRequest, SectionQuery, ShareQuery, VolumeSource,
+    retain_widgets, size_of,
 };
 use eframe::egui::Context;
-use std::sync::Arc;
 use std::time::Instant;
 use voltet_document::links::{self, upstream};
 use voltet_graph::{NodeEntry, ParameterValue};
@@ -23,6 +22,7 @@ impl Editor {
         self.find_distribution();
         self.find_share();
         self.find_section();
+        self.find_hovered();
         self.find_previews();
     }
 
@@ -105,7 +105,7 @@ impl Editor {
     }
 
     /// The transfer function that is edited, and the output that gives the volume that it is drawn with.
-    fn edited(&self) -> Option<(&NodeEntry, String)> {
+    pub(crate) fn edited(&self) -> Option<(&NodeEntry, String)> {
         let scene = self.scene();
         let look = transfer::edited_node(&scene)?;
         Some((look, transfer::volume_of(&scene, &look.name)?))
@@ -176,57 +176,6 @@ impl Editor {
         let (source, size) = (self.volume_source(output), section::SIZE);
         let wanted = SectionQuery { source, centre, axes, half, size };
         self.worker.ask(|output| &mut output.section, wanted);
-    }
-
-    pub(crate) fn probe(&mut self, places: Vec<[f64; 2]>, centres: bool) {
-        let (Some((look, output)), Some(camera)) = (self.edited(), self.camera()) else { return };
-        let nodes = self.document.pipeline().nodes.clone();
-        let source = VolumeSource { nodes, folder: self.document.folder(), output };
-        let wanted = ProbeQuery { source, look: look.name.clone(), camera: camera.name.clone(), places };
-        self.worker.ask(|output| &mut output.probe, wanted);
-        self.answers.probing = Some(centres);
-    }
-
-    /// Takes over what a probe found: values in a line, or the centre.
-    pub(crate) fn take_probed(&mut self) {
-        let Some(centres) = self.answers.probing else { return };
-        let answer = self.worker.shown(|shown| {
-            let probe = &shown.probe;
-            probe.answer().cloned().zip(probe.asked().map(|query| query.source.clone()))
-        });
-        let Some((answer, source)) = answer else { return };
-        self.answers.probing = None;
-        let Some(found) = self.check(answer) else { return };
-        match found.point {
-            Some(point) if centres => self.move_camera(|view| view.centred(point)),
-            None if centres => {}
-            _ => self.show_probed(source, found),
-        }
-    }
-
-    /// Shows what a probe of a volume found.
-    pub(crate) fn show_probed(&mut self, source: VolumeSource, found: Arc<PixelProbe>) {
-        if !self.is_current(&source) {
-            return self.say("what was probed has changed since: probe again");
-        }
-        let place = match found.rays {
-            0 => "in the section".to_string(),
-            1 => "on the ray".to_string(),
-            rays => format!("on {rays} rays"),
-        };
-        let text = match found.moments() {
-            Some(([s, g], [[ss, _], [_, gg]])) => format!(
-                "{} values {place}: s {} ± {}, g {} ± {}; \"+ at probe\" makes a widget of them",
-                found.values.len(),
-                short_by(s, 0.1 * ss.sqrt()),
-                short(ss.sqrt()),
-                short_by(g, 0.1 * gg.sqrt()),
-                short(gg.sqrt()),
-            ),
-            None => format!("no cell is met {place}"),
-        };
-        self.say(text);
-        self.answers.probed = Some((source, found));
     }
 
     /// The view of the picture, as its camera states it; of one that is stated otherwise than by eye and target, that of the last full

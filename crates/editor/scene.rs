@@ -3,7 +3,7 @@
 
 use crate::jobs::Arrays;
 use crate::view::View;
-use crate::worker::{Distribution, NodeStatus, PixelProbe, Pixels, Section, Share, VolumeSource};
+use crate::worker::{Distribution, Hit, NodeStatus, PixelProbe, Pixels, Section, Share, VolumeSource};
 use eframe::egui::Ui;
 use glam::DVec3;
 use std::cell::RefCell;
@@ -45,6 +45,10 @@ pub(crate) struct Scene<'a> {
     /// Reason why there is none.
     pub distribution_fault: Option<Error>,
     pub probed: Option<Arc<PixelProbe>>,
+    /// Place that is seen first under the pointer in the picture.
+    pub hovered: Option<Hit>,
+    /// Points of the length that is measured, world units.
+    pub measured: &'a [DVec3],
     /// Contribution of the selected widget to the picture, or an error message; `None` while unknown.
     pub share: Option<Result<Share>>,
     pub section: Option<Result<Arc<Section>>>,
@@ -192,11 +196,9 @@ pub enum Action {
     Show(String),
     MoveCamera(View),
     /// The values at places of the picture are asked for (heights from its middle, to the right and up).
-    Probe(Vec<[f64; 2]>),
+    Probe(Vec<[f64; 2]>, ProbePurpose),
     /// Values of a volume were found otherwise.
     PixelProbe(VolumeSource, Arc<PixelProbe>),
-    /// Centres the picture on the point at a position.
-    Centre([f64; 2]),
     Estimate,
     Do(Command),
     Say(String),
@@ -204,6 +206,17 @@ pub enum Action {
     Begin(PathBuf),
     /// Opens a file dialog, at the path of a file if there is one.
     ChooseFile(FilePurpose, Option<PathBuf>),
+}
+
+/// Use of what a probe of the picture finds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ProbePurpose {
+    /// Values are shown, for widgets.
+    Values,
+    /// The picture is centred on the point.
+    Centre,
+    /// The point is an end of a length.
+    Length,
 }
 
 #[derive(Debug, Clone, PartialEq)]

@@ -179,6 +179,11 @@ impl TransferPanel {
         if let Some(probed) = look.scene.probed.as_ref().filter(|_| look.is_of_s_and_g()) {
             plane::probed(ui, plane, &probed.on(look.scales));
         }
+        if let Some(cell) = look.scene.hovered.as_ref().and_then(|hit| hit.cell.as_ref())
+            && look.is_of_s_and_g()
+        {
+            plane::mark(ui, plane, [0, 1].map(|k: usize| look.scales[k].position(cell.values[k])));
+        }
         // The one in hand above the others.
         let others = (0..look.widgets.len()).filter(|place| *place != self.chosen);
         for place in others.chain([self.chosen]) {

@@ -7,6 +7,7 @@ mod first_steps;
 mod graph;
 mod ground;
 mod handles;
+mod hits;
 mod keyboard;
 mod parameters;
 mod picture;

@@ -7,6 +7,7 @@
 
 mod comparison;
 mod distribution;
+mod hits;
 mod output;
 mod probing;
 mod request;
@@ -20,6 +21,7 @@ pub(crate) use comparison::{Estimate, PreviewQuery, Share, ShareQuery};
 #[cfg(test)]
 pub(crate) use distribution::Spread;
 pub(crate) use distribution::{DataScales, Distribution, DistributionQuery};
+pub(crate) use hits::{Hit, HitCell};
 pub use output::WorkerOutput;
 pub(crate) use output::{NodeState, NodeStatus, Preview};
 pub(crate) use probing::{PixelProbe, ProbeQuery, Section, SectionQuery};

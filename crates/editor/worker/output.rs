@@ -56,6 +56,8 @@ pub struct WorkerOutput {
     /// Least and greatest coordinates at each output, `"node.port"`.
     pub(crate) output_bounds: Arc<BTreeMap<String, [DVec3; 2]>>,
     pub(crate) probe: Exchange<ProbeQuery>,
+    /// Probe of the place under the pointer.
+    pub(crate) hover: Exchange<ProbeQuery>,
     pub(crate) section: Exchange<SectionQuery>,
     pub(crate) estimate: Exchange<Estimate>,
     pub(crate) distribution: Exchange<DistributionQuery>,

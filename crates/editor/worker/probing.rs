@@ -1,12 +1,14 @@
 //! Values on rays of the picture, weighted by their contribution to it; and a section of the data by a plane: s and g at the pixels of a
 //! picture of it, linear in each cell.
 
+use super::hits::{Hit, first_hit};
 use super::request::{Query, QueryRun, VolumeSource};
 use glam::{DMat3, DVec2, DVec3};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::camera::Camera;
+use voltet_core::clip::Clip;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::AxisScale;
 use voltet_core::volume::Volume;
@@ -22,6 +24,10 @@ pub(crate) struct ProbeQuery {
     /// The nodes that give the transfer function and the camera.
     pub look: String,
     pub camera: String,
+    /// Parts of space in which the volume is drawn.
+    pub clips: Vec<Clip>,
+    /// Outputs that give the surfaces of the picture.
+    pub surfaces: Vec<String>,
     /// Places, in heights of the picture from its middle, to the right and up.
     pub places: Vec<[f64; 2]>,
 }
@@ -34,6 +40,8 @@ pub(crate) struct PixelProbe {
     pub values: Vec<([f64; 2], f64)>,
     /// The point where the most is seen, world units; `None` where no ray meets a cell.
     pub point: Option<DVec3>,
+    /// Place that is seen first, of a single ray.
+    pub hit: Option<Hit>,
     pub opacity: f64,
 }
 
@@ -46,8 +54,10 @@ impl ProbeQuery {
         // What is seen, as the values count: light and silhouettes change colours.
         let shading = Shading::default();
         let scene = Scene::new(volume, Arc::new(transfer_function), camera, shading, VisibilityOrder::Exact);
+        let scene = Scene { clips: self.clips.clone(), ..scene };
         let forms = CompiledTransferFunction::new(&scene.transfer_function)?;
-        let tracer = Tracer::new(&scene, Box::new(forms))?;
+        let tracer = Tracer::new(&scene, Box::new(forms.clone()))?;
+        let surfaces = call.surfaces("surface")?;
         let mut probed = PixelProbe { rays: self.places.len(), ..PixelProbe::default() };
         let (mut seen_most, [width, height]) = (0.0, camera.size.map(f64::from));
         for place in &self.places {
@@ -58,6 +68,9 @@ impl ProbeQuery {
             let all: f64 = walk.steps.iter().map(|step| step.contribution()[3]).sum();
             let way: f64 = walk.steps.iter().map(|step| step.length).sum();
             let [start, direction] = tracer.world(&ray).map(DVec3::from);
+            if let [_] = self.places[..] {
+                probed.hit = first_hit(&scene.volume, &forms, &walk, &surfaces, [start, direction]);
+            }
             for step in &walk.steps {
                 let share = if all > 1e-6 { step.contribution()[3] / all } else { step.length / way };
                 let value = |k: usize| {
@@ -82,7 +95,8 @@ impl Query for ProbeQuery {
     const WAITS: bool = false;
 
     fn answer(&self, run: &mut QueryRun) -> Result<Arc<PixelProbe>> {
-        let others = [("transfer-function", &*self.look), ("camera", &*self.camera)];
+        let mut others = vec![("transfer-function", &*self.look), ("camera", &*self.camera)];
+        others.extend(self.surfaces.iter().map(|source| ("surface", source.as_str())));
         self.source.feed(run, &BTreeSet::new(), &others, |call| self.walk(call)).map(Arc::new)
     }
 }

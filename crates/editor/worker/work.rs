@@ -56,6 +56,7 @@ impl WorkerState<'_> {
         let newest = self.shared.newest();
         drop(state);
         self.query(newest, |output| &mut output.probe)
+            || self.query(newest, |output| &mut output.hover)
             || self.query(newest, |output| &mut output.section)
             || self.query(newest, |output| &mut output.estimate)
             || self.query(newest, |output| &mut output.distribution)

@@ -1,0 +1,109 @@
+//! What is seen first under the pointer, the cell that a click picks, and lengths.
+
+use super::handles::with_slice;
+use super::*;
+use crate::worker::Hit;
+use glam::DVec3;
+
+/// Moves the pointer to a place, and waits for what is seen there.
+fn hover(hand: &mut Hand, at: Pos2) -> Hit {
+    hand.move_to(at, Modifiers::NONE);
+    let picture = hand.editor.panels.picture.rect.unwrap();
+    let is_there = |hand: &Hand, point: DVec3| {
+        let [x, y] = hand.editor.view().unwrap().place(point).unwrap();
+        (picture.center() + picture.height() * vec2(x as f32, -y as f32)).distance(at) < 0.1
+    };
+    until(hand, "nothing is seen", |hand| {
+        hand.editor.scene().hovered.is_some_and(|hit| is_there(hand, hit.point))
+    });
+    hand.frames(2);
+    hand.editor.scene().hovered.unwrap()
+}
+
+fn middle(hand: &Hand) -> Pos2 {
+    hand.named("picture picture")
+}
+
+#[test]
+fn the_values_cell_and_point_under_the_pointer_are_shown_and_marked_in_the_plane() {
+    let mut hand = Hand::in_tall_window(TEXT);
+    transfer::with_distribution(&mut hand);
+    assert!(!hand.sees("value under the pointer"));
+    let at = middle(&hand);
+    // Of places that the pointer only passes nothing comes.
+    for step in 0..20 {
+        hand.move_to(at - vec2(3.0 * step as f32, 20.0), Modifiers::NONE);
+    }
+    let hit = hover(&mut hand, at);
+    let cell = hit.cell.clone().unwrap();
+    assert!(hit.point.abs().max_element() <= 10.0 + 1e-6, "in the box: {}", hit.point);
+    // The point parts the tetrahedron into four: weights of the corners, where the formula of the node `wavelet` holds.
+    let field = |p: DVec3| {
+        let x = -p / 20.0;
+        let bell = 255.0 * (-2.0 * x.length_squared()).exp();
+        bell + 10.0 * (60.0 * x.x).sin() + 18.0 * (30.0 * x.y).sin() + 5.0 * (40.0 * x.z).cos()
+    };
+    let volume = |[a, b, c, d]: [DVec3; 4]| (b - a).cross(c - a).dot(d - a).abs();
+    let weights = [0, 1, 2, 3].map(|k: usize| {
+        let mut corners = cell.corners;
+        corners[k] = hit.point;
+        volume(corners) / volume(cell.corners)
+    });
+    assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-6, "in the cell: {hit:?}");
+    let s: f64 = (0..4).map(|k| weights[k] * field(cell.corners[k])).sum();
+    assert!((cell.values[0] - s).abs() < 1e-4, "{:?} {s}", cell.values);
+    assert!(cell.number < 6 * 12 * 12 * 12, "{}", cell.number);
+    let words = hand.shown_beginning("s ");
+    assert!(words.len() == 1 && hand.sees("value under the pointer"), "{words:?}");
+    assert_eq!((hand.text(), hand.said()), (TEXT.to_string(), String::new()));
+    hand.move_to(hand.named("node look"), Modifiers::NONE);
+    hand.frames(2);
+    assert!(hand.shown_beginning("s ").is_empty() && !hand.sees("value under the pointer"));
+}
+
+#[test]
+fn what_a_clip_takes_away_is_not_met_and_a_surface_is() {
+    let clip = "clip = [{ kind = \"plane\", origin = [0.0, 0.0, 3.0], normal = [0.0, 0.0, -1.0] }]\n";
+    let mut hand = Hand::new(&TEXT.replace("engine = \"cpu\"\n", &format!("engine = \"cpu\"\n{clip}")));
+    let at = middle(&hand);
+    let hit = hover(&mut hand, at - vec2(0.0, 10.0));
+    assert!((hit.point.z - 3.0).abs() < 0.05, "the cut of the clip: {}", hit.point);
+    hand.click(at);
+    until(&mut hand, "nothing is picked", |hand| hand.said().contains("ray"));
+    let probed = hand.editor.scene().probed.clone().unwrap();
+    assert!(
+        probed.hit.as_ref().unwrap().point.z < 3.0 + 1e-6 && hand.said().starts_with("cell "),
+        "{}",
+        hand.said()
+    );
+    // A widget that nothing in the data meets leaves the slice alone.
+    let empty = with_slice().replace("centre = [150.0, 20.0]", "centre = [9000.0, 20.0]");
+    let mut hand = Hand::new(&empty);
+    let at = middle(&hand);
+    let hit = hover(&mut hand, at + vec2(0.0, 10.0));
+    assert!((hit.point.z + 4.0).abs() < 1e-4 && hit.cell.is_some(), "{hit:?}");
+}
+
+#[test]
+fn two_clicks_measure_a_length() {
+    let mut hand = Hand::new(TEXT);
+    let at = middle(&hand);
+    hand.click_on("measure");
+    let mut points = Vec::new();
+    for place in [at - vec2(15.0, 0.0), at + vec2(15.0, 5.0)] {
+        points.push(hover(&mut hand, place).point);
+        let count = points.len();
+        hand.click(place);
+        until(&mut hand, "no end comes", |hand| hand.editor.scene().measured.len() == count);
+    }
+    let length = points[0].distance(points[1]);
+    assert!(length > 1.0 && hand.editor.scene().measured[1].distance(points[1]) < 1e-6);
+    let words = crate::worker::short(length);
+    assert!(hand.said().starts_with(&format!("distance {words} ")), "{} {words}", hand.said());
+    hand.frames(2);
+    assert_eq!(hand.texts(&words).len(), 1, "at the line");
+    hand.click(at);
+    until(&mut hand, "no other begins", |hand| hand.editor.scene().measured.len() == 1);
+    hand.click_on("measure");
+    assert!(hand.editor.scene().probed.is_none() && hand.text() == TEXT);
+}
