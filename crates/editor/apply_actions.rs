@@ -2,6 +2,7 @@
 //! opened or made for data, saved, changed by another program, recovered after a crash.
 
 use crate::editor::{Editor, Making, Next, Panels};
+use crate::eyes;
 use crate::files::{Disk, FileDialog, Recover, age, ask, begun, free_path, is_pipeline};
 use crate::jobs::{Arrays, Job};
 use crate::picture::milliseconds;
@@ -32,6 +33,7 @@ impl Editor {
         match action {
             Action::Edit(label, edits) => self.edit(label, &edits),
             Action::Select(names) => self.select(names),
+            Action::ToggleEyes(names) => self.toggle_eyes(&names),
             Action::Show(name) => self.shown_node = Some(name),
             Action::MoveCamera(view) => self.look(view),
             Action::Probe(places, purpose) => self.probe(places, purpose),
@@ -176,6 +178,7 @@ impl Editor {
             Command::Shift(x, y) => self.shift([x, y].map(f64::from)),
             Command::Tidy | Command::Align(_) | Command::Frame | Command::Note => self.arrange_nodes(command),
             Command::Fold => self.fold(),
+            Command::Eye => self.toggle_eyes(&self.selection.clone()),
             Command::FitGraph => self.panels.graph.fit(),
             Command::Home => {
                 let bounds = self.worker.shown(|shown| shown.bounds);
@@ -329,6 +332,14 @@ impl Editor {
         let edits: Vec<Edit> = other.map(|name| Edit::Fold { node: name.clone(), folded }).collect();
         if !edits.is_empty() {
             self.edit(if folded { "fold" } else { "unfold" }.into(), &edits);
+        }
+    }
+
+    fn toggle_eyes(&mut self, names: &BTreeSet<String>) {
+        match &eyes::toggled(&self.document, &self.registry, names)[..] {
+            [] => self
+                .say("surfaces, annotations and clips can be taken out of the picture: select their nodes"),
+            edits => self.edit(edits[0].label(), edits),
         }
     }
 

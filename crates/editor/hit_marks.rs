@@ -46,8 +46,9 @@ fn words(scene: &Scene, view: View, hit: &Hit) -> String {
         ranges.get(&ArrayRef::Named(name)).map(|[low, high]| 1e-3 * (high - low))
     };
     let number = |x: f64, name| short_by(x, range(name).unwrap_or(f64::INFINITY));
-    let of_cell = |HitCell { number: cell, values: [s, g], .. }: &HitCell| {
-        format!("s {}   g {}   cell {}   ", number(*s, "s"), number(*g, "g"), with_commas(*cell))
+    let of_cell = |cell: &HitCell| {
+        let g = cell.g.map_or(String::new(), |g| format!("g {}   ", number(g, "g")));
+        format!("s {}   {g}cell {}   ", number(cell.s, "s"), with_commas(cell.number))
     };
     let point = hit.point.to_array().map(|x| short_by(x, 1e-3 * view.height())).join(", ");
     format!("{}at ({point})", hit.cell.as_ref().map_or(String::new(), of_cell))

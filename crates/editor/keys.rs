@@ -88,6 +88,13 @@ const COMMANDS: &[Binding] = {
         ("Graph", Frame, "Frame", &[(CTRL, Key::G)], "frame around the selected nodes"),
         ("Graph", Note, "Note", &[(NONE, Key::N)], "note in the graph"),
         ("Graph", Fold, "Fold", &[(NONE, Key::B)], "fold the selected nodes, or unfold them"),
+        (
+            "Graph",
+            Eye,
+            "Show in the picture, or not",
+            &[(NONE, Key::E)],
+            "take what the selected nodes add out of the picture, or bring it back",
+        ),
         ("Graph", FitGraph, "All into view", &[(NONE, Key::F)], "all nodes into view"),
         ("Align", Align(How::Left), "Left sides", &[(SHIFT, Key::L)], "align the selected nodes in a column"),
         ("Align", Align(How::Centre), "Middles in a column", &[], ""),

@@ -3,6 +3,7 @@
 mod apply_actions;
 mod blocks;
 mod editor;
+mod eyes;
 mod fields;
 mod files;
 mod first_arrays;

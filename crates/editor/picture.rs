@@ -1,5 +1,6 @@
 //! The picture: what the worker drew last, and the hand that moves the camera.
 
+use crate::eyes::left_out;
 use crate::handles::Handles;
 use crate::hit_marks;
 use crate::scene::{Action, Command, EARLIER, ProbePurpose, Scene, command_buttons};
@@ -363,7 +364,8 @@ pub(crate) fn status(ui: &mut Ui, scene: &Scene) {
         let engine = scene.report.as_ref().and_then(|report| report.engine.as_ref());
         let engine = engine.map_or(String::new(), |(engine, _)| format!(" · {engine}"));
         let earlier = if scene.is_earlier() { format!(" · {EARLIER}") } else { String::new() };
-        let text = format!("{width} × {height}{seconds}{engine}{earlier}");
+        let without = left_out(scene).map_or(String::new(), |text| format!(" · {text}"));
+        let text = format!("{width} × {height}{seconds}{engine}{earlier}{without}");
         ui.label(RichText::new(text).color(theme::weak(dark)));
     }
 }

@@ -1,6 +1,7 @@
 //! Probes of the picture: requests to the worker for what rays meet, and handling of its answers.
 
 use crate::editor::Editor;
+use crate::eyes::visible_nodes;
 use crate::scene::ProbePurpose;
 use crate::worker::{PixelProbe, ProbeQuery, VolumeSource, short, short_by};
 use glam::DVec3;
@@ -15,7 +16,7 @@ impl Editor {
     /// Rays through places of the picture, with the clips and surfaces that it is drawn with.
     fn probe_query(&self, places: Vec<[f64; 2]>) -> Option<ProbeQuery> {
         let ((look, output), camera) = (self.edited()?, self.camera()?);
-        let all = &self.document.pipeline().nodes;
+        let all = &*visible_nodes(&self.document, &self.registry);
         let mut names = upstream(all, self.shown_node.as_deref()?);
         let draws = |node: &&NodeEntry| {
             let declared = self.registry.node_type(node);

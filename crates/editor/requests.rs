@@ -1,6 +1,7 @@
 //! Requests to the worker, and handling of its answers.
 
 use crate::editor::{Answers, Editor};
+use crate::eyes::visible_nodes;
 use crate::jobs::{self, Arrays};
 use crate::scene::pictures;
 use crate::section;
@@ -98,9 +99,9 @@ impl Editor {
         size: Option<[u32; 2]>,
         coarse_first: bool,
     ) -> RenderRequest {
-        let all = &self.document.pipeline().nodes;
-        let (nodes, folder) = (links::feeding(all, node), self.document.folder());
-        let background = background(all, node);
+        let all = visible_nodes(&self.document, &self.registry);
+        let (nodes, folder) = (links::feeding(&all, node), self.document.folder());
+        let background = background(&all, node);
         RenderRequest { nodes, folder, node: node.to_string(), size, background, coarse_first }
     }
 

@@ -194,6 +194,8 @@ pub enum Action {
     Edit(String, Vec<Edit>),
     Select(BTreeSet<String>),
     Show(String),
+    /// Takes what nodes add out of the picture, or brings it back.
+    ToggleEyes(BTreeSet<String>),
     MoveCamera(View),
     /// The values at places of the picture are asked for (heights from its middle, to the right and up).
     Probe(Vec<[f64; 2]>, ProbePurpose),
@@ -260,6 +262,8 @@ pub enum Command {
     Tidy,
     Align(Align),
     Fold,
+    /// Takes what the selected nodes add out of the picture, or brings it back.
+    Eye,
     Frame,
     Note,
     FitGraph,

@@ -3,6 +3,7 @@
 mod movable;
 mod space;
 
+use crate::eyes::eye;
 use crate::scene::Scene;
 use crate::theme;
 use eframe::egui::{
@@ -12,6 +13,7 @@ use eframe::egui::{
 use movable::{Movable, PictureGrip};
 use std::rc::Rc;
 use voltet_document::links::upstream;
+use voltet_graph::NodeEntry;
 
 /// Side of the square in which the pointer takes hold of a grip, and radius of its mark, points.
 const GRIP: f32 = 16.0;
@@ -129,7 +131,8 @@ fn objects(scene: &Scene) -> Vec<Rc<dyn Movable>> {
     let (Some(shown), Some(view)) = (scene.shown_node, scene.view) else { return Vec::new() };
     let nodes = &scene.document.pipeline().nodes;
     let feeding = upstream(nodes, shown);
-    let in_picture = nodes.iter().filter(|node| feeding.contains(&node.name));
+    let is_drawn = |node: &NodeEntry| eye(scene, node) != Some(false);
+    let in_picture = nodes.iter().filter(|node| feeding.contains(&node.name) && is_drawn(node));
     let mut found = space::objects(scene, view, in_picture);
     let is_selected = |object: &Rc<dyn Movable>| scene.selection.contains(object.node());
     if found.iter().any(is_selected) {

@@ -182,7 +182,8 @@ impl TransferPanel {
         if let Some(cell) = look.scene.hovered.as_ref().and_then(|hit| hit.cell.as_ref())
             && look.is_of_s_and_g()
         {
-            plane::mark(ui, plane, [0, 1].map(|k: usize| look.scales[k].position(cell.values[k])));
+            let values = [cell.s, cell.g.unwrap_or(0.0)];
+            plane::mark(ui, plane, [0, 1].map(|k: usize| look.scales[k].position(values[k])));
         }
         // The one in hand above the others.
         let others = (0..look.widgets.len()).filter(|place| *place != self.chosen);

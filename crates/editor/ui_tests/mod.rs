@@ -2,6 +2,7 @@
 
 mod digits;
 mod earlier;
+mod eyes;
 mod files;
 mod first_steps;
 mod graph;

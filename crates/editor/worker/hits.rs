@@ -34,8 +34,10 @@ pub(crate) struct HitCell {
     pub number: usize,
     /// Corners of its tetrahedron, world units.
     pub corners: [DVec3; 4],
-    /// s and g at the point.
-    pub values: [f64; 2],
+    /// s at the point.
+    pub s: f64,
+    /// g at the point; none where the data have no gradient.
+    pub g: Option<f64>,
 }
 
 /// The first hit of a ray that was walked without surfaces. `ray`: its origin and unit direction, world units.
@@ -148,6 +150,6 @@ fn in_cell(volume: &Volume, cell: usize, point: DVec3) -> Option<(f64, HitCell)>
     let weights = [1.0 - b - c - d, b, c, d];
     let inside = weights.into_iter().fold(f64::INFINITY, f64::min);
     let of = |values: &[f64]| (0..4).map(|k| weights[k] * values[at[k]]).sum::<f64>();
-    let values = [of(&volume.scalar), volume.gradient_magnitude.as_ref().map_or(0.0, |g| of(g))];
-    inside.is_finite().then(|| (inside, HitCell { number: volume.grid.source_cell(cell), corners, values }))
+    let (s, g) = (of(&volume.scalar), volume.gradient_magnitude.as_ref().map(|g| of(g)));
+    inside.is_finite().then(|| (inside, HitCell { number: volume.grid.source_cell(cell), corners, s, g }))
 }
