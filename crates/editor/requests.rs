@@ -87,6 +87,9 @@ impl Editor {
         if let Some((look, hidden)) = self.panels.transfer.hidden() {
             retain_widgets(&mut wanted.nodes, look, |place| !hidden.contains(&place));
         }
+        if let Some((look, entry)) = self.panels.transfer.proposed() {
+            add_widget(&mut wanted.nodes, look, entry);
+        }
         if self.answers.asked.as_ref() != Some(&wanted) {
             self.answers.picture_number = self.worker.draw(wanted.clone());
             self.answers.asked = Some(wanted);
@@ -206,6 +209,15 @@ fn put_in_numbers(nodes: &mut [NodeEntry], look: &str, known: &DataScales) {
         // Only a path that leads nowhere is refused.
         let _ = node.set("widgets", &[], ParameterValue::List(list).into());
     }
+}
+
+/// Adds a widget to a transfer function.
+fn add_widget(nodes: &mut [NodeEntry], look: &str, entry: &ParameterValue) {
+    let Some(node) = nodes.iter_mut().find(|node| node.name == look) else { return };
+    let before = node.setting("widgets").and_then(|setting| setting.list()).unwrap_or_default();
+    let list = before.iter().cloned().chain([entry.clone().into()]).collect();
+    // Only a path that leads nowhere is refused.
+    let _ = node.set("widgets", &[], ParameterValue::List(list).into());
 }
 
 /// A picture of that shape with no more pixels than there is room for, and no more than it has.

@@ -31,6 +31,7 @@ pub(super) struct EditedFunction<'a> {
     /// Lengths of the axes of the data.
     pub extent: [f64; 2],
     pub plane: Plane,
+    images: &'a Images,
 }
 
 impl<'a> EditedFunction<'a> {
@@ -41,7 +42,7 @@ impl<'a> EditedFunction<'a> {
         axes: [ArrayRef; 2],
         plane: Option<Plane>,
         former_peak: Option<f64>,
-        images: &Images,
+        images: &'a Images,
     ) -> EditedFunction<'a> {
         let list = widgets_of(node);
         let found = scene.distribution.as_ref();
@@ -62,7 +63,18 @@ impl<'a> EditedFunction<'a> {
             if most > 0.0 { 1.1 * most } else { 1.0 }
         });
         let plane = Plane { rect: Rect::ZERO, shown: [[0.0, 1.0]; 2], extent: metric, peak };
-        EditedFunction { scene, actions: scene.actions, node, list, widgets, axes, scales, extent, plane }
+        EditedFunction {
+            scene,
+            actions: scene.actions,
+            node,
+            list,
+            widgets,
+            axes,
+            scales,
+            extent,
+            plane,
+            images,
+        }
     }
 
     pub fn histogram(&self) -> Option<&Histogram> {
@@ -71,6 +83,15 @@ impl<'a> EditedFunction<'a> {
 
     pub fn known(&self) -> Option<&DataScales> {
         self.scene.distribution.as_ref().map(|found| &found.known)
+    }
+
+    /// A widget's table as it lies in the plane.
+    pub fn on_plane(&self, fields: &[Field]) -> ScreenWidget {
+        let (axes, scales, extent) = (&self.axes, self.scales, self.plane.metric());
+        ScreenWidget::new(
+            fields,
+            &PlaneContext { axes, scales, extent, known: self.known(), images: self.images },
+        )
     }
 
     /// Sets of widgets that the file keeps, by their digits.
@@ -244,6 +265,21 @@ pub(super) fn at_probe(look: &EditedFunction, probed: &PixelProbe) -> Option<Par
     let k = kernel(&found, MIN_DEVIATION, 1.0, is_correlated);
     let extent = [0, 1].map(|k: usize| if found.extent[k] > 0.0 { found.extent[k] } else { 1.0 });
     Some(widget(look, gaussian(mean, &k, extent)))
+}
+
+/// Share of the values beyond each end of a proposed range.
+const LEFT_OUT_SHARE: f64 = 0.05;
+
+/// The ranges of s and g that hold most of the probed values, at least as wide as a hand can take hold of. `None` without values.
+pub(super) fn range_at_probe(look: &EditedFunction, probed: &PixelProbe) -> Option<ParameterValue> {
+    let found = probed.on(look.scales).ranges(LEFT_OUT_SHARE).filter(|_| look.is_of_s_and_g())?;
+    let wide = |axis: usize| {
+        let ([low, high], least) = (found[axis], 2.0 * MIN_DEVIATION * look.extent[axis]);
+        let aside = 0.5 * (least - (high - low)).max(0.0);
+        Field::new(["s", "g"][axis], list(&[low - aside, high + aside]))
+    };
+    let region = ParameterValue::Table(vec![wide(0), wide(1)]);
+    Some(widget(look, ("uniform", vec![("region", Some(region))])))
 }
 
 fn widget(look: &EditedFunction, (kind, numbers): (&str, Vec<Change>)) -> ParameterValue {

@@ -7,6 +7,7 @@ mod kinds;
 mod list;
 mod plane;
 mod pointer;
+mod proposals;
 mod relative;
 mod screen_widget;
 #[cfg(test)]
@@ -28,7 +29,7 @@ pub(crate) use relative::in_numbers;
 use screen_widget::{Drag, ScreenWidget};
 use std::collections::BTreeSet;
 use voltet_document::{Edit, Path};
-use voltet_graph::{ArrayRef, LocatedValue, find_setting};
+use voltet_graph::{ArrayRef, LocatedValue, ParameterValue, find_setting};
 
 /// Room for the numbers of the axes: left, below, and right where a curve has its own.
 const MARGIN: [f32; 3] = [52.0, 18.0, 44.0];
@@ -52,6 +53,8 @@ pub(crate) struct TransferPanel {
     drag: Option<Drag>,
     counts: Counts,
     images: Images,
+    /// Widget that the pointer is about to add.
+    proposed: Option<ParameterValue>,
     /// Widgets that the window's picture leaves out; the file keeps them.
     hidden: BTreeSet<usize>,
     of: Option<String>,
@@ -179,6 +182,7 @@ impl TransferPanel {
         if let Some(probed) = look.scene.probed.as_ref().filter(|_| look.is_of_s_and_g()) {
             plane::probed(ui, plane, &probed.on(look.scales));
         }
+        self.draw_proposal(ui, look);
         if let Some(cell) = look.scene.hovered.as_ref().and_then(|hit| hit.cell.as_ref())
             && look.is_of_s_and_g()
         {

@@ -29,6 +29,55 @@ fn a_box_in_the_picture_finds_the_values_on_its_rays() {
 }
 
 #[test]
+fn a_box_proposes_widgets_that_cover_what_is_seen_most_below_it() {
+    let mut hand = Hand::in_tall_window(TEXT);
+    with_distribution(&mut hand);
+    assert!(hand.texts("+ range").is_empty());
+    let middle = hand.named("picture picture");
+    let corner = middle - vec2(20.0, 15.0);
+    hand.drag_with(corner, middle + vec2(20.0, 15.0), PointerButton::Primary, Modifiers::ALT);
+    until(&mut hand, "no answer comes", |hand| hand.editor.scene().probed.is_some());
+    let probed = hand.editor.scene().probed.clone().unwrap();
+    assert_eq!(probed.heaviest.len(), probed.rays, "each ray meets something, once");
+    // What is seen most are values that the widget holds, not all that the rays pass.
+    let spread = |values: &[([f64; 2], f64)]| {
+        let s = values.iter().map(|(value, _)| value[0]);
+        s.clone().fold(0.0, f64::max) - s.fold(f64::INFINITY, f64::min)
+    };
+    assert!(spread(&probed.heaviest) < 0.6 * spread(&probed.values));
+    let picture = |hand: &Hand| hand.editor.worker().shown(|shown| shown.pixels.clone().unwrap().picture);
+    for (button, kind) in [("+ at probe", "gaussian"), ("+ range", "uniform")] {
+        hand.move_to(pos2(5.0, 400.0), Modifiers::NONE);
+        hand.settle();
+        let before = picture(&hand);
+        hand.frames(3);
+        let at = hand.texts(button)[0];
+        hand.move_to(at, Modifiers::NONE);
+        hand.frames(2);
+        hand.settle();
+        assert!(picture(&hand) != before, "{button}: the picture shows the proposal");
+        assert_eq!((hand.text(), hand.steps()), (TEXT.to_string(), 0), "{button}: and nothing else does");
+        hand.click(at);
+        hand.settle();
+        let widget = last_widget(&hand);
+        let find = |name: &str| widget.iter().find(|field| field.name == name).unwrap().setting.clone();
+        assert!(hand.steps() == 1 && find("kind").text() == Some(kind), "{}", hand.text());
+        if kind == "uniform" {
+            let region = find("region").table().unwrap().to_vec();
+            let [s, g] = ["s", "g"].map(|name| {
+                let range =
+                    region.iter().find(|field| field.name == name).unwrap().setting.numbers().unwrap();
+                range[0]..=range[1]
+            });
+            let held = probed.heaviest.iter().filter(|([x, y], _)| s.contains(x) && g.contains(y)).count();
+            assert!(held * 10 >= probed.rays * 8, "{held} of {}", probed.rays);
+        }
+        hand.key(Key::Z, Modifiers::COMMAND);
+        assert_eq!(hand.text(), TEXT);
+    }
+}
+
+#[test]
 fn values_in_the_section_make_a_widget_of_their_mean_and_covariance() {
     let mut hand = Hand::new(TEXT);
     with_distribution(&mut hand);

@@ -38,6 +38,8 @@ pub(crate) struct PixelProbe {
     pub rays: usize,
     /// Values [s, g] with their shares of what is seen (or of the way, where nothing is).
     pub values: Vec<([f64; 2], f64)>,
+    /// Segment of each ray that adds the most to the picture: its values [s, g], and the opacity that it adds. Rays that meet nothing have none.
+    pub heaviest: Vec<([f64; 2], f64)>,
     /// The point where the most is seen, world units; `None` where no ray meets a cell.
     pub point: Option<DVec3>,
     /// Place that is seen first, of a single ray.
@@ -67,6 +69,7 @@ impl ProbeQuery {
             probed.opacity += walk.seen.opacity / self.places.len() as f64;
             let all: f64 = walk.steps.iter().map(|step| step.contribution()[3]).sum();
             let way: f64 = walk.steps.iter().map(|step| step.length).sum();
+            let mut heaviest = ([0.0; 2], 0.0);
             let [start, direction] = tracer.world(&ray).map(DVec3::from);
             if let [_] = self.places[..] {
                 probed.hit = first_hit(&scene.volume, &forms, &walk, &surfaces, [start, direction]);
@@ -78,12 +81,16 @@ impl ProbeQuery {
                     0.5 * front.unwrap_or(0.0) + 0.5 * back.unwrap_or(0.0)
                 };
                 probed.values.push(([value(0), value(1)], share / self.places.len() as f64));
+                if step.contribution()[3] > heaviest.1 {
+                    heaviest = ([value(0), value(1)], step.contribution()[3]);
+                }
                 if share > seen_most {
                     seen_most = share;
                     let middle = 0.5 * (step.distance[0] + step.distance[1]);
                     probed.point = Some(start + middle * direction);
                 }
             }
+            probed.heaviest.extend((all > 1e-6).then_some(heaviest));
         }
         Ok(probed)
     }
@@ -102,26 +109,51 @@ impl Query for ProbeQuery {
 }
 
 impl PixelProbe {
-    /// The values at their positions on the axes of s and g; without those that have none.
+    /// Values that a widget is to cover: of several rays those that are seen most, of one ray or a section all.
+    pub fn gathered(&self) -> &[([f64; 2], f64)] {
+        if self.rays > 1 && !self.heaviest.is_empty() { &self.heaviest } else { &self.values }
+    }
+
+    /// The gathered values at their positions on the axes of s and g, as those of a section; without those that have none.
     pub fn on(&self, scales: [AxisScale; 2]) -> PixelProbe {
         let placed =
             |([s, g], share): &([f64; 2], f64)| ([scales[0].position(*s), scales[1].position(*g)], *share);
-        let values = self.values.iter().map(placed).filter(|(place, _)| place.iter().all(|x| x.is_finite()));
-        PixelProbe { values: values.collect(), ..self.clone() }
+        let values = self.gathered().iter().map(placed);
+        let values = values.filter(|(place, _)| place.iter().all(|x| x.is_finite())).collect();
+        PixelProbe { values, ..PixelProbe::default() }
     }
 
-    /// Mean and covariance of the values by their shares; `None` where there are none.
+    /// Mean and covariance of the gathered values by their shares; `None` where there are none.
     pub fn moments(&self) -> Option<([f64; 2], [[f64; 2]; 2])> {
-        let total: f64 = self.values.iter().map(|(_, share)| share).sum();
+        let gathered = self.gathered();
+        let total: f64 = gathered.iter().map(|(_, share)| share).sum();
         if total.is_nan() || total <= 0.0 {
             return None;
         }
         let mean =
-            |of: &dyn Fn([f64; 2]) -> f64| self.values.iter().map(|(v, w)| w * of(*v)).sum::<f64>() / total;
+            |of: &dyn Fn([f64; 2]) -> f64| gathered.iter().map(|(v, w)| w * of(*v)).sum::<f64>() / total;
         let centre = [mean(&|v| v[0]), mean(&|v| v[1])];
         let covariance = |i: usize, j: usize| mean(&|v| (v[i] - centre[i]) * (v[j] - centre[j]));
         let mixed = covariance(0, 1);
         Some((centre, [[covariance(0, 0).max(0.0), mixed], [mixed, covariance(1, 1).max(0.0)]]))
+    }
+
+    /// Ranges of s and g that leave out a share of the gathered values at each end.
+    pub fn ranges(&self, without: f64) -> Option<[[f64; 2]; 2]> {
+        let total: f64 = self.gathered().iter().map(|(_, share)| share).sum();
+        let end = |axis: usize, sign: f64| {
+            let mut values: Vec<(f64, f64)> =
+                self.gathered().iter().map(|(v, w)| (sign * v[axis], *w)).collect();
+            values.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let mut passed = 0.0;
+            let value = values.into_iter().find(|(_, share)| {
+                passed += share;
+                passed > without * total
+            });
+            value.map(|(value, _)| sign * value)
+        };
+        let range = |axis: usize| Some([end(axis, 1.0)?, end(axis, -1.0)?]);
+        Some([range(0)?, range(1)?])
     }
 }
 
@@ -257,6 +289,11 @@ mod tests {
         let (_, of_one) =
             PixelProbe { values: vec![([7.0, 2.0], 0.3)], ..PixelProbe::default() }.moments().unwrap();
         assert!(of_one.as_flattened().iter().all(|x| x.abs() < 1e-20), "{of_one:?}");
-        assert!(PixelProbe::default().moments().is_none());
+        assert!(PixelProbe::default().moments().is_none() && PixelProbe::default().ranges(0.1).is_none());
+        // Of several rays the heaviest segments count; a tenth of them at each end is left out.
+        let heaviest = (0..20).map(|k| ([f64::from(k), 3.0], 0.5)).collect();
+        let of_rays = PixelProbe { rays: 20, heaviest, ..PixelProbe::default() };
+        assert_eq!(of_rays.moments().unwrap().0, [9.5, 3.0]);
+        assert_eq!(of_rays.ranges(0.1), Some([[2.0, 17.0], [3.0, 3.0]]));
     }
 }
