@@ -1,6 +1,7 @@
-//! Handles in the picture: grips of clips and slices, which the pointer drags and keys move. What is moved is the parameters of their node.
+//! Handles in the picture: grips of clips, slices and annotations, which the pointer drags and keys move. What is moved is the parameters of their node.
 
 mod movable;
+mod notes;
 mod space;
 
 use crate::eyes::eye;
@@ -12,6 +13,7 @@ use eframe::egui::{
 };
 use movable::{Movable, PictureGrip};
 use std::rc::Rc;
+use voltet_document::Edit;
 use voltet_document::links::upstream;
 use voltet_graph::NodeEntry;
 
@@ -27,6 +29,8 @@ struct GripDrag {
     object: Rc<dyn Movable>,
     grip: usize,
     place: [f64; 2],
+    /// Edits that were made last: those that change nothing are not made.
+    last: Vec<Edit>,
 }
 
 /// The handles, with what a hand is doing to them.
@@ -90,7 +94,9 @@ impl Handles {
         let label = || format!("move the {}", object.name());
         if response.drag_started_by(PointerButton::Primary) {
             response.request_focus();
-            self.drag = Some(GripDrag { object: object.clone(), grip: grip.number, place: grip.place });
+            let (object, grip, place) = (object.clone(), grip.number, grip.place);
+            let last = object.moved(grip, place);
+            self.drag = Some(GripDrag { object, grip, place, last });
         }
         if response.dragged_by(PointerButton::Primary)
             && let Some(drag) = &mut self.drag
@@ -99,7 +105,11 @@ impl Handles {
             if by != Vec2::ZERO {
                 drag.place[0] += times * f64::from(by.x);
                 drag.place[1] -= times * f64::from(by.y);
-                scene.actions.edits(label(), drag.object.moved(drag.grip, drag.place));
+                let edits = drag.object.moved(drag.grip, drag.place);
+                if edits != drag.last {
+                    drag.last = edits.clone();
+                    scene.actions.edits(label(), edits);
+                }
             }
         }
         if response.drag_stopped() {
@@ -126,19 +136,20 @@ fn arrows(ui: &Ui, response: &Response) -> [f64; 2] {
     })
 }
 
-/// The objects that have handles: those of the selected nodes; without any, the only one of the picture.
+/// The objects that have handles: those of the selected nodes; without a clip or slice among these, the only one of the picture.
 fn objects(scene: &Scene) -> Vec<Rc<dyn Movable>> {
     let (Some(shown), Some(view)) = (scene.shown_node, scene.view) else { return Vec::new() };
     let nodes = &scene.document.pipeline().nodes;
     let feeding = upstream(nodes, shown);
     let is_drawn = |node: &NodeEntry| eye(scene, node) != Some(false);
     let in_picture = nodes.iter().filter(|node| feeding.contains(&node.name) && is_drawn(node));
-    let mut found = space::objects(scene, view, in_picture);
-    let is_selected = |object: &Rc<dyn Movable>| scene.selection.contains(object.node());
-    if found.iter().any(is_selected) {
-        found.retain(is_selected);
+    let mut found = space::objects(scene, view, in_picture.clone());
+    let is_selected = |node: &str| scene.selection.contains(node);
+    if found.iter().any(|object| is_selected(object.node())) {
+        found.retain(|object| is_selected(object.node()));
     } else if found.len() > 1 {
         found.clear();
     }
+    found.extend(notes::objects(scene, in_picture.filter(|node| is_selected(&node.name))));
     found
 }

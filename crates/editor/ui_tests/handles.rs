@@ -155,3 +155,39 @@ fn a_slice_is_dragged_and_shares_of_the_data_stay_shares() {
     hand.frames(3);
     assert!(hand.sees("plane of cut: position") && !hand.sees("plane of clip: position"));
 }
+
+#[test]
+fn texts_and_the_scale_of_an_annotation_are_brought_to_where_they_are_to_stand() {
+    let figure = "[nodes.figure]\ntype = \"annotation\"\nbar_range = [0.0, 300.0] # by hand\n\
+                  texts = [{ kind = \"point\", text = \"here\", at = [0.5, 0.5] }, { kind = \"border\", text = \"there\" }]\n\
+                  inputs = { image = \"picture\", transfer_function = \"look\", volume = \"gradient\" }\n\n[nodes.file]";
+    let text = TEXT.replace("[nodes.file]", figure);
+    let mut hand = Hand::new(&text);
+    assert!(!hand.sees("figure: bar"), "its node is not selected");
+    hand.editor.selection = ["figure".to_string()].into();
+    hand.frames(3);
+    let picture = hand.editor.panels.picture.rect.unwrap();
+    assert!(hand.named("figure: text 1").distance(picture.center()) < 0.5);
+    hand.drag(picture.center(), picture.left_top() + picture.size() * vec2(0.25, 0.75));
+    hand.drag(hand.named("figure: text 2"), picture.right_top() + vec2(-30.0, 20.0));
+    // Not far enough for another side.
+    let bar = hand.named("figure: bar");
+    hand.drag(bar, bar - vec2(30.0, 0.0));
+    assert!(hand.steps() == 2 && !hand.text().contains("bar = "), "{}", hand.text());
+    hand.drag(bar, picture.center_bottom() - vec2(0.0, 20.0));
+    let written = hand.text();
+    assert!(written.contains("at = [0.25, 0.75]") && written.contains("at = \"top-right\""), "{written}");
+    assert!(written.contains("bar = \"bottom\"") && written.contains("# by hand"), "{written}");
+    assert_eq!(hand.steps(), 3);
+    hand.settle();
+    assert!(hand.editor.scene().failure.is_none(), "{:?}", hand.editor.scene().failure);
+    // By keys: the next place of three, a hundredth of the picture, the other side.
+    for (name, key) in [("text 2", Key::ArrowLeft), ("text 1", Key::ArrowRight), ("bar", Key::ArrowUp)] {
+        hand.click_on(&format!("figure: {name}"));
+        hand.key(key, Modifiers::NONE);
+        hand.frames(2);
+    }
+    let written = hand.text();
+    assert!(written.contains("at = [0.26, 0.75]") && written.contains("at = \"top\""), "{written}");
+    assert!(written.contains("bar = \"top\""), "{written}");
+}

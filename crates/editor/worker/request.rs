@@ -143,7 +143,7 @@ fn find<'a>(nodes: &'a [NodeEntry], name: &str) -> Option<&'a NodeEntry> {
 }
 
 /// Parameters that handles in the picture move.
-const HANDLED: [&str; 4] = ["clip", "origin", "normal", "radius"];
+const HANDLED: [&str; 6] = ["clip", "origin", "normal", "radius", "bar", "texts"];
 
 /// True if two states of a node differ in numbers that the pointer moves in the picture or over the histogram.
 fn is_movement(before: &NodeEntry, now: &NodeEntry) -> bool {
