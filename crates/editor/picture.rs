@@ -9,8 +9,9 @@ use crate::view::View;
 use crate::worker::Pixels;
 use eframe::egui::scroll_area::ScrollSource;
 use eframe::egui::{
-    Align2, Color32, ColorImage, ComboBox, FontId, PointerButton, Pos2, Rect, Response, RichText, ScrollArea,
-    Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, WidgetType, pos2, vec2,
+    Align2, Color32, ColorImage, ComboBox, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, RichText,
+    ScrollArea, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, WidgetType,
+    pos2, vec2,
 };
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -113,7 +114,12 @@ impl PicturePanel {
         let name = format!("picture {}", scene.shown_node.unwrap_or("none"));
         response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, &name));
         response.context_menu(|ui| command_buttons(ui, scene.actions, PICTURE_MENU));
-        response.on_hover_cursor(eframe::egui::CursorIcon::Grab);
+        match scene.view {
+            // Nothing follows the hand.
+            None => {}
+            Some(_) if self.boxes || self.measures => drop(response.on_hover_cursor(CursorIcon::Crosshair)),
+            Some(_) => drop(response.on_hover_cursor(CursorIcon::Grab)),
+        }
     }
 
     pub fn texture_of(&self, scene: &Scene, node: &str) -> Option<TextureHandle> {

@@ -245,8 +245,9 @@ fn circle(centre: DVec3, axis: DVec3, radius: f64) -> Vec<DVec3> {
 fn cylinder([from, to]: [DVec3; 2], radius: f64) -> Vec<Vec<DVec3>> {
     let axis = unit_vector(to - from);
     let ends = [from, to].map(|end| circle(end, axis, radius));
-    let sides = (0..4).map(|k| ends.each_ref().map(|end| end[k * ROUND / 4]).to_vec());
-    ends.to_vec().into_iter().chain(sides).collect()
+    let side = |k: usize| ends.each_ref().map(|end| end[k * ROUND / 4]).to_vec();
+    let sides: Vec<Vec<DVec3>> = (0..4).map(side).collect();
+    ends.into_iter().chain(sides).collect()
 }
 
 impl Object {

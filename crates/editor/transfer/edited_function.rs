@@ -5,7 +5,7 @@ use super::images::Images;
 use super::kinds::{PlaneContext, gaussian, gaussian_over};
 use super::plane::{Change, Plane, S_AND_G, list, middle};
 use super::relative::{self, PlaneAxes};
-use super::screen_widget::{self, ScreenWidget};
+use super::screen_widget::{self, Grip, ScreenWidget};
 use crate::scene::{Actions, Scene};
 use crate::worker::{DataScales, PixelProbe};
 use eframe::egui::Rect;
@@ -31,6 +31,8 @@ pub(super) struct EditedFunction<'a> {
     /// Lengths of the axes of the data.
     pub extent: [f64; 2],
     pub plane: Plane,
+    /// Grips of each widget in the plane.
+    pub grips: Vec<Vec<Grip>>,
     images: &'a Images,
 }
 
@@ -63,18 +65,14 @@ impl<'a> EditedFunction<'a> {
             if most > 0.0 { 1.1 * most } else { 1.0 }
         });
         let plane = Plane { rect: Rect::ZERO, shown: [[0.0, 1.0]; 2], extent: metric, peak };
-        EditedFunction {
-            scene,
-            actions: scene.actions,
-            node,
-            list,
-            widgets,
-            axes,
-            scales,
-            extent,
-            plane,
-            images,
-        }
+        let (actions, grips) = (scene.actions, Vec::new());
+        EditedFunction { scene, actions, node, list, widgets, axes, scales, extent, plane, grips, images }
+    }
+
+    /// Takes the plane of this frame, in which the widgets' grips lie.
+    pub fn place_on(&mut self, plane: Plane) {
+        self.plane = plane;
+        self.grips = self.widgets.iter().map(|widget| widget.grips(&plane)).collect();
     }
 
     pub fn histogram(&self) -> Option<&Histogram> {

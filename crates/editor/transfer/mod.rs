@@ -150,7 +150,7 @@ impl TransferPanel {
             pos2(whole.right() - if has_curve { MARGIN[2] } else { 8.0 }, whole.bottom() - MARGIN[1]),
         );
         let shown = self.shown.or_else(|| look.histogram().map(plane::whole));
-        look.plane = Plane { rect, shown: shown.unwrap_or([[0.0, 1.0]; 2]), ..look.plane };
+        look.place_on(Plane { rect, shown: shown.unwrap_or([[0.0, 1.0]; 2]), ..look.plane });
         self.plane = Some(look.plane);
         self.draw(ui, &look);
         if has_curve {
@@ -195,7 +195,7 @@ impl TransferPanel {
             let Some(widget) = look.widgets.get(place) else { continue };
             let hovered = self.hovered.filter(|(known, _)| *known == place && self.drag.is_none());
             let handle = hovered.and_then(|(_, handle)| handle).or(self.held);
-            let handles = (place == self.chosen).then_some(handle);
+            let handles = (place == self.chosen).then_some((&look.grips[place][..], handle));
             screen_widget::draw(ui, plane, widget, handles, self.hidden.contains(&place));
         }
         if look.scene.distribution.is_none() {
@@ -227,9 +227,8 @@ impl TransferPanel {
         let [x, y] = look.axes.each_ref().map(axis_name);
         let name = format!("plane of {x} and {y}");
         response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, &name));
-        let Some(widget) = look.widgets.get(self.chosen) else { return };
-        for screen_widget::Grip { handle, place, .. } in widget.grips(&look.plane) {
-            let rect = Rect::from_center_size(place, vec2(10.0, 10.0));
+        for screen_widget::Grip { handle, place, .. } in look.grips.get(self.chosen).into_iter().flatten() {
+            let rect = Rect::from_center_size(*place, vec2(10.0, 10.0));
             let name = format!("{} of widget {}", handle.name(), self.chosen + 1);
             let grip = ui.interact(rect, ui.id().with((name.as_str(), "grip")), Sense::empty());
             grip.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, &name));
