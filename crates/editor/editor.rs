@@ -241,7 +241,7 @@ impl Editor {
                 distribution: distribution.and_then(|found| found.as_ref().ok().cloned()),
                 distribution_fault: distribution.and_then(|found| found.as_ref().err().cloned()),
                 probed: self.answers.probed.as_ref().map(|(_, found)| found.clone()),
-                hovered: shown.hover.last().and_then(|found| found.as_ref().ok()?.hit.clone()),
+                hovered: shown.hover.asked().and_then(|_| shown.hover.last()?.as_ref().ok()?.hit.clone()),
                 measured: &self.answers.measured,
                 share: shown.share.answer().filter(|_| is_newest).cloned(),
                 section: shown.section.last().cloned(),

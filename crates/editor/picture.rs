@@ -108,7 +108,12 @@ impl PicturePanel {
             triad(ui, picture.intersect(ui.clip_rect()), view);
             self.hand(ui, scene, &response, view);
         }
-        self.hovered = scene.view.and_then(|_| hovered(ui, &response, picture, self.hovered));
+        let before = self.hovered;
+        self.hovered = scene.view.and_then(|_| hovered(ui, &response, picture, before));
+        if before.is_some() && self.hovered.is_none() {
+            // Its words and its mark are gone in the next frame.
+            ui.ctx().request_repaint();
+        }
         hit_marks::show(ui, scene, picture, self.measures);
         self.handles.show(ui, scene, picture);
         let name = format!("picture {}", scene.shown_node.unwrap_or("none"));
