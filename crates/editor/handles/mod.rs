@@ -97,19 +97,17 @@ impl Handles {
             let (object, grip, place) = (object.clone(), grip.number, grip.place);
             let last = object.moved(grip, place);
             self.drag = Some(GripDrag { object, grip, place, last });
-        }
-        if response.dragged_by(PointerButton::Primary)
+        } else if response.dragged_by(PointerButton::Primary)
             && let Some(drag) = &mut self.drag
         {
+            // In the frame of the press the pointer may have come from far away.
             let by = response.drag_delta() / height.max(1.0);
-            if by != Vec2::ZERO {
-                drag.place[0] += times * f64::from(by.x);
-                drag.place[1] -= times * f64::from(by.y);
-                let edits = drag.object.moved(drag.grip, drag.place);
-                if edits != drag.last {
-                    drag.last = edits.clone();
-                    scene.actions.edits(label(), edits);
-                }
+            drag.place[0] += times * f64::from(by.x);
+            drag.place[1] -= times * f64::from(by.y);
+            let edits = drag.object.moved(drag.grip, drag.place);
+            if edits != drag.last {
+                drag.last = edits.clone();
+                scene.actions.edits(label(), edits);
             }
         }
         if response.drag_stopped() {

@@ -56,6 +56,26 @@ fn a_plane_is_moved_along_its_normal_by_its_grip_in_one_step_and_the_picture_fol
     assert_eq!((hand.text(), picture(&hand)), (text, before));
 }
 
+/// Slow frames hold the way to the grip and the press on it.
+#[test]
+fn a_press_in_the_frame_in_which_the_pointer_comes_moves_nothing() {
+    let mut hand = Hand::new(&with_clips(PLANE));
+    let grip = hand.named("plane of clip: position");
+    hand.move_to(hand.named("node look"), Modifiers::NONE);
+    hand.at = grip;
+    let button = |pressed| Event::PointerButton {
+        pos: grip,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    hand.frame(vec![Event::PointerMoved(grip), button(true)], Modifiers::NONE);
+    hand.frames(2);
+    hand.frame(vec![button(false)], Modifiers::NONE);
+    assert_eq!(of_clip(&hand, 0, "origin"), DVec3::new(1.0, 2.0, -1.0));
+    assert_eq!(hand.steps(), 0);
+}
+
 #[test]
 fn the_tip_of_the_arrow_turns_a_plane_about_its_middle() {
     let mut hand = Hand::new(&with_clips(PLANE));
