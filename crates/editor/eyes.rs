@@ -93,6 +93,9 @@ pub(crate) fn left_out(scene: &Scene) -> Option<String> {
     let closed: Vec<&NodeEntry> = nodes.iter().filter(is_closed).collect();
     match closed[..] {
         [] => None,
+        [one] if addition(one, scene.registry) == Some(Addition::Clips) => {
+            Some(format!("without the clips of '{}'", one.name))
+        }
         [one] => Some(format!("without '{}'", one.name)),
         _ => Some(format!("without {}", counted(closed.len(), "node"))),
     }
