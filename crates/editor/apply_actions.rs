@@ -14,7 +14,7 @@ use glam::DVec3;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::{Duration, Instant};
-use voltet_core::Result;
+use voltet_core::{Result, counted};
 use voltet_document::arrange::{PlacedNode, align, tidy};
 use voltet_document::{Annotation, AnnotationId, Document, Edit, Recovery};
 use voltet_graph::NodeEntry;
@@ -339,7 +339,16 @@ impl Editor {
         match &eyes::toggled(&self.document, &self.registry, names)[..] {
             [] => self
                 .say("surfaces, annotations and clips can be taken out of the picture: select their nodes"),
-            edits => self.edit(edits[0].label(), edits),
+            [one] => self.edit_one(one.clone()),
+            edits => {
+                let is_out = edits.iter().any(|edit| matches!(edit, Edit::Hide { hidden: true, .. }));
+                let nodes = counted(edits.len(), "node");
+                let label = match is_out {
+                    true => format!("take {nodes} out of the picture"),
+                    false => format!("bring {nodes} back into the picture"),
+                };
+                self.edit(label, edits);
+            }
         }
     }
 

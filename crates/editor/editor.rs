@@ -70,6 +70,8 @@ pub(crate) struct Answers {
     /// The picture that was asked for last, and its number.
     pub asked: Option<RenderRequest>,
     pub picture_number: u64,
+    /// True if it is drawn with a widget that is proposed.
+    pub proposes: bool,
     /// Use of a probe that is waited for.
     pub probing: Option<ProbePurpose>,
     /// Points of the length that is measured, at most two; world units.
@@ -241,7 +243,9 @@ impl Editor {
                 distribution: distribution.and_then(|found| found.as_ref().ok().cloned()),
                 distribution_fault: distribution.and_then(|found| found.as_ref().err().cloned()),
                 probed: self.answers.probed.as_ref().map(|(_, found)| found.clone()),
-                hovered: shown.hover.asked().and_then(|_| shown.hover.last()?.as_ref().ok()?.hit.clone()),
+                hovered: shown.hover.answer().and_then(|found| found.as_ref().ok()?.hit.clone()),
+                hovered_in: shown.hover.asked().map(|asked| asked.source.output.clone()),
+                proposes: self.answers.proposes,
                 measured: &self.answers.measured,
                 share: shown.share.answer().filter(|_| is_newest).cloned(),
                 section: shown.section.last().cloned(),

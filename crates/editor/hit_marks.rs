@@ -1,4 +1,4 @@
-//! MarkPainter over the picture: the place that is seen first under the pointer, the cell that was picked, and a length between two points.
+//! Marks over the picture: the place that is seen first under the pointer, the cell that was picked, and a length between two points.
 
 use crate::scene::Scene;
 use crate::theme;

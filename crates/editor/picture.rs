@@ -53,7 +53,7 @@ pub(crate) struct PicturePanel {
     boxed: Option<Pos2>,
     /// True if clicks are the ends of a length.
     measures: bool,
-    /// Place under the pointer, where it rested last.
+    /// Place under the pointer, where it rests.
     pub hovered: Option<[f64; 2]>,
     handles: Handles,
     /// True if each pixel of the picture is one of the screen.
@@ -83,6 +83,11 @@ impl PicturePanel {
         }
     }
 
+    /// True while a hand holds a grip in the picture.
+    pub fn holds_grip(&self) -> bool {
+        self.handles.is_held()
+    }
+
     /// The picture of a size, points, else as large as fits.
     fn image(&mut self, ui: &mut Ui, scene: &Scene, own: Option<Vec2>) {
         let least = own.unwrap_or(vec2(16.0, 16.0));
@@ -104,6 +109,14 @@ impl PicturePanel {
             ui.painter().image(texture.id(), picture, WHOLE, theme::tint(scene.is_earlier()));
         }
         self.over(ui, scene, rect);
+        let bare = response.clone();
+        // A hand that probes or measures takes hold of nothing.
+        let response = if scene.view.is_some() && !self.boxes && !self.measures {
+            self.handles.show(ui, scene, picture, response)
+        } else {
+            self.handles = Handles::default();
+            response
+        };
         if let Some(view) = scene.view {
             triad(ui, picture.intersect(ui.clip_rect()), view);
             self.hand(ui, scene, &response, view);
@@ -115,15 +128,14 @@ impl PicturePanel {
             ui.ctx().request_repaint();
         }
         hit_marks::show(ui, scene, picture, self.measures);
-        self.handles.show(ui, scene, picture);
         let name = format!("picture {}", scene.shown_node.unwrap_or("none"));
         response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, &name));
         response.context_menu(|ui| command_buttons(ui, scene.actions, PICTURE_MENU));
         match scene.view {
             // Nothing follows the hand.
             None => {}
-            Some(_) if self.boxes || self.measures => drop(response.on_hover_cursor(CursorIcon::Crosshair)),
-            Some(_) => drop(response.on_hover_cursor(CursorIcon::Grab)),
+            Some(_) if self.boxes || self.measures => drop(bare.on_hover_cursor(CursorIcon::Crosshair)),
+            Some(_) => drop(bare.on_hover_cursor(CursorIcon::Grab)),
         }
     }
 
@@ -315,7 +327,10 @@ impl PicturePanel {
 /// Time for which the pointer rests before what is under it is asked for, seconds: none while it only passes.
 const REST: f32 = 0.05;
 
-/// The place of the picture where a pointer over it rested last, in heights from its middle, to the right and up.
+/// Movement of a hand that rests, points.
+const STILL: f64 = 2.0;
+
+/// The place of the picture where a pointer over it rests, in heights from its middle, to the right and up.
 fn hovered(ui: &Ui, response: &Response, picture: Rect, before: Option<[f64; 2]>) -> Option<[f64; 2]> {
     let at = response.hover_pos().filter(|at| picture.contains(*at))?;
     let (rest, is_down) =
@@ -323,12 +338,14 @@ fn hovered(ui: &Ui, response: &Response, picture: Rect, before: Option<[f64; 2]>
     if is_down {
         return None;
     }
+    let from = (at - picture.center()) / picture.height().max(1.0);
+    let place = [f64::from(from.x), -f64::from(from.y)];
     if rest < REST {
         ui.ctx().request_repaint_after(Duration::from_secs_f32(REST - rest));
-        return before;
+        let way = |before: &[f64; 2]| (before[0] - place[0]).hypot(before[1] - place[1]);
+        return before.filter(|before| way(before) * f64::from(picture.height()) < STILL);
     }
-    let from = (at - picture.center()) / picture.height().max(1.0);
-    Some([f64::from(from.x), -f64::from(from.y)])
+    Some(place)
 }
 
 /// Length of an axis of the triad, and its distance from the corner, points.
@@ -376,7 +393,8 @@ pub(crate) fn status(ui: &mut Ui, scene: &Scene) {
         let engine = engine.map_or(String::new(), |(engine, _)| format!(" · {engine}"));
         let earlier = if scene.is_earlier() { format!(" · {EARLIER}") } else { String::new() };
         let without = left_out(scene).map_or(String::new(), |text| format!(" · {text}"));
-        let text = format!("{width} × {height}{seconds}{engine}{earlier}{without}");
+        let proposed = if scene.proposes { " · with a proposed widget" } else { "" };
+        let text = format!("{width} × {height}{seconds}{engine}{earlier}{without}{proposed}");
         ui.label(RichText::new(text).color(theme::weak(dark)));
     }
 }

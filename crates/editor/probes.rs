@@ -3,6 +3,7 @@
 use crate::editor::Editor;
 use crate::eyes::visible_nodes;
 use crate::scene::ProbePurpose;
+use crate::transfer;
 use crate::worker::{PixelProbe, ProbeQuery, VolumeSource, short, short_by};
 use glam::DVec3;
 use std::sync::Arc;
@@ -15,7 +16,7 @@ use voltet_nodes::drawing;
 impl Editor {
     /// Rays through places of the picture, with the clips and surfaces that it is drawn with.
     fn probe_query(&self, places: Vec<[f64; 2]>) -> Option<ProbeQuery> {
-        let ((look, output), camera) = (self.edited()?, self.camera()?);
+        let ((look, output), camera) = (transfer::drawn_with(&self.scene())?, self.camera()?);
         let all = &*visible_nodes(&self.document, &self.registry);
         let mut names = upstream(all, self.shown_node.as_deref()?);
         let draws = |node: &&NodeEntry| {
@@ -31,7 +32,9 @@ impl Editor {
         let surfaces = of_surfaces.flat_map(links::sources).map(str::to_string).collect();
         names.extend(upstream(all, links::source(&output, all).0));
         names.extend(upstream(all, &look.name));
-        let nodes = all.iter().filter(|node| names.contains(&node.name)).cloned().collect();
+        let mut nodes: Vec<NodeEntry> =
+            all.iter().filter(|node| names.contains(&node.name)).cloned().collect();
+        self.put_shown_widgets(&mut nodes);
         let source = VolumeSource { nodes, folder: self.document.folder(), output };
         let (look, camera) = (look.name.clone(), camera.name.clone());
         Some(ProbeQuery { source, look, camera, clips, surfaces, places })
@@ -49,7 +52,7 @@ impl Editor {
     /// Asks for what is seen first under the pointer; a request for another place takes the place of one that is still open.
     pub(crate) fn find_hovered(&self) {
         match self.panels.picture.hovered.and_then(|place| self.probe_query(vec![place])) {
-            Some(wanted) => self.worker.ask(|output| &mut output.hover, wanted),
+            Some(wanted) => self.worker.ask_hover(wanted),
             None => self.worker.forget_query(|output| &mut output.hover),
         }
     }
@@ -101,20 +104,21 @@ impl Editor {
         let place = match found.rays {
             0 => "in the section".to_string(),
             1 => "on the ray".to_string(),
-            rays => format!("on {rays} rays"),
+            rays if found.heaviest.is_empty() => format!("on {rays} rays"),
+            rays => format!("on {rays} rays, the most visible of each"),
         };
         let cell = found.hit.as_ref().and_then(|hit| hit.cell.as_ref());
         let cell = cell.map_or(String::new(), |cell| format!("cell {}; ", with_commas(cell.number)));
         let text = match found.moments() {
             Some(([s, g], [[ss, _], [_, gg]])) => format!(
                 "{cell}{} values {place}: s {} ± {}, g {} ± {}; \"+ at probe\" makes a widget of them",
-                found.values.len(),
+                found.gathered().len(),
                 short_by(s, 0.1 * ss.sqrt()),
                 short(ss.sqrt()),
                 short_by(g, 0.1 * gg.sqrt()),
                 short(gg.sqrt()),
             ),
-            None if cell.is_empty() => format!("no cell is met {place}"),
+            None if cell.is_empty() && found.opacity == 0.0 => format!("no cell is met {place}"),
             None => format!("{cell}surfaces alone are met {place}"),
         };
         self.say(text);

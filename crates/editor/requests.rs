@@ -84,16 +84,26 @@ impl Editor {
         if let (Some(look), Some(found)) = (self.panels.transfer.dragged(), self.scene().distribution) {
             put_in_numbers(&mut wanted.nodes, look, &found.known);
         }
-        if let Some((look, hidden)) = self.panels.transfer.hidden() {
-            retain_widgets(&mut wanted.nodes, look, |place| !hidden.contains(&place));
-        }
-        if let Some((look, entry)) = self.panels.transfer.proposed() {
-            add_widget(&mut wanted.nodes, look, entry);
-        }
+        self.answers.proposes = self.put_shown_widgets(&mut wanted.nodes);
+        // That a hand lets go of a grip asks for no other picture.
+        wanted.is_dragged = self.answers.asked.as_ref().is_some_and(|asked| asked.is_dragged);
         if self.answers.asked.as_ref() != Some(&wanted) {
+            wanted.is_dragged = self.panels.picture.holds_grip();
             self.answers.picture_number = self.worker.draw(wanted.clone());
             self.answers.asked = Some(wanted);
         }
+    }
+
+    /// Leaves out the widgets that the window's picture is drawn without, and adds the one that is proposed; whether there is one.
+    pub(crate) fn put_shown_widgets(&self, nodes: &mut [NodeEntry]) -> bool {
+        if let Some((look, hidden)) = self.panels.transfer.hidden() {
+            retain_widgets(nodes, look, |place| !hidden.contains(&place));
+        }
+        let proposed = self.panels.transfer.proposed();
+        if let Some((look, entry)) = proposed {
+            add_widget(nodes, look, entry);
+        }
+        proposed.is_some()
     }
 
     pub(crate) fn render_request(
@@ -105,7 +115,8 @@ impl Editor {
         let all = visible_nodes(&self.document, &self.registry);
         let (nodes, folder) = (links::feeding(&all, node), self.document.folder());
         let background = background(&all, node);
-        RenderRequest { nodes, folder, node: node.to_string(), size, background, coarse_first }
+        let node = node.to_string();
+        RenderRequest { nodes, folder, node, size, background, coarse_first, is_dragged: false }
     }
 
     /// The transfer function that is edited, and the output that gives the volume that it is drawn with.

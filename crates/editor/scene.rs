@@ -47,6 +47,10 @@ pub(crate) struct Scene<'a> {
     pub probed: Option<Arc<PixelProbe>>,
     /// Place that is seen first under the pointer in the picture.
     pub hovered: Option<Hit>,
+    /// The output that gives the volume in which it is looked for.
+    pub hovered_in: Option<String>,
+    /// True if the picture is drawn with a widget that is proposed.
+    pub proposes: bool,
     /// Points of the length that is measured, world units.
     pub measured: &'a [DVec3],
     /// Contribution of the selected widget to the picture, or an error message; `None` while unknown.

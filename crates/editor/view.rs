@@ -25,8 +25,12 @@ pub struct View {
     pub projection: Projection,
 }
 
-/// Square of the sine of the angle between a line and a ray below which the ray says nothing of places along the line: 3 degrees.
-const END_ON: f64 = 3e-3;
+/// Square of the sine of the angle between a line and the sight of a point on it below which places in the picture say nothing of places along
+/// the line: 8 degrees.
+const END_ON: f64 = 0.02;
+
+/// Least depth to which a point is moved towards the eye, as a share of its own.
+const BEFORE_EYE: f64 = 0.05;
 
 impl View {
     /// The view that a camera node states by eye and target; `None` where it states none, or one that is not sound.
@@ -105,7 +109,7 @@ impl View {
     }
 
     /// Origin and unit direction of the ray through a place of the picture, world units.
-    fn ray(&self, [right, up]: [f64; 2]) -> Option<[DVec3; 2]> {
+    pub fn ray(&self, [right, up]: [f64; 2]) -> Option<[DVec3; 2]> {
         let axes = self.axes()?;
         let aside = axes.pixel * (right * axes.right + up * axes.up);
         Some(match self.projection {
@@ -114,17 +118,38 @@ impl View {
         })
     }
 
-    /// The point on a line through `from` that is nearest to what is seen at a place. A line that points at the eye moves with the hand: up is
-    /// along its unit direction.
-    pub fn on_line(&self, from: DVec3, direction: DVec3, place: [f64; 2]) -> Option<DVec3> {
-        let [eye, ray] = self.ray(place)?;
-        let (between, cosine) = (from - eye, direction.dot(ray));
-        let along = if 1.0 - cosine * cosine > END_ON {
-            (cosine * ray.dot(between) - direction.dot(between)) / (1.0 - cosine * cosine)
-        } else {
-            (place[1] - self.place(from)?[1]) * self.height()
+    /// The point on a line through `from`, before the eye, that is seen nearest to a place, at most `reach` away (world units). It goes one way
+    /// along the unit direction while the place does along the line's picture, also beyond the vanishing point. A line that points at the eye
+    /// moves with the hand: up is along its direction.
+    pub fn on_line(&self, from: DVec3, direction: DVec3, place: [f64; 2], reach: f64) -> Option<DVec3> {
+        let (axes, at) = (self.axes()?, self.place(from)?);
+        let [_, sight] = self.ray(at)?;
+        let by = [place[0] - at[0], place[1] - at[1]];
+        let cosine = direction.dot(sight);
+        // Depth, and height of the picture there; both change along the line in perspective.
+        let depth = (from - self.eye).dot(axes.forward);
+        let (height, recedes) = match self.projection {
+            Projection::Perspective { .. } => (axes.pixel * depth, direction.dot(axes.forward) / depth),
+            Projection::Orthographic { height } => (height, 0.0),
         };
-        Some(from + along * direction)
+        let along = if 1.0 - cosine * cosine > END_ON {
+            // The place is at + along · step / (1 + along · recedes).
+            let across = [direction.dot(axes.right), direction.dot(axes.up)];
+            let step = [0, 1].map(|k: usize| across[k] / height - at[k] * recedes);
+            let length = step[0].hypot(step[1]);
+            let way = (by[0] * step[0] + by[1] * step[1]) / length;
+            let left = length - way * recedes;
+            if left > 0.0 { way / left } else { way.signum() * reach }
+        } else {
+            by[1] * height
+        };
+        // Not through the eye, in front of which the depth is a share of that of the point.
+        let [low, high] = match (BEFORE_EYE - 1.0) / recedes {
+            end if recedes > 0.0 => [end.max(-reach), reach],
+            end if recedes < 0.0 => [-reach, end.min(reach)],
+            _ => [-reach, reach],
+        };
+        Some(from + along.clamp(low, high) * direction)
     }
 
     /// The point at a place of the picture that is as deep as another point.

@@ -297,12 +297,14 @@ impl NodeDataTrait for Face {
     fn top_bar_ui(&self, ui: &mut Ui, _: NodeId, _: &NodeGraph, (): &mut ()) -> Vec<Response> {
         let (text, color) = self.mark(ui.visuals().dark_mode);
         let mut responses = Vec::new();
-        if !self.is_far {
+        if !self.is_far && (self.eye.is_some() || !text.is_empty()) {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 if self.eye.is_some_and(|is_open| self.eye_button(ui, is_open)) {
                     responses.push(NodeResponse::User(EyePress(self.name.clone())));
                 }
-                ui.label(RichText::new(text).size(11.0 * self.zoom).color(color));
+                if !text.is_empty() {
+                    ui.label(RichText::new(text).size(11.0 * self.zoom).color(color));
+                }
             });
         }
         responses

@@ -24,13 +24,20 @@ const RADIUS: f32 = 5.0;
 /// With Alt a drag goes so much of the hand's way, and a key of its step.
 const FINE: f64 = 0.2;
 
-/// Drag of a grip: what it belongs to as it was, and where the grip is.
+/// Drag of a grip: what it belongs to as it was, and where the hand is.
 struct GripDrag {
     object: Rc<dyn Movable>,
-    grip: usize,
-    place: [f64; 2],
+    grip: PictureGrip,
     /// Edits that were made last: those that change nothing are not made.
     last: Vec<Edit>,
+    /// True in the frame in which it begins.
+    is_new: bool,
+}
+
+impl GripDrag {
+    fn is_of(&self, object: &dyn Movable) -> bool {
+        (self.object.node(), self.object.name()) == (object.node(), object.name())
+    }
 }
 
 /// The handles, with what a hand is doing to them.
@@ -40,8 +47,14 @@ pub(crate) struct Handles {
 }
 
 impl Handles {
-    /// Draws them over the picture and follows the hand. Shown after the picture, above which they lie.
-    pub fn show(&mut self, ui: &Ui, scene: &Scene, picture: Rect) {
+    /// True while a hand holds a grip.
+    pub fn is_held(&self) -> bool {
+        self.drag.is_some()
+    }
+
+    /// Draws them over the picture and follows the hand. Shown after the picture, above which they lie. Returns the picture's response with
+    /// what is done at grips and is not for them: clicks, the wheel, other buttons.
+    pub fn show(&mut self, ui: &Ui, scene: &Scene, picture: Rect, mut below: Response) -> Response {
         let painter = ui.painter().with_clip_rect(picture.intersect(ui.clip_rect()));
         let to_window = |[x, y]: [f64; 2]| picture.center() + picture.height() * vec2(x as f32, -y as f32);
         let color = theme::accent(true);
@@ -52,32 +65,41 @@ impl Handles {
                 painter.line_segment(ends.map(to_window), Stroke::new(3.0, Color32::from_black_alpha(110)));
                 painter.line_segment(ends.map(to_window), Stroke::new(1.2, color));
             }
-            for grip in object.grips() {
+            let mut grips = object.grips();
+            if let Some(drag) = &self.drag
+                && drag.is_of(&*object)
+                && grips.iter().all(|grip| grip.number != drag.grip.number)
+            {
+                // Held also where it is behind the eye.
+                grips.push(drag.grip.clone());
+            }
+            // The first above the others: where a plane faces the eye, its position above the tip of its arrow.
+            for grip in grips.into_iter().rev() {
                 let at = to_window(grip.place);
                 let name = format!("{}: {}", object.name(), grip.name);
-                let is_dragged = self.is_dragged(&*object, &grip);
+                let held = |drag: &GripDrag| drag.is_of(&*object) && drag.grip.number == grip.number;
+                let is_dragged = self.drag.as_ref().is_some_and(held);
                 is_held |= is_dragged;
                 if !is_dragged && !painter.clip_rect().contains(at) {
                     continue;
                 }
                 let rect = Rect::from_center_size(at, Vec2::splat(GRIP));
-                let response = ui.interact(rect, ui.id().with(&name), Sense::drag());
+                let response = ui.interact(rect, ui.id().with(&name), Sense::click_and_drag());
                 response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, &name));
                 let response = response.on_hover_cursor(CursorIcon::Move).on_hover_text(&name);
                 self.hold(ui, scene, &object, &grip, &response, picture.height());
+                if !(response.drag_started_by(PointerButton::Primary) || is_dragged) {
+                    below = below.union(response.clone());
+                }
                 let is_chosen = response.has_focus() || response.hovered() || is_dragged;
                 let edge = if is_chosen { Color32::WHITE } else { Color32::BLACK };
                 painter.circle(at, RADIUS, color, Stroke::new(if is_chosen { 2.0 } else { 1.2 }, edge));
             }
         }
         // What is gone, as by a key that takes it away, is not dragged on.
-        self.drag = self.drag.take().filter(|_| is_held || ui.input(|input| input.pointer.any_pressed()));
-    }
-
-    fn is_dragged(&self, object: &dyn Movable, grip: &PictureGrip) -> bool {
-        self.drag.as_ref().is_some_and(|drag| {
-            (drag.object.node(), drag.object.name(), drag.grip) == (object.node(), object.name(), grip.number)
-        })
+        self.drag = self.drag.take().filter(|drag| is_held || drag.is_new);
+        self.drag.iter_mut().for_each(|drag| drag.is_new = false);
+        below
     }
 
     fn hold(
@@ -92,19 +114,24 @@ impl Handles {
         let alt = ui.input(|input| input.modifiers.alt);
         let times = if alt { FINE } else { 1.0 };
         let label = || format!("move the {}", object.name());
-        if response.drag_started_by(PointerButton::Primary) {
+        let begins = response.drag_started_by(PointerButton::Primary);
+        if begins || response.clicked() {
             response.request_focus();
-            let (object, grip, place) = (object.clone(), grip.number, grip.place);
-            let last = object.moved(grip, place);
-            self.drag = Some(GripDrag { object, grip, place, last });
-        } else if response.dragged_by(PointerButton::Primary)
+        }
+        if begins {
+            let last = object.moved(grip.number, grip.place);
+            self.drag = Some(GripDrag { object: object.clone(), grip: grip.clone(), last, is_new: true });
+        }
+        if response.dragged_by(PointerButton::Primary)
             && let Some(drag) = &mut self.drag
         {
-            // In the frame of the press the pointer may have come from far away.
-            let by = response.drag_delta() / height.max(1.0);
-            drag.place[0] += times * f64::from(by.x);
-            drag.place[1] -= times * f64::from(by.y);
-            let edits = drag.object.moved(drag.grip, drag.place);
+            // From where it was taken hold of the hand has gone a little before that is a drag.
+            let press = ui.input(|input| input.pointer.press_origin()).filter(|_| begins);
+            let way = press.zip(response.interact_pointer_pos()).map(|(from, to)| to - from);
+            let by = way.unwrap_or(response.drag_delta()) / height.max(1.0);
+            drag.grip.place[0] += times * f64::from(by.x);
+            drag.grip.place[1] -= times * f64::from(by.y);
+            let edits = drag.object.moved(drag.grip.number, drag.grip.place);
             if edits != drag.last {
                 drag.last = edits.clone();
                 scene.actions.edits(label(), edits);

@@ -23,6 +23,7 @@ pub(super) trait Movable {
     fn nudged(&self, grip: usize, by: [f64; 2]) -> Vec<Edit>;
 }
 
+#[derive(Clone)]
 pub(super) struct PictureGrip {
     /// Number among the grips of its object.
     pub number: usize,

@@ -14,10 +14,6 @@ const MARGIN: f64 = 0.05;
 const STEP: f64 = 0.01;
 const WRITTEN: f64 = 1e-3;
 
-/// Share of the picture by which a key moves the scale of the colours, and a text: to the border there, and to the next of three places.
-const TO_BORDER: f64 = 0.7;
-const TO_NEXT: f64 = 0.34;
-
 /// Position of a part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Anchor {
@@ -117,9 +113,27 @@ impl Note {
         }
     }
 
-    fn edits(&self, part: usize, to: impl Fn(Anchor) -> [f64; 2]) -> Vec<Edit> {
+    /// The anchor after keys: one step to the right and up. Sides are stepped from one to the next, also with Alt.
+    fn stepped(&self, anchor: Anchor, by: [f64; 2]) -> Anchor {
+        let step = by.map(|x| if x == 0.0 { 0 } else { x.signum() as i8 });
+        match anchor {
+            Anchor::Bar(_) if step[0] != 0 => Anchor::Bar([step[0], 0]),
+            Anchor::Bar(_) => Anchor::Bar(step),
+            Anchor::Border(side) => {
+                let on = |side: [i8; 2]| [0, 1].map(|k: usize| (side[k] + step[k]).clamp(-1, 1));
+                let next = on(side);
+                Anchor::Border(if next == [0, 0] { on(next) } else { next })
+            }
+            Anchor::Point(_) => {
+                let [x, y] = self.place(anchor);
+                self.nearest(anchor, [x + STEP * self.aspect * by[0], y + STEP * by[1]])
+            }
+        }
+    }
+
+    fn edits(&self, part: usize, to: impl Fn(Anchor) -> Anchor) -> Vec<Edit> {
         let Some((_, path, is_stated, before)) = self.parts.get(part) else { return Vec::new() };
-        let after = self.nearest(*before, to(*before));
+        let after = to(*before);
         let (node, path) = (self.node.clone(), path.clone());
         vec![match after {
             // As the file leaves it out.
@@ -155,19 +169,15 @@ impl Movable for Note {
     }
 
     fn moved(&self, grip: usize, to: [f64; 2]) -> Vec<Edit> {
-        self.edits(grip, |_| to)
+        self.edits(grip, |anchor| self.nearest(anchor, to))
     }
 
     fn nudged(&self, grip: usize, by: [f64; 2]) -> Vec<Edit> {
-        self.edits(grip, |anchor| {
-            let step = match anchor {
-                Anchor::Bar(_) => TO_BORDER,
-                Anchor::Border(_) => TO_NEXT,
-                Anchor::Point(_) => STEP,
-            };
-            let [x, y] = self.place(anchor);
-            [x + step * self.aspect * by[0], y + step * by[1]]
-        })
+        let stays = |anchor: &Anchor| self.stepped(*anchor, by) == *anchor;
+        match self.parts.get(grip) {
+            Some((_, _, _, anchor)) if stays(anchor) => Vec::new(),
+            _ => self.edits(grip, |anchor| self.stepped(anchor, by)),
+        }
     }
 }
 
@@ -180,5 +190,38 @@ mod tests {
         for at in ["top-left", "top", "top-right", "left", "right", "bottom-left", "bottom", "bottom-right"] {
             assert_eq!(word(side(at)), at);
         }
+    }
+
+    #[test]
+    fn keys_lead_from_each_place_at_the_border_to_the_next_also_with_alt() {
+        let note = Note { node: "figure".into(), parts: Vec::new(), aspect: 1.5 };
+        let keys = [[-1.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
+        // Left, right, up, down.
+        for (from, to) in [
+            ("top-left", ["top-left", "top", "top-left", "left"]),
+            ("top", ["top-left", "top-right", "top", "bottom"]),
+            ("top-right", ["top", "top-right", "top-right", "right"]),
+            ("left", ["left", "right", "top-left", "bottom-left"]),
+            ("right", ["left", "right", "top-right", "bottom-right"]),
+            ("bottom-left", ["bottom-left", "bottom", "left", "bottom-left"]),
+            ("bottom", ["bottom-left", "bottom-right", "top", "bottom"]),
+            ("bottom-right", ["bottom", "bottom-right", "right", "bottom-right"]),
+        ] {
+            for (key, to) in keys.into_iter().zip(to) {
+                for times in [1.0, 0.2] {
+                    let Anchor::Border(at) = note.stepped(Anchor::Border(side(from)), key.map(|x| times * x))
+                    else {
+                        panic!("another kind of place")
+                    };
+                    assert_eq!(word(at), to, "{from} {key:?}");
+                }
+            }
+        }
+        for from in ["left", "right", "top", "bottom"] {
+            let to = keys.map(|key| note.stepped(Anchor::Bar(side(from)), key.map(|x| 0.2 * x)));
+            assert_eq!(to, ["left", "right", "top", "bottom"].map(|at| Anchor::Bar(side(at))), "{from}");
+        }
+        let Anchor::Point(at) = note.stepped(Anchor::Point([0.5, 0.25]), [0.2, -1.0]) else { panic!() };
+        assert!((at[0] - 0.502).abs() < 1e-9 && (at[1] - 0.26).abs() < 1e-9, "{at:?}");
     }
 }

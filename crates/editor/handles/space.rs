@@ -5,6 +5,7 @@ use super::movable::{Movable, PictureGrip};
 use crate::scene::Scene;
 use crate::view::View;
 use glam::DVec3;
+use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use std::rc::Rc;
 use voltet_core::arithmetic::{decimal, unit_vector};
@@ -12,10 +13,14 @@ use voltet_core::grid::extent::{corners, diagonal};
 use voltet_document::{Edit, Path, links};
 use voltet_graph::{Field, LocatedValue, NodeEntry, ParameterValue, Relative, find_setting};
 use voltet_nodes::drawing::CLIP;
+use voltet_nodes::relative::{DataScope, RELATIVE_TO};
 
 /// Length of the arrow along a normal, and a step of the keys, as shares of the diagonal of the data.
 const ARROW: f64 = 0.2;
 const STEP: f64 = 0.01;
+
+/// Longest way of a drag along a line, diagonals.
+const REACH: f64 = 3.0;
 
 /// Least radius and least side of a box, and the step of written numbers, as shares of the diagonal.
 const MIN_SIZE: f64 = 1e-3;
@@ -129,21 +134,47 @@ pub(super) fn objects<'a>(
             let path = Path::from(CLIP.name).with(place);
             add(&format!("clip{number}{of}"), path, entry.table().unwrap_or_default(), false);
         }
-        if matches!(node.node_type.text(), Some("slice" | "slice-image")) {
+        // Shares of what several steps of a series give are numbers of a run alone.
+        let is_known = data_scope(node) == DataScope::Step || is_of_numbers(&node.settings);
+        if matches!(node.node_type.text(), Some("slice" | "slice-image")) && is_known {
             add(&node.name, Path::default(), &node.settings, true);
         }
     }
     found
 }
 
-/// Lowest and highest coordinates of the data that come to a node, else of the first that are known.
+/// The data that a slice's shares refer to.
+fn data_scope(node: &NodeEntry) -> DataScope {
+    let stated = node.setting(RELATIVE_TO.name).and_then(LocatedValue::text);
+    stated.map(DataScope::from_word).unwrap_or_default()
+}
+
+/// True if a slice's place is stated in numbers alone.
+fn is_of_numbers(stated: &[Field]) -> bool {
+    let is_number = |setting: &LocatedValue| setting.text().is_none();
+    let radius = find_setting(stated, "radius").is_none_or(is_number);
+    let origin = find_setting(stated, "origin").and_then(LocatedValue::list);
+    radius && origin.is_some_and(|origin| origin.iter().all(is_number))
+}
+
+/// Lowest and highest coordinates of the data that come to a node: of its inputs, else of theirs.
 fn bounds_at(scene: &Scene, node: &NodeEntry) -> Option<[DVec3; 2]> {
-    let of = |source: &str| {
-        let (node, output, _) = scene.giving(source);
-        scene.bounds.get(&format!("{node}.{output}")).copied()
-    };
-    let own = node.inputs.iter().flat_map(links::sources).find_map(of);
-    own.or_else(|| scene.bounds.values().next().copied())
+    let (mut level, mut seen) = (vec![node], BTreeSet::from([node.name.as_str()]));
+    while !level.is_empty() {
+        let sources = level.iter().flat_map(|node| node.inputs.iter().flat_map(links::sources));
+        let given: Vec<(&str, &str)> =
+            sources.map(|source| scene.giving(source)).map(|of| (of.0, of.1)).collect();
+        let of = |(node, output): &(&str, &str)| scene.bounds.get(&format!("{node}.{output}")).copied();
+        if let Some(found) = given.iter().find_map(of) {
+            return Some(found);
+        }
+        level = given
+            .iter()
+            .filter(|(node, _)| seen.insert(node))
+            .filter_map(|(node, _)| scene.entry(node))
+            .collect();
+    }
+    None
 }
 
 /// A point that a parameter states, in numbers or shares of the bounds.
@@ -456,7 +487,7 @@ impl Movable for Object {
     fn moved(&self, grip: usize, to: [f64; 2]) -> Vec<Edit> {
         let Some(&(part, at, motion)) = self.parts().get(grip) else { return Vec::new() };
         let to = match motion {
-            Motion::Along(way) => self.view.on_line(at, way, to),
+            Motion::Along(way) => self.view.on_line(at, way, to, REACH * self.size()),
             Motion::About(centre) => self.view.on_ball(centre, at, to),
             Motion::Aside => self.view.beside(at, to),
         };

@@ -133,6 +133,18 @@ pub(crate) fn edited_node<'a>(scene: &Scene<'a>) -> Option<&'a NodeEntry> {
     selected.or_else(|| nodes.iter().filter(is_one).find(|node| feeding.contains(&node.name)))
 }
 
+/// The transfer function that the shown picture is drawn with, of several the selected one or else the first; and the output that gives the
+/// volume.
+pub(crate) fn drawn_with<'a>(scene: &Scene<'a>) -> Option<(&'a NodeEntry, String)> {
+    let nodes = &scene.document.pipeline().nodes;
+    let feeding = upstream(nodes, scene.shown_node?);
+    let feeds = |node: &NodeEntry| feeding.contains(&node.name);
+    let is_one = |node: &&NodeEntry| node.node_type.text() == Some("transfer-function") && feeds(node);
+    let selected = nodes.iter().filter(is_one).find(|node| scene.selection.contains(&node.name));
+    let look = selected.or_else(|| nodes.iter().find(is_one))?;
+    Some((look, volume_among(scene, &look.name, feeds)?))
+}
+
 pub(crate) fn fields_of(look: &NodeEntry) -> Vec<String> {
     let all: BTreeSet<String> =
         widgets_of(look).iter().filter_map(LocatedValue::table).flat_map(screen_widget::arrays).collect();
@@ -152,6 +164,11 @@ fn widgets_of(look: &NodeEntry) -> &[LocatedValue] {
 
 /// The output that gives the volume that a transfer function is drawn with: "node" or "node.port".
 pub(crate) fn volume_of(scene: &Scene, look: &str) -> Option<String> {
+    volume_among(scene, look, |_| true)
+}
+
+/// The same, as some nodes draw it.
+fn volume_among(scene: &Scene, look: &str, is_one: impl Fn(&NodeEntry) -> bool) -> Option<String> {
     let nodes = &scene.document.pipeline().nodes;
     let source = |node: &NodeEntry, port_type: PortType| {
         let declared = scene.node_type(node)?;
@@ -162,7 +179,7 @@ pub(crate) fn volume_of(scene: &Scene, look: &str) -> Option<String> {
         source(node, PortType::TransferFunction)
             .is_some_and(|text| text == look || text.split('.').next() == Some(look))
     };
-    let mut drawn = nodes.iter().filter(draws).filter(|node| node.name != look);
+    let mut drawn = nodes.iter().filter(draws).filter(|node| node.name != look && is_one(node));
     let by_use = drawn.find_map(|node| source(node, PortType::Volume));
     by_use.or_else(|| source(scene.entry(look)?, PortType::Volume))
 }

@@ -17,7 +17,7 @@ use crate::scene::{Command, Scene};
 use crate::theme;
 use crate::worker::{short, short_by};
 use edited_function::{EditedFunction, axis_name, axis_title};
-pub(crate) use edited_function::{data_scope, edited_node, fields_of, scales, volume_of};
+pub(crate) use edited_function::{data_scope, drawn_with, edited_node, fields_of, scales, volume_of};
 use eframe::egui::{
     self, Align, Align2, Button, FontId, Layout, Rect, Sense, Stroke, StrokeKind, Ui, UiBuilder, WidgetInfo,
     WidgetType, pos2, vec2,
@@ -55,6 +55,8 @@ pub(crate) struct TransferPanel {
     images: Images,
     /// Widget that the pointer is about to add.
     proposed: Option<ParameterValue>,
+    /// Button that added what it proposed, until the pointer has left it.
+    was_added: Option<&'static str>,
     /// Widgets that the window's picture leaves out; the file keeps them.
     hidden: BTreeSet<usize>,
     of: Option<String>,
@@ -185,6 +187,7 @@ impl TransferPanel {
         self.draw_proposal(ui, look);
         if let Some(cell) = look.scene.hovered.as_ref().and_then(|hit| hit.cell.as_ref())
             && look.is_of_s_and_g()
+            && look.scene.hovered_in == volume_of(look.scene, &look.node.name)
         {
             let values = [cell.s, cell.g.unwrap_or(0.0)];
             plane::mark(ui, plane, [0, 1].map(|k: usize| look.scales[k].position(values[k])));

@@ -4,7 +4,7 @@
 use super::TransferPanel;
 use super::edited_function::{EditedFunction, at_probe, range_at_probe};
 use super::screen_widget;
-use eframe::egui::Ui;
+use eframe::egui::{Ui, Vec2};
 use voltet_graph::ParameterValue;
 
 impl TransferPanel {
@@ -16,6 +16,9 @@ impl TransferPanel {
     /// Buttons that add what is proposed.
     pub(super) fn proposal_buttons(&mut self, ui: &mut Ui, look: &EditedFunction) {
         self.proposed = None;
+        let was_added = self.was_added.take();
+        // The buttons may move under a pointer that rests.
+        let rests = ui.input(|input| input.pointer.delta() == Vec2::ZERO && input.keys_down.is_empty());
         let Some(probed) = &look.scene.probed else { return };
         for (title, help, entry) in [
             (
@@ -31,10 +34,16 @@ impl TransferPanel {
         ] {
             let Some(entry) = entry else { continue };
             let button = ui.small_button(title);
+            let is_at = button.hovered() || button.has_focus();
             if button.clicked() {
-                return self.add(look, entry);
+                self.add(look, entry);
+                (self.proposed, self.was_added) = (None, Some(title));
+                return;
             }
-            if button.hovered() || button.has_focus() {
+            // What was added is in the picture already, until the pointer comes anew.
+            if was_added.is_some() && (rests || is_at && was_added == Some(title)) {
+                self.was_added = was_added;
+            } else if is_at {
                 self.proposed = Some(entry);
             }
             button.on_hover_text(help);

@@ -50,3 +50,41 @@ fn a_key_closes_and_opens_the_eyes_of_the_selected_nodes_and_what_is_hidden_has_
     hand.key(Key::E, Modifiers::NONE);
     assert!(hand.said().starts_with("surfaces, annotations and clips") && hand.text() == text);
 }
+
+#[test]
+fn eyes_of_several_surfaces_are_one_step_and_go_with_a_name() {
+    let second = "[nodes.across]\ntype = \"slice\"\norigin = [0.0, -6.0, 0.0]\nnormal = [0.0, 1.0, 0.0]\n\
+                  inputs = { volume = \"gradient\" }\n\n[nodes.view]";
+    let both = with_slice()
+        .replace("[nodes.view]", second)
+        .replace("surfaces = [\"cut\"]", "surfaces = [\"cut\", \"across\"]");
+    let bare = picture(&Hand::new(TEXT));
+    let mut hand = Hand::new(&both);
+    hand.click_on("eye of across");
+    hand.settle();
+    let of_one = picture(&Hand::new(&with_slice()));
+    assert!(picture(&hand) == of_one && of_one != bare, "the other one stays in the list");
+    hand.click_on("eye of across");
+    hand.editor.selection = ["cut".to_string(), "across".to_string()].into();
+    hand.key(Key::E, Modifiers::NONE);
+    hand.settle();
+    assert!(picture(&hand) == bare);
+    hand.key(Key::Z, Modifiers::COMMAND);
+    assert_eq!(hand.said(), "undone: take 2 nodes out of the picture");
+    hand.key(Key::Y, Modifiers::COMMAND);
+    hand.key(Key::E, Modifiers::NONE);
+    hand.key(Key::Z, Modifiers::COMMAND);
+    assert_eq!(hand.said(), "undone: bring 2 nodes back into the picture");
+    // One surface, named without a list; and under another name.
+    let mut hand = Hand::new(&with_slice().replace("[\"cut\"]", "\"cut\""));
+    hand.click_on("eye of cut");
+    hand.settle();
+    assert!(picture(&hand) == bare);
+    let rename = voltet_document::Edit::Rename { node: "cut".into(), to: "slab".into() };
+    hand.editor.edit("rename".into(), &[rename]);
+    hand.settle();
+    assert!(picture(&hand) == bare && hand.sees("eye of slab"), "{}", hand.text());
+    hand.click_on("eye of slab");
+    hand.settle();
+    assert!(picture(&hand) == of_one);
+}

@@ -211,3 +211,69 @@ fn texts_and_the_scale_of_an_annotation_are_brought_to_where_they_are_to_stand()
     assert!(written.contains("at = [0.26, 0.75]") && written.contains("at = \"top\""), "{written}");
     assert!(written.contains("bar = \"top\""), "{written}");
 }
+
+/// A plane that is seen face on has no way in the picture: up is along its normal, and the grip stays in the hand.
+#[test]
+fn a_plane_that_faces_the_eye_is_moved_steadily() {
+    let plane =
+        PLANE.replace("[1.0, 2.0, -1.0]", "[0.0, 0.0, 0.0]").replace("[0.0, 0.0, 2.0]", "[0.0, -1.0, 0.0]");
+    let text = with_clips(&plane).replace("eye = [-28.0, -38.0, 24.0]", "eye = [0.0, -52.0, 0.0]");
+    let mut hand = Hand::new(&text);
+    let grip = hand.named("plane of clip: position");
+    let height = hand.editor.panels.picture.rect.unwrap().height();
+    hand.move_to(grip, Modifiers::NONE);
+    hand.button(true, PointerButton::Primary, Modifiers::NONE);
+    let mut before = 0.0;
+    for step in 1..=9 {
+        hand.move_to(grip - vec2(0.0, 0.05 * step as f32 * height), Modifiers::NONE);
+        let towards = -of_clip(&hand, 0, "origin").y;
+        // The picture is 27.9 high at the plane.
+        assert!((towards - before - 0.05 * 27.87).abs() < 0.05, "{step}: from {before} to {towards}");
+        before = towards;
+    }
+    hand.button(false, PointerButton::Primary, Modifiers::NONE);
+    hand.frames(2);
+    assert_eq!(hand.steps(), 1);
+}
+
+#[test]
+fn what_is_not_for_a_grip_is_for_the_picture_below_it() {
+    let mut hand = Hand::new(&with_clips(PLANE));
+    let grip = |hand: &Hand| hand.named("plane of clip: position");
+    let view = |hand: &Hand| hand.editor.view().unwrap();
+    for button in [PointerButton::Middle, PointerButton::Secondary] {
+        let (before, at) = (view(&hand), grip(&hand));
+        hand.drag_with(at, at + vec2(12.0, 20.0), button, Modifiers::NONE);
+        assert_ne!(view(&hand), before, "{button:?}");
+    }
+    let (before, at) = (view(&hand), grip(&hand));
+    hand.move_to(at, Modifiers::NONE);
+    let unit = eframe::egui::MouseWheelUnit::Line;
+    let (delta, phase, modifiers) = (vec2(0.0, 2.0), TouchPhase::Move, Modifiers::NONE);
+    hand.frame(vec![Event::MouseWheel { unit, delta, phase, modifiers }], modifiers);
+    hand.frames(10);
+    assert_ne!(view(&hand), before, "the wheel");
+    hand.settle();
+    let at = grip(&hand);
+    hand.click(at);
+    until(&mut hand, "nothing is picked", |hand| hand.said().contains("on the ray"));
+    assert_eq!(of_clip(&hand, 0, "origin"), DVec3::new(1.0, 2.0, -1.0));
+    // A hand that measures, or draws a box, takes hold of none.
+    for mode in ["measure", "box"] {
+        hand.click_on(mode);
+        hand.frames(2);
+        assert!(!hand.sees("plane of clip: position"), "{mode}");
+        hand.click_on(mode);
+        hand.frames(2);
+        assert!(hand.sees("plane of clip: position"), "{mode}");
+    }
+}
+
+/// What half of all steps of a series is, only a run finds.
+#[test]
+fn a_slice_by_shares_of_a_series_has_no_grips() {
+    let of_series = with_slice().replace("type = \"slice\"", "type = \"slice\"\nrelative_to = \"series\"");
+    assert!(!Hand::new(&of_series).sees("plane of cut: position"));
+    let in_numbers = of_series.replace("[\"50 %\", 0.0, \"30 %\"]", "[0.0, 0.0, -4.0]");
+    assert!(Hand::new(&in_numbers).sees("plane of cut: position"));
+}

@@ -33,6 +33,7 @@ fn the_values_cell_and_point_under_the_pointer_are_shown_and_marked_in_the_plane
     // Of places that the pointer only passes nothing comes.
     for step in 0..20 {
         hand.move_to(at - vec2(3.0 * step as f32, 20.0), Modifiers::NONE);
+        assert!(hand.editor.worker().shown(|shown| shown.hover.asked().is_none()), "{step}: only passed");
     }
     let hit = hover(&mut hand, at);
     let cell = hit.cell.clone().unwrap();
@@ -111,4 +112,96 @@ fn two_clicks_measure_a_length() {
     until(&mut hand, "no other begins", |hand| hand.editor.scene().measured.len() == 1);
     hand.click_on("measure");
     assert!(hand.editor.scene().probed.is_none() && hand.text() == TEXT);
+}
+
+/// What the pointer met is not shown as what it meets elsewhere.
+#[test]
+fn values_of_an_earlier_place_are_gone_while_the_pointer_moves() {
+    let mut hand = Hand::new(TEXT);
+    let at = middle(&hand);
+    hover(&mut hand, at);
+    hand.move_to(at + vec2(12.0, 0.0), Modifiers::NONE);
+    hand.frames(1);
+    assert_eq!(hand.editor.scene().hovered, None);
+    // A click asks for all that the pointer then shows: nothing is asked twice.
+    hand.click(at);
+    until(&mut hand, "nothing is picked", |hand| hand.said().starts_with("cell "));
+    let shown = hover(&mut hand, at);
+    let is_same = |hand: &Hand| {
+        hand.editor.worker().shown(|shown| {
+            let [probe, hover] =
+                [&shown.probe, &shown.hover].map(|asked| asked.answer().unwrap().clone().unwrap());
+            Arc::ptr_eq(&probe, &hover)
+        })
+    };
+    assert!(is_same(&hand) && hand.editor.scene().probed.as_ref().unwrap().hit == Some(shown));
+}
+
+#[test]
+fn what_the_window_leaves_out_is_not_met() {
+    let mut hand = Hand::new(TEXT);
+    transfer::with_distribution(&mut hand);
+    let at = middle(&hand);
+    hover(&mut hand, at);
+    hand.move_to(transfer_more::place(&hand, [150.0, 20.0]), Modifiers::NONE);
+    hand.frames(2);
+    hand.key(Key::V, Modifiers::NONE);
+    assert!(hand.editor.panels.transfer.hidden().is_some());
+    hand.settle();
+    hand.move_to(at, Modifiers::NONE);
+    until(&mut hand, "no answer comes", |hand| {
+        hand.editor.worker().shown(|shown| shown.hover.answer().is_some())
+    });
+    assert_eq!(hand.editor.scene().hovered, None, "the only widget is hidden");
+}
+
+/// Another transfer function and another volume can be selected than those of the shown picture.
+#[test]
+fn the_shown_picture_is_probed_whatever_is_selected() {
+    let second = "[nodes.other]\ntype = \"transfer-function\"\n\n[[nodes.other.widgets]]\nkind = \"gaussian\"\n\
+                  color = [0.1, 0.5, 1.0]\nextinction = 40.0\ncentre = [60.0, 10.0]\nsigma = [20.0, 40.0]\n\n\
+                  [nodes.coarse]\ntype = \"wavelet\"\nresolution = [4, 4, 4]\n\n[nodes.steps]\ntype = \"gradient-magnitude\"\n\
+                  inputs = { grid = \"coarse\" }\n\n[nodes.second]\ntype = \"renderer\"\nengine = \"cpu\"\n\
+                  inputs = { volume = \"steps\", transfer_function = \"other\", camera = \"view\" }\n\n[nodes.file]";
+    let mut hand = Hand::new(&TEXT.replace("[nodes.file]", second));
+    let mut found = Vec::new();
+    for (shown, selected) in
+        [("picture", "look"), ("picture", "other"), ("second", "other"), ("second", "look")]
+    {
+        hand.editor.shown_node = Some(shown.into());
+        hand.editor.selection = [selected.to_string()].into();
+        hand.move_to(pos2(5.0, 400.0), Modifiers::NONE);
+        hand.settle();
+        let at = hand.named(&format!("picture {shown}"));
+        found.push(hover(&mut hand, at + vec2(4.0, 3.0)));
+    }
+    assert_eq!((&found[0], &found[2]), (&found[1], &found[3]));
+    assert_ne!(found[0], found[2]);
+}
+
+#[test]
+fn what_lies_behind_a_surface_is_not_probed_and_the_surface_is_a_centre() {
+    // Across the view, six units before the middle.
+    let text = with_slice()
+        .replace("[\"50 %\", 0.0, \"30 %\"]", "[-3.2, -4.3, 2.7]")
+        .replace("normal = [0.0, 0.0, 1.0]", "normal = [-28.0, -38.0, 24.0]")
+        .replace("extinction = 4.0", "extinction = 0.02");
+    let probed = |text: &str| {
+        let mut hand = Hand::new(text);
+        let at = middle(&hand);
+        let (from, to) = (at - vec2(15.0, 10.0), at + vec2(15.0, 10.0));
+        hand.drag_with(from, to, PointerButton::Primary, Modifiers::ALT);
+        until(&mut hand, "no answer comes", |hand| hand.editor.scene().probed.is_some());
+        hand.editor.scene().probed.clone().unwrap()
+    };
+    let (before, all) = (probed(&text), probed(&text.replace("surfaces = [\"cut\"]", "near = 0.0")));
+    assert!(before.values.len() * 2 < all.values.len(), "{} of {}", before.values.len(), all.values.len());
+    assert!((before.opacity - 1.0).abs() < 1e-6 && all.opacity < 0.9, "{} {}", before.opacity, all.opacity);
+    // Where the data are not seen, the slice alone is.
+    let empty = with_slice().replace("centre = [150.0, 20.0]", "centre = [9000.0, 20.0]");
+    let mut hand = Hand::new(&empty);
+    hand.editor.probe(vec![[0.01, -0.02]], crate::scene::ProbePurpose::Centre);
+    until(&mut hand, "the view has no other centre", |hand| {
+        (hand.editor.view().unwrap().target.z + 4.0).abs() < 1e-3
+    });
 }

@@ -24,7 +24,8 @@ fn a_box_in_the_picture_finds_the_values_on_its_rays() {
     assert!(probed.rays > 100 && probed.values.len() > 500, "{} {}", probed.rays, probed.values.len());
     let total: f64 = probed.values.iter().map(|(_, share)| share).sum();
     assert!((total - 1.0).abs() < 1e-6, "the shares of all rays are one: {total}");
-    assert!(hand.said().contains(&format!("on {} rays", probed.rays)), "{}", hand.said());
+    let seen = format!("{} values on {} rays, the most visible of each", probed.heaviest.len(), probed.rays);
+    assert!(hand.said().contains(&seen), "{}", hand.said());
     assert_eq!(hand.text(), TEXT, "looking changes nothing, nor does the view turn");
 }
 
@@ -57,8 +58,14 @@ fn a_box_proposes_widgets_that_cover_what_is_seen_most_below_it() {
         hand.settle();
         assert!(picture(&hand) != before, "{button}: the picture shows the proposal");
         assert_eq!((hand.text(), hand.steps()), (TEXT.to_string(), 0), "{button}: and nothing else does");
+        let says = |hand: &Hand| hand.shown(&|shown| shown.ends_with("with a proposed widget")).len();
+        assert_eq!(says(&hand), 1, "{button}");
         hand.click(at);
+        hand.frames(3);
         hand.settle();
+        // The pointer is at the button still: the widget is there once.
+        assert_eq!(says(&hand), 0, "{button}");
+        assert!(picture(&hand) == picture(&Hand::in_tall_window(&hand.text())), "{button}");
         let widget = last_widget(&hand);
         let find = |name: &str| widget.iter().find(|field| field.name == name).unwrap().setting.clone();
         assert!(hand.steps() == 1 && find("kind").text() == Some(kind), "{}", hand.text());

@@ -26,6 +26,8 @@ pub(crate) struct Hit {
     pub point: DVec3,
     /// None on a surface beside all cells.
     pub cell: Option<HitCell>,
+    /// True if a surface is seen first, false if a cell is.
+    pub is_on_surface: bool,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -40,7 +42,7 @@ pub(crate) struct HitCell {
     pub g: Option<f64>,
 }
 
-/// The first hit of a ray that was walked without surfaces. `ray`: its origin and unit direction, world units.
+/// The first hit of a ray that was walked. `ray`: its origin and unit direction, world units.
 pub(super) fn first_hit(
     volume: &Volume,
     function: &CompiledTransferFunction,
@@ -52,7 +54,7 @@ pub(super) fn first_hit(
     crossed.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let mut crossed = crossed.into_iter().peekable();
     let (mut left, at) = (-(-SEEN).ln_1p(), |distance: f64| origin + distance * direction);
-    let on_surface = |point: DVec3| Hit { point, cell: find_cell(volume, point) };
+    let on_surface = |point: DVec3| Hit { point, cell: find_cell(volume, point), is_on_surface: true };
     for step in &walk.steps {
         let ([entry, exit], mut from) = (step.distance, 0.0);
         loop {
@@ -63,10 +65,8 @@ pub(super) fn first_hit(
             if own >= left {
                 let share = where_reached(function, step, [from, until], left);
                 let point = at(entry + share * (exit - entry));
-                return Some(Hit {
-                    point,
-                    cell: in_cell(volume, step.cell as usize, point).map(|(_, cell)| cell),
-                });
+                let cell = in_cell(volume, step.cell as usize, point).map(|(_, cell)| cell);
+                return Some(Hit { point, cell, is_on_surface: false });
             }
             left -= own;
             let Some([distance, opacity]) = surface else { break };

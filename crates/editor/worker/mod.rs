@@ -77,6 +77,21 @@ impl Worker {
         self.shared.changed.notify_one();
     }
 
+    /// Asks for what is seen at a place, unless a probe of the same tells it.
+    pub(crate) fn ask_hover(&self, query: ProbeQuery) {
+        let mut state = lock(&self.shared.state);
+        let WorkerOutput { probe, hover, .. } = &mut state.output;
+        if probe.asked() != Some(&query) {
+            drop(state);
+            return self.ask(|output| &mut output.hover, query);
+        }
+        match probe.answer().cloned() {
+            Some(_) if hover.asked() == Some(&query) && hover.answer().is_some() => {}
+            Some(found) => hover.adopt(query, found),
+            None => hover.forget(),
+        }
+    }
+
     /// Forgets which queries about the data were asked, so that they can be asked again; their answers stay.
     pub(crate) fn forget_queries(&self) {
         let output = &mut lock(&self.shared.state).output;

@@ -3,12 +3,15 @@
 
 use super::hits::{Hit, first_hit};
 use super::request::{Query, QueryRun, VolumeSource};
+use crate::view::View;
 use glam::{DMat3, DVec2, DVec3};
 use std::collections::BTreeSet;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use voltet_core::Result;
 use voltet_core::camera::Camera;
 use voltet_core::clip::Clip;
+use voltet_core::grid::whole_cells;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::AxisScale;
 use voltet_core::volume::Volume;
@@ -40,7 +43,7 @@ pub(crate) struct PixelProbe {
     pub values: Vec<([f64; 2], f64)>,
     /// Segment of each ray that adds the most to the picture: its values [s, g], and the opacity that it adds. Rays that meet nothing have none.
     pub heaviest: Vec<([f64; 2], f64)>,
-    /// The point where the most is seen, world units; `None` where no ray meets a cell.
+    /// The point where the most is seen, of a single ray that meets a surface first the one there; world units. `None` where nothing is met.
     pub point: Option<DVec3>,
     /// Place that is seen first, of a single ray.
     pub hit: Option<Hit>,
@@ -53,13 +56,18 @@ impl ProbeQuery {
         let camera = call.camera("camera")?;
         let transfer_function = look.for_diagonal(diagonal(volume.grid.bounds()));
         let camera = Camera { samples: 1, ..*camera };
+        let volume = match self.places[..] {
+            // All cells are looked at once, and few are made ready for rays.
+            [place] => Arc::new(near_ray(&volume, camera, place, call.progress())?),
+            _ => volume,
+        };
         // What is seen, as the values count: light and silhouettes change colours.
         let shading = Shading::default();
         let scene = Scene::new(volume, Arc::new(transfer_function), camera, shading, VisibilityOrder::Exact);
-        let scene = Scene { clips: self.clips.clone(), ..scene };
+        let surfaces = call.surfaces("surface")?;
+        let scene = Scene { clips: self.clips.clone(), surfaces: surfaces.clone(), ..scene };
         let forms = CompiledTransferFunction::new(&scene.transfer_function)?;
         let tracer = Tracer::new(&scene, Box::new(forms.clone()))?;
-        let surfaces = call.surfaces("surface")?;
         let mut probed = PixelProbe { rays: self.places.len(), ..PixelProbe::default() };
         let (mut seen_most, [width, height]) = (0.0, camera.size.map(f64::from));
         for place in &self.places {
@@ -91,9 +99,35 @@ impl ProbeQuery {
                 }
             }
             probed.heaviest.extend((all > 1e-6).then_some(heaviest));
+            let on_surface = probed.hit.as_ref().filter(|hit| hit.is_on_surface).map(|hit| hit.point);
+            probed.point = on_surface.or(probed.point);
         }
         Ok(probed)
     }
+}
+
+/// Room for rounding about a cell, as a share of its distance from the eye.
+const ROUNDING: f64 = 1e-9;
+
+/// The cells of a volume whose balls, about the middle of their corners, are met by the ray through a place of the picture. Errors: a newer
+/// query; memory ends.
+fn near_ray(volume: &Volume, camera: Camera, place: [f64; 2], progress: &dyn Progress) -> Result<Volume> {
+    let Some([origin, direction]) = View::from(camera).ray(place) else { return Ok(volume.clone()) };
+    let (grid, stops) = (&volume.grid, AtomicBool::new(false));
+    let is_met = |cell: usize| {
+        if cell.is_multiple_of(4096) && progress.cancelled() {
+            stops.store(true, Ordering::Relaxed);
+        }
+        let corner = |point: u32| grid.points.get(point as usize).copied().unwrap_or(DVec3::NAN);
+        let corners = grid.tetrahedra[cell].map(corner);
+        let middle = 0.25 * corners.iter().sum::<DVec3>();
+        let radius = corners.map(|corner| corner.distance(middle)).into_iter().fold(0.0, f64::max);
+        let from = middle - origin;
+        !stops.load(Ordering::Relaxed) && from.cross(direction).length() <= radius + ROUNDING * from.length()
+    };
+    let near = whole_cells(grid, is_met, progress)?;
+    progress.check_cancelled()?;
+    Ok(volume.subset(&near))
 }
 
 impl Query for ProbeQuery {

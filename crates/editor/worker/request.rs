@@ -38,6 +38,8 @@ pub struct RenderRequest {
     pub background: [f64; 3],
     /// True if a picture of fewer pixels is shown while the full one is drawn.
     pub coarse_first: bool,
+    /// True while a hand holds a grip in the picture: settings that differ are a movement of it.
+    pub is_dragged: bool,
 }
 
 impl RenderRequest {
@@ -117,7 +119,7 @@ impl RenderRequest {
 pub(super) struct Change {
     /// The nodes whose output is another, or is not needed any more.
     pub touched: BTreeSet<String>,
-    /// True if a hand's movement makes all of them: numbers of cameras and transfer functions.
+    /// True if a hand's movement makes all of them: settings of cameras and transfer functions, and of all nodes while it holds a grip.
     pub moves: bool,
 }
 
@@ -133,7 +135,7 @@ impl Change {
         let moves = !elsewhere
             && (&before.node, before.size, before.background) == (&now.node, now.size, now.background)
             && before.nodes.len() == now.nodes.len()
-            && before.nodes.iter().zip(&now.nodes).all(|(a, b)| a == b || is_movement(a, b));
+            && before.nodes.iter().zip(&now.nodes).all(|(a, b)| a == b || is_movement(a, b, now.is_dragged));
         Change { touched: touched.collect(), moves }
     }
 }
@@ -142,16 +144,10 @@ fn find<'a>(nodes: &'a [NodeEntry], name: &str) -> Option<&'a NodeEntry> {
     nodes.iter().find(|node| node.name == name)
 }
 
-/// Parameters that handles in the picture move.
-const HANDLED: [&str; 6] = ["clip", "origin", "normal", "radius", "bar", "texts"];
-
-/// True if two states of a node differ in numbers that the pointer moves in the picture or over the histogram.
-fn is_movement(before: &NodeEntry, now: &NodeEntry) -> bool {
+/// True if two states of a node differ in settings alone, and these are of a camera or a transfer function, or a grip is held.
+fn is_movement(before: &NodeEntry, now: &NodeEntry, is_dragged: bool) -> bool {
     let is_moved = ["camera", "transfer-function"].iter().any(|name| before.node_type.text() == Some(name));
-    let is_other = |field: &&Field| !HANDLED.contains(&field.name.as_str());
-    let others = |node: &NodeEntry| node.settings.iter().filter(is_other).cloned().collect::<Vec<_>>();
-    (is_moved || others(before) == others(now))
-        && NodeEntry { settings: now.settings.clone(), ..before.clone() } == *now
+    (is_moved || is_dragged) && NodeEntry { settings: now.settings.clone(), ..before.clone() } == *now
 }
 
 /// The nodes that feed one, and it; in the order of the document.
@@ -518,8 +514,16 @@ impl<Q: Query> Exchange<Q> {
                 false if number == self.number => self.forget_query(),
                 false => {}
             },
-            found => self.answer = Some((number, found)),
+            // What is not asked again is of use for the newest query alone.
+            found if Q::WAITS || number == self.number => self.answer = Some((number, found)),
+            _ => {}
         }
+    }
+
+    /// Takes over a query whose answer is known.
+    pub(super) fn adopt(&mut self, query: Q, found: Result<Q::Reply>) {
+        self.ask(query);
+        (self.is_open, self.answer) = (false, Some((self.number, found)));
     }
 
     /// The query to be answered next, with its number, if it is open.
@@ -535,7 +539,7 @@ mod tests {
 
     fn over(background: [f64; 3]) -> RenderRequest {
         let (nodes, folder, node) = (Vec::new(), PathBuf::new(), "picture".into());
-        RenderRequest { nodes, folder, node, size: None, background, coarse_first: false }
+        RenderRequest { nodes, folder, node, size: None, background, coarse_first: false, is_dragged: false }
     }
 
     /// Within one level of what a PNG file of the picture holds.
