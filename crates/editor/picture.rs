@@ -83,9 +83,9 @@ impl PicturePanel {
         }
     }
 
-    /// True while a hand holds a grip in the picture.
-    pub fn holds_grip(&self) -> bool {
-        self.handles.is_held()
+    /// True while a hand moves a grip in the picture.
+    pub fn moves_grip(&self) -> bool {
+        self.handles.are_moved()
     }
 
     /// The picture of a size, points, else as large as fits.

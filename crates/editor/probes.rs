@@ -109,9 +109,11 @@ impl Editor {
         };
         let cell = found.hit.as_ref().and_then(|hit| hit.cell.as_ref());
         let cell = cell.map_or(String::new(), |cell| format!("cell {}; ", with_commas(cell.number)));
+        let is_of_plane = self.edited().is_some_and(|(_, output)| output == source.output);
+        let offer = if is_of_plane { "; \"+ at probe\" makes a widget of them" } else { "" };
         let text = match found.moments() {
             Some(([s, g], [[ss, _], [_, gg]])) => format!(
-                "{cell}{} values {place}: s {} ± {}, g {} ± {}; \"+ at probe\" makes a widget of them",
+                "{cell}{} values {place}: s {} ± {}, g {} ± {}{offer}",
                 found.gathered().len(),
                 short_by(s, 0.1 * ss.sqrt()),
                 short(ss.sqrt()),

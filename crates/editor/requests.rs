@@ -86,9 +86,9 @@ impl Editor {
         }
         self.answers.proposes = self.put_shown_widgets(&mut wanted.nodes);
         // That a hand lets go of a grip asks for no other picture.
-        wanted.is_dragged = self.answers.asked.as_ref().is_some_and(|asked| asked.is_dragged);
+        wanted.grip_moves = self.answers.asked.as_ref().is_some_and(|asked| asked.grip_moves);
         if self.answers.asked.as_ref() != Some(&wanted) {
-            wanted.is_dragged = self.panels.picture.holds_grip();
+            wanted.grip_moves = self.panels.picture.moves_grip();
             self.answers.picture_number = self.worker.draw(wanted.clone());
             self.answers.asked = Some(wanted);
         }
@@ -116,7 +116,7 @@ impl Editor {
         let (nodes, folder) = (links::feeding(&all, node), self.document.folder());
         let background = background(&all, node);
         let node = node.to_string();
-        RenderRequest { nodes, folder, node, size, background, coarse_first, is_dragged: false }
+        RenderRequest { nodes, folder, node, size, background, coarse_first, grip_moves: false }
     }
 
     /// The transfer function that is edited, and the output that gives the volume that it is drawn with.

@@ -44,12 +44,14 @@ impl GripDrag {
 #[derive(Default)]
 pub(crate) struct Handles {
     drag: Option<GripDrag>,
+    /// True if a key moved a grip in the last frame.
+    is_nudged: bool,
 }
 
 impl Handles {
-    /// True while a hand holds a grip.
-    pub fn is_held(&self) -> bool {
-        self.drag.is_some()
+    /// True while a hand moves a grip.
+    pub fn are_moved(&self) -> bool {
+        self.drag.is_some() || self.is_nudged
     }
 
     /// Draws them over the picture and follows the hand. Shown after the picture, above which they lie. Returns the picture's response with
@@ -59,6 +61,7 @@ impl Handles {
         let to_window = |[x, y]: [f64; 2]| picture.center() + picture.height() * vec2(x as f32, -y as f32);
         let color = theme::accent(true);
         let mut is_held = false;
+        self.is_nudged = false;
         for object in objects(scene) {
             for ends in object.lines() {
                 // On a rim of black, so that it is seen over whatever the picture shows there.
@@ -144,6 +147,7 @@ impl Handles {
             let [right, up] = arrows(ui, response);
             if [right, up] != [0.0; 2] {
                 scene.actions.edits(label(), object.nudged(grip.number, [times * right, times * up]));
+                self.is_nudged = true;
             }
         }
     }

@@ -167,7 +167,7 @@ pub(crate) fn volume_of(scene: &Scene, look: &str) -> Option<String> {
     volume_among(scene, look, |_| true)
 }
 
-/// The same, as some nodes draw it.
+/// Output that gives the volume with which some nodes draw a transfer function.
 fn volume_among(scene: &Scene, look: &str, is_one: impl Fn(&NodeEntry) -> bool) -> Option<String> {
     let nodes = &scene.document.pipeline().nodes;
     let source = |node: &NodeEntry, port_type: PortType| {

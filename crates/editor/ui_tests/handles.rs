@@ -231,9 +231,15 @@ fn a_plane_that_faces_the_eye_is_moved_steadily() {
         assert!((towards - before - 0.05 * 27.87).abs() < 0.05, "{step}: from {before} to {towards}");
         before = towards;
     }
+    let moves = |hand: &Hand| hand.editor.answers.asked.as_ref().unwrap().grip_moves;
+    assert!(moves(&hand), "the picture follows the hand");
     hand.button(false, PointerButton::Primary, Modifiers::NONE);
     hand.frames(2);
     assert_eq!(hand.steps(), 1);
+    let entry = voltet_graph::ParameterValue::List(Vec::new());
+    hand.editor.edit("typed".into(), &[voltet_document::Edit::set("picture", ["clip"], entry)]);
+    hand.frames(2);
+    assert!(!moves(&hand), "what is typed is no movement");
 }
 
 #[test]

@@ -38,8 +38,8 @@ pub struct RenderRequest {
     pub background: [f64; 3],
     /// True if a picture of fewer pixels is shown while the full one is drawn.
     pub coarse_first: bool,
-    /// True while a hand holds a grip in the picture: settings that differ are a movement of it.
-    pub is_dragged: bool,
+    /// True while a hand moves a grip in the picture: settings that differ are its movement.
+    pub grip_moves: bool,
 }
 
 impl RenderRequest {
@@ -119,7 +119,7 @@ impl RenderRequest {
 pub(super) struct Change {
     /// The nodes whose output is another, or is not needed any more.
     pub touched: BTreeSet<String>,
-    /// True if a hand's movement makes all of them: settings of cameras and transfer functions, and of all nodes while it holds a grip.
+    /// True if a hand's movement makes all of them: settings of cameras and transfer functions, and of all nodes while it moves a grip.
     pub moves: bool,
 }
 
@@ -135,7 +135,7 @@ impl Change {
         let moves = !elsewhere
             && (&before.node, before.size, before.background) == (&now.node, now.size, now.background)
             && before.nodes.len() == now.nodes.len()
-            && before.nodes.iter().zip(&now.nodes).all(|(a, b)| a == b || is_movement(a, b, now.is_dragged));
+            && before.nodes.iter().zip(&now.nodes).all(|(a, b)| a == b || is_movement(a, b, now.grip_moves));
         Change { touched: touched.collect(), moves }
     }
 }
@@ -144,10 +144,10 @@ fn find<'a>(nodes: &'a [NodeEntry], name: &str) -> Option<&'a NodeEntry> {
     nodes.iter().find(|node| node.name == name)
 }
 
-/// True if two states of a node differ in settings alone, and these are of a camera or a transfer function, or a grip is held.
-fn is_movement(before: &NodeEntry, now: &NodeEntry, is_dragged: bool) -> bool {
+/// True if two states of a node differ in settings alone, and these are of a camera or a transfer function, or a grip is moved.
+fn is_movement(before: &NodeEntry, now: &NodeEntry, grip_moves: bool) -> bool {
     let is_moved = ["camera", "transfer-function"].iter().any(|name| before.node_type.text() == Some(name));
-    (is_moved || is_dragged) && NodeEntry { settings: now.settings.clone(), ..before.clone() } == *now
+    (is_moved || grip_moves) && NodeEntry { settings: now.settings.clone(), ..before.clone() } == *now
 }
 
 /// The nodes that feed one, and it; in the order of the document.
@@ -539,7 +539,7 @@ mod tests {
 
     fn over(background: [f64; 3]) -> RenderRequest {
         let (nodes, folder, node) = (Vec::new(), PathBuf::new(), "picture".into());
-        RenderRequest { nodes, folder, node, size: None, background, coarse_first: false, is_dragged: false }
+        RenderRequest { nodes, folder, node, size: None, background, coarse_first: false, grip_moves: false }
     }
 
     /// Within one level of what a PNG file of the picture holds.

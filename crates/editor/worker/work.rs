@@ -70,9 +70,9 @@ impl WorkerState<'_> {
         self.pace.look_from(wanted.cameras());
         // The first picture of a wish is for a hand that moves, whether it is coarse or quick enough to have all pixels.
         let first = wanted.coarse_first.then(|| self.pace.divisor(wanted.pixels()));
-        // A hand that holds a grip may move what a node makes of the data, such as a slice.
+        // A hand at a grip may move what a node makes of the data, such as a slice.
         let stale = || 2.0 * lock(&self.shared.state).output.stale_seconds(wanted);
-        let others = Duration::from_secs_f64(if wanted.is_dragged { stale() } else { 0.0 });
+        let others = Duration::from_secs_f64(if wanted.grip_moves { stale() } else { 0.0 });
         let passes = first.map(|divisor| (divisor, Some(self.pace.patience(divisor) + others))).into_iter();
         for (divisor, patience) in passes.chain([(1, None)]) {
             match self.pass(number, wanted, divisor, patience) {
@@ -438,7 +438,7 @@ mod tests {
             size: None,
             background: [0.0; 3],
             coarse_first: true,
-            is_dragged: false,
+            grip_moves: false,
         }
     }
 
@@ -469,7 +469,7 @@ mod tests {
         // What a hand moves by a grip is a movement, what is typed is none, be it the same parameter.
         let typed = with("picture", "clip", ParameterValue::List(Vec::new()));
         assert_eq!(touched(&typed), (of(&["picture"]), false));
-        let dragged = RenderRequest { is_dragged: true, ..typed };
+        let dragged = RenderRequest { grip_moves: true, ..typed };
         assert_eq!(touched(&dragged), (of(&["picture"]), true));
         let other = with("gradient", "method", ParameterValue::Text("cell-average".into()));
         assert_eq!(touched(&other), (of(&["gradient", "picture"]), false));
