@@ -205,3 +205,26 @@ fn what_lies_behind_a_surface_is_not_probed_and_the_surface_is_a_centre() {
         (hand.editor.view().unwrap().target.z + 4.0).abs() < 1e-3
     });
 }
+
+/// Of one ray only the cells near it are made ready, of several all are: the values are the same.
+#[test]
+fn one_ray_meets_what_it_meets_among_several() {
+    let mut hand = Hand::new(&TEXT.replace("extinction = 4.0", "extinction = 0.05"));
+    for place in [[0.0, 0.0], [0.013, -0.11], [-0.2, 0.05], [0.1, 0.17]] {
+        let [alone, both] = [1, 2].map(|count| {
+            hand.editor.answers.probed = None;
+            hand.editor.probe(vec![place; count], crate::scene::ProbePurpose::Values);
+            until(&mut hand, "no answer comes", |hand| hand.editor.scene().probed.is_some());
+            hand.editor.scene().probed.clone().unwrap()
+        });
+        assert!(alone.values.len() > 10 && both.values.len() == 2 * alone.values.len(), "{place:?}");
+        assert!((alone.opacity - both.opacity).abs() < 1e-12, "{place:?}");
+        for (one, other) in alone.values.iter().zip(&both.values) {
+            let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs();
+            assert!(
+                (0..2).all(|k| near(one.0[k], other.0[k])) && near(one.1, 2.0 * other.1),
+                "{one:?} {other:?}"
+            );
+        }
+    }
+}
