@@ -43,6 +43,8 @@ pub enum Edit {
     MoveNodes(Vec<(String, [f64; 2])>),
     /// A node shows its head alone, or all.
     Fold { node: String, folded: bool },
+    /// A node adds nothing to the window's picture.
+    Hide { node: String, hidden: bool },
     /// Words that stand with a node in the graph view; none takes them away.
     Remark { node: String, text: Option<String> },
     /// A frame or a note in place of another; one more where the number is that of all.
@@ -86,6 +88,8 @@ impl Edit {
             }
             Edit::Fold { node, folded: true } => format!("fold '{node}'"),
             Edit::Fold { node, folded: false } => format!("unfold '{node}'"),
+            Edit::Hide { node, hidden: true } => format!("take '{node}' out of the picture"),
+            Edit::Hide { node, hidden: false } => format!("bring '{node}' back into the picture"),
             Edit::Remark { node, .. } => format!("remark on '{node}'"),
             Edit::Annotate(id, _) => format!("change {}", id.parts().1),
             Edit::RemoveAnnotation(id) => format!("remove {}", id.parts().1),
@@ -147,6 +151,7 @@ impl EditContext<'_> {
             Edit::AddLines(text) => self.draft.add_block(&Path::from(["nodes"]), text),
             Edit::MoveNodes(moved) => self.move_nodes(moved),
             Edit::Fold { node, folded } => self.show_node(node, |view| view.folded = *folded),
+            Edit::Hide { node, hidden } => self.show_node(node, |view| view.hidden = *hidden),
             Edit::Remark { node, text } => self.show_node(node, |view| view.remark = text.clone()),
             Edit::Annotate(id, annotation) => self.put(*id, &annotation.datum()),
             Edit::RemoveAnnotation(id) => self.take(*id),

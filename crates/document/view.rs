@@ -12,6 +12,7 @@
 //! [editor.nodes]
 //! grid = [0, 120]
 //! look = { at = [220, 40], folded = true, remark = "by hand" }
+//! cut = { at = [220, 160], hidden = true }
 //!
 //! [editor.sets]
 //! 3 = [{ kind = "uniform", color = [1.0, 0.5, 0.2], extinction = 4.0, region = { s = [1.0, 2.0] } }]
@@ -30,6 +31,8 @@ pub struct NodeView {
     pub position: Option<[f64; 2]>,
     /// True if its head alone is shown.
     pub folded: bool,
+    /// True if the window's picture leaves out what it adds.
+    pub hidden: bool,
     /// Words that stand with it.
     pub remark: Option<String>,
 }
@@ -112,10 +115,13 @@ fn set(field: &Field) -> Option<(u8, Vec<LocatedValue>)> {
 impl NodeView {
     fn read(setting: &LocatedValue) -> NodeView {
         if let Some(fields) = setting.table() {
+            let is_set = |name: &str| {
+                find_setting(fields, name).is_some_and(|flag| flag.datum == ParameterValue::Boolean(true))
+            };
             return NodeView {
                 position: numbers(fields, "at"),
-                folded: find_setting(fields, "folded")
-                    .is_some_and(|folded| folded.datum == ParameterValue::Boolean(true)),
+                folded: is_set("folded"),
+                hidden: is_set("hidden"),
                 remark: text(fields, "remark"),
             };
         }
@@ -125,12 +131,13 @@ impl NodeView {
     /// As the file has it; none where there is nothing to say.
     pub(crate) fn datum(&self) -> Option<ParameterValue> {
         let at = self.position.map(position_value);
-        if !self.folded && self.remark.is_none() {
+        if !self.folded && !self.hidden && self.remark.is_none() {
             return at;
         }
-        let folded = self.folded.then_some(ParameterValue::Boolean(true));
+        let [folded, hidden] =
+            [self.folded, self.hidden].map(|flag| flag.then_some(ParameterValue::Boolean(true)));
         let remark = self.remark.clone().map(ParameterValue::Text);
-        Some(table([("at", at), ("folded", folded), ("remark", remark)]))
+        Some(table([("at", at), ("folded", folded), ("hidden", hidden), ("remark", remark)]))
     }
 }
 

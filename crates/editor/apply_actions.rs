@@ -2,6 +2,7 @@
 //! opened or made for data, saved, changed by another program, recovered after a crash.
 
 use crate::editor::{Editor, Making, Next, Panels};
+use crate::eyes;
 use crate::files::{Disk, FileDialog, Recover, age, ask, begun, free_path, is_pipeline};
 use crate::jobs::{Arrays, Job};
 use crate::picture::milliseconds;
@@ -13,7 +14,7 @@ use glam::DVec3;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::{Duration, Instant};
-use voltet_core::Result;
+use voltet_core::{Result, counted};
 use voltet_document::arrange::{PlacedNode, align, tidy};
 use voltet_document::{Annotation, AnnotationId, Document, Edit, Recovery};
 use voltet_graph::NodeEntry;
@@ -32,11 +33,11 @@ impl Editor {
         match action {
             Action::Edit(label, edits) => self.edit(label, &edits),
             Action::Select(names) => self.select(names),
+            Action::ToggleEyes(names) => self.toggle_eyes(&names),
             Action::Show(name) => self.shown_node = Some(name),
             Action::MoveCamera(view) => self.look(view),
-            Action::Probe(places) => self.probe(places, false),
+            Action::Probe(places, purpose) => self.probe(places, purpose),
             Action::PixelProbe(source, found) => self.show_probed(source, found),
-            Action::Centre(place) => self.probe(vec![place], true),
             Action::Estimate => self.estimate(),
             Action::Do(command) => self.command(ctx, command),
             Action::Say(text) => self.say(text),
@@ -177,6 +178,7 @@ impl Editor {
             Command::Shift(x, y) => self.shift([x, y].map(f64::from)),
             Command::Tidy | Command::Align(_) | Command::Frame | Command::Note => self.arrange_nodes(command),
             Command::Fold => self.fold(),
+            Command::Eye => self.toggle_eyes(&self.selection.clone()),
             Command::FitGraph => self.panels.graph.fit(),
             Command::Home => {
                 let bounds = self.worker.shown(|shown| shown.bounds);
@@ -330,6 +332,23 @@ impl Editor {
         let edits: Vec<Edit> = other.map(|name| Edit::Fold { node: name.clone(), folded }).collect();
         if !edits.is_empty() {
             self.edit(if folded { "fold" } else { "unfold" }.into(), &edits);
+        }
+    }
+
+    fn toggle_eyes(&mut self, names: &BTreeSet<String>) {
+        match &eyes::toggled(&self.document, &self.registry, names)[..] {
+            [] => self
+                .say("surfaces, annotations and clips can be taken out of the picture: select their nodes"),
+            [one] => self.edit_one(one.clone()),
+            edits => {
+                let is_out = edits.iter().any(|edit| matches!(edit, Edit::Hide { hidden: true, .. }));
+                let nodes = counted(edits.len(), "node");
+                let label = match is_out {
+                    true => format!("take {nodes} out of the picture"),
+                    false => format!("bring {nodes} back into the picture"),
+                };
+                self.edit(label, edits);
+            }
         }
     }
 

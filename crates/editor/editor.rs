@@ -8,7 +8,7 @@ use crate::keys::{self, GestureTracker};
 use crate::panes::Pane;
 use crate::parameters::ParameterPanel;
 use crate::picture::{self, PicturePanel};
-use crate::scene::{Action, Actions, Command, Lag, Scene, error_text, pictures};
+use crate::scene::{Action, Actions, Command, Lag, ProbePurpose, Scene, error_text, pictures};
 use crate::section::SectionPanel;
 use crate::study::{StudyPanel, show_costs};
 use crate::theme;
@@ -20,6 +20,7 @@ use eframe::egui::{
     Align, Button, CentralPanel, Context, Frame, Key, Label, Layout, Modifiers, Panel, Popup, Rect, RichText,
     Ui, UiBuilder, ViewportCommand, vec2,
 };
+use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -69,8 +70,12 @@ pub(crate) struct Answers {
     /// The picture that was asked for last, and its number.
     pub asked: Option<RenderRequest>,
     pub picture_number: u64,
-    /// True for a probe that is waited for to centre the picture.
-    pub probing: Option<bool>,
+    /// True if it is drawn with a widget that is proposed.
+    pub proposes: bool,
+    /// Use of a probe that is waited for.
+    pub probing: Option<ProbePurpose>,
+    /// Points of the length that is measured, at most two; world units.
+    pub measured: Vec<DVec3>,
     /// Values that were probed, and the volume that they are of.
     pub probed: Option<(VolumeSource, Arc<PixelProbe>)>,
     pub picture_lag: Lag,
@@ -232,11 +237,16 @@ impl Editor {
                 asks: self.asks() || self.file_dialog.is_some(),
                 nodes: shown.nodes.clone(),
                 values: shown.values.clone(),
+                bounds: shown.output_bounds.clone(),
                 failure,
                 running: running(shown),
                 distribution: distribution.and_then(|found| found.as_ref().ok().cloned()),
                 distribution_fault: distribution.and_then(|found| found.as_ref().err().cloned()),
                 probed: self.answers.probed.as_ref().map(|(_, found)| found.clone()),
+                hovered: shown.hover.answer().and_then(|found| found.as_ref().ok()?.hit.clone()),
+                hovered_in: shown.hover.asked().map(|asked| asked.source.output.clone()),
+                proposes: self.answers.proposes,
+                measured: &self.answers.measured,
                 share: shown.share.answer().filter(|_| is_newest).cloned(),
                 section: shown.section.last().cloned(),
                 is_section_earlier: self.answers.section_lag.is_long,

@@ -1,17 +1,22 @@
 //! The picture: what the worker drew last, and the hand that moves the camera.
 
-use crate::scene::{Action, Command, EARLIER, Scene, command_buttons};
+use crate::eyes::left_out;
+use crate::handles::Handles;
+use crate::hit_marks;
+use crate::scene::{Action, Command, EARLIER, ProbePurpose, Scene, command_buttons};
 use crate::theme::{self, button};
 use crate::view::View;
 use crate::worker::Pixels;
 use eframe::egui::scroll_area::ScrollSource;
 use eframe::egui::{
-    Align2, Color32, ColorImage, ComboBox, FontId, PointerButton, Pos2, Rect, Response, RichText, ScrollArea,
-    Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, WidgetType, pos2, vec2,
+    Align2, Color32, ColorImage, ComboBox, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, RichText,
+    ScrollArea, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, WidgetType,
+    pos2, vec2,
 };
 use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// Radians that a drag over the height of the picture turns.
 const TURN: f64 = PI;
@@ -46,6 +51,11 @@ pub(crate) struct PicturePanel {
     /// True if a drag is a box to be probed, as it is with Alt, which some window managers keep for themselves.
     boxes: bool,
     boxed: Option<Pos2>,
+    /// True if clicks are the ends of a length.
+    measures: bool,
+    /// Place under the pointer, where it rests.
+    pub hovered: Option<[f64; 2]>,
+    handles: Handles,
     /// True if each pixel of the picture is one of the screen.
     is_own_size: bool,
     /// The picture in the window.
@@ -73,6 +83,11 @@ impl PicturePanel {
         }
     }
 
+    /// True while a hand moves a grip in the picture.
+    pub fn moves_grip(&self) -> bool {
+        self.handles.are_moved()
+    }
+
     /// The picture of a size, points, else as large as fits.
     fn image(&mut self, ui: &mut Ui, scene: &Scene, own: Option<Vec2>) {
         let least = own.unwrap_or(vec2(16.0, 16.0));
@@ -94,14 +109,34 @@ impl PicturePanel {
             ui.painter().image(texture.id(), picture, WHOLE, theme::tint(scene.is_earlier()));
         }
         self.over(ui, scene, rect);
+        let bare = response.clone();
+        // A hand that probes or measures takes hold of nothing.
+        let response = if scene.view.is_some() && !self.boxes && !self.measures {
+            self.handles.show(ui, scene, picture, response)
+        } else {
+            self.handles = Handles::default();
+            response
+        };
         if let Some(view) = scene.view {
             triad(ui, picture.intersect(ui.clip_rect()), view);
             self.hand(ui, scene, &response, view);
         }
+        let before = self.hovered;
+        self.hovered = scene.view.and_then(|_| hovered(ui, &response, picture, before));
+        if before.is_some() && self.hovered.is_none() {
+            // Its words and its mark are gone in the next frame.
+            ui.ctx().request_repaint();
+        }
+        hit_marks::show(ui, scene, picture, self.measures);
         let name = format!("picture {}", scene.shown_node.unwrap_or("none"));
         response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, &name));
         response.context_menu(|ui| command_buttons(ui, scene.actions, PICTURE_MENU));
-        response.on_hover_cursor(eframe::egui::CursorIcon::Grab);
+        match scene.view {
+            // Nothing follows the hand.
+            None => {}
+            Some(_) if self.boxes || self.measures => drop(bare.on_hover_cursor(CursorIcon::Crosshair)),
+            Some(_) => drop(bare.on_hover_cursor(CursorIcon::Grab)),
+        }
     }
 
     pub fn texture_of(&self, scene: &Scene, node: &str) -> Option<TextureHandle> {
@@ -146,6 +181,10 @@ impl PicturePanel {
                 let help = "a drag probes the values in a box, as it does with Alt";
                 if ui.selectable_label(self.boxes, "box").on_hover_text(help).clicked() {
                     self.boxes = !self.boxes;
+                }
+                let help = "the distance between the points at two clicks";
+                if ui.selectable_label(self.measures, "measure").on_hover_text(help).clicked() {
+                    self.measures = !self.measures;
                 }
                 let help = "a pixel of the picture is a pixel of the screen";
                 if ui.selectable_label(self.is_own_size, "1:1").on_hover_text(help).clicked() {
@@ -225,7 +264,8 @@ impl PicturePanel {
         if response.drag_stopped() {
             self.boxed = None;
             if chosen.is_positive() {
-                scene.actions.push(Action::Probe(grid(chosen).into_iter().map(place).collect()));
+                let places = grid(chosen).into_iter().map(place).collect();
+                scene.actions.push(Action::Probe(places, ProbePurpose::Values));
             }
         }
         true
@@ -270,15 +310,42 @@ impl PicturePanel {
             }
         }
         let at = response.interact_pointer_pos().filter(|at| picture.contains(*at));
-        match at {
-            Some(at) if response.double_clicked() => scene.actions.push(Action::Centre(place(at))),
-            Some(at) if response.clicked() => scene.actions.push(Action::Probe(vec![place(at)])),
-            _ => {}
+        if let Some(at) = at.filter(|_| response.clicked()) {
+            let purpose = match (self.measures, response.double_clicked()) {
+                (true, _) => ProbePurpose::Length,
+                (false, true) => ProbePurpose::Centre,
+                (false, false) => ProbePurpose::Values,
+            };
+            scene.actions.push(Action::Probe(vec![place(at)], purpose));
         }
         if to != view {
             scene.actions.push(Action::MoveCamera(to));
         }
     }
+}
+
+/// Time for which the pointer rests before what is under it is asked for, seconds: none while it only passes.
+const REST: f32 = 0.05;
+
+/// Movement of a hand that rests, points.
+const STILL: f64 = 2.0;
+
+/// The place of the picture where a pointer over it rests, in heights from its middle, to the right and up.
+fn hovered(ui: &Ui, response: &Response, picture: Rect, before: Option<[f64; 2]>) -> Option<[f64; 2]> {
+    let at = response.hover_pos().filter(|at| picture.contains(*at))?;
+    let (rest, is_down) =
+        ui.input(|input| (input.pointer.time_since_last_movement(), input.pointer.any_down()));
+    if is_down {
+        return None;
+    }
+    let from = (at - picture.center()) / picture.height().max(1.0);
+    let place = [f64::from(from.x), -f64::from(from.y)];
+    if rest < REST {
+        ui.ctx().request_repaint_after(Duration::from_secs_f32(REST - rest));
+        let way = |before: &[f64; 2]| (before[0] - place[0]).hypot(before[1] - place[1]);
+        return before.filter(|before| way(before) * f64::from(picture.height()) < STILL);
+    }
+    Some(place)
 }
 
 /// Length of an axis of the triad, and its distance from the corner, points.
@@ -325,7 +392,9 @@ pub(crate) fn status(ui: &mut Ui, scene: &Scene) {
         let engine = scene.report.as_ref().and_then(|report| report.engine.as_ref());
         let engine = engine.map_or(String::new(), |(engine, _)| format!(" · {engine}"));
         let earlier = if scene.is_earlier() { format!(" · {EARLIER}") } else { String::new() };
-        let text = format!("{width} × {height}{seconds}{engine}{earlier}");
+        let without = left_out(scene).map_or(String::new(), |text| format!(" · {text}"));
+        let proposed = if scene.proposes { " · with a proposed widget" } else { "" };
+        let text = format!("{width} × {height}{seconds}{engine}{earlier}{without}{proposed}");
         ui.label(RichText::new(text).color(theme::weak(dark)));
     }
 }

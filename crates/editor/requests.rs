@@ -1,17 +1,17 @@
 //! Requests to the worker, and handling of its answers.
 
 use crate::editor::{Answers, Editor};
+use crate::eyes::visible_nodes;
 use crate::jobs::{self, Arrays};
 use crate::scene::pictures;
 use crate::section;
 use crate::transfer;
 use crate::view::View;
 use crate::worker::{
-    DataScales, DistributionQuery, PixelProbe, PreviewQuery, ProbeQuery, RenderRequest, SectionQuery,
-    ShareQuery, VolumeSource, retain_widgets, short, short_by, size_of,
+    DataScales, DistributionQuery, PreviewQuery, RenderRequest, SectionQuery, ShareQuery, VolumeSource,
+    retain_widgets, size_of,
 };
 use eframe::egui::Context;
-use std::sync::Arc;
 use std::time::Instant;
 use voltet_document::links::{self, upstream};
 use voltet_graph::{NodeEntry, ParameterValue};
@@ -23,6 +23,7 @@ impl Editor {
         self.find_distribution();
         self.find_share();
         self.find_section();
+        self.find_hovered();
         self.find_previews();
     }
 
@@ -83,13 +84,26 @@ impl Editor {
         if let (Some(look), Some(found)) = (self.panels.transfer.dragged(), self.scene().distribution) {
             put_in_numbers(&mut wanted.nodes, look, &found.known);
         }
-        if let Some((look, hidden)) = self.panels.transfer.hidden() {
-            retain_widgets(&mut wanted.nodes, look, |place| !hidden.contains(&place));
-        }
+        self.answers.proposes = self.put_shown_widgets(&mut wanted.nodes);
+        // That a hand lets go of a grip asks for no other picture.
+        wanted.grip_moves = self.answers.asked.as_ref().is_some_and(|asked| asked.grip_moves);
         if self.answers.asked.as_ref() != Some(&wanted) {
+            wanted.grip_moves = self.panels.picture.moves_grip();
             self.answers.picture_number = self.worker.draw(wanted.clone());
             self.answers.asked = Some(wanted);
         }
+    }
+
+    /// Leaves out the widgets that the window's picture is drawn without, and adds the one that is proposed; whether there is one.
+    pub(crate) fn put_shown_widgets(&self, nodes: &mut [NodeEntry]) -> bool {
+        if let Some((look, hidden)) = self.panels.transfer.hidden() {
+            retain_widgets(nodes, look, |place| !hidden.contains(&place));
+        }
+        let proposed = self.panels.transfer.proposed();
+        if let Some((look, entry)) = proposed {
+            add_widget(nodes, look, entry);
+        }
+        proposed.is_some()
     }
 
     pub(crate) fn render_request(
@@ -98,14 +112,15 @@ impl Editor {
         size: Option<[u32; 2]>,
         coarse_first: bool,
     ) -> RenderRequest {
-        let all = &self.document.pipeline().nodes;
-        let (nodes, folder) = (links::feeding(all, node), self.document.folder());
-        let background = background(all, node);
-        RenderRequest { nodes, folder, node: node.to_string(), size, background, coarse_first }
+        let all = visible_nodes(&self.document, &self.registry);
+        let (nodes, folder) = (links::feeding(&all, node), self.document.folder());
+        let background = background(&all, node);
+        let node = node.to_string();
+        RenderRequest { nodes, folder, node, size, background, coarse_first, grip_moves: false }
     }
 
     /// The transfer function that is edited, and the output that gives the volume that it is drawn with.
-    fn edited(&self) -> Option<(&NodeEntry, String)> {
+    pub(crate) fn edited(&self) -> Option<(&NodeEntry, String)> {
         let scene = self.scene();
         let look = transfer::edited_node(&scene)?;
         Some((look, transfer::volume_of(&scene, &look.name)?))
@@ -178,57 +193,6 @@ impl Editor {
         self.worker.ask(|output| &mut output.section, wanted);
     }
 
-    pub(crate) fn probe(&mut self, places: Vec<[f64; 2]>, centres: bool) {
-        let (Some((look, output)), Some(camera)) = (self.edited(), self.camera()) else { return };
-        let nodes = self.document.pipeline().nodes.clone();
-        let source = VolumeSource { nodes, folder: self.document.folder(), output };
-        let wanted = ProbeQuery { source, look: look.name.clone(), camera: camera.name.clone(), places };
-        self.worker.ask(|output| &mut output.probe, wanted);
-        self.answers.probing = Some(centres);
-    }
-
-    /// Takes over what a probe found: values in a line, or the centre.
-    pub(crate) fn take_probed(&mut self) {
-        let Some(centres) = self.answers.probing else { return };
-        let answer = self.worker.shown(|shown| {
-            let probe = &shown.probe;
-            probe.answer().cloned().zip(probe.asked().map(|query| query.source.clone()))
-        });
-        let Some((answer, source)) = answer else { return };
-        self.answers.probing = None;
-        let Some(found) = self.check(answer) else { return };
-        match found.point {
-            Some(point) if centres => self.move_camera(|view| view.centred(point)),
-            None if centres => {}
-            _ => self.show_probed(source, found),
-        }
-    }
-
-    /// Shows what a probe of a volume found.
-    pub(crate) fn show_probed(&mut self, source: VolumeSource, found: Arc<PixelProbe>) {
-        if !self.is_current(&source) {
-            return self.say("what was probed has changed since: probe again");
-        }
-        let place = match found.rays {
-            0 => "in the section".to_string(),
-            1 => "on the ray".to_string(),
-            rays => format!("on {rays} rays"),
-        };
-        let text = match found.moments() {
-            Some(([s, g], [[ss, _], [_, gg]])) => format!(
-                "{} values {place}: s {} ± {}, g {} ± {}; \"+ at probe\" makes a widget of them",
-                found.values.len(),
-                short_by(s, 0.1 * ss.sqrt()),
-                short(ss.sqrt()),
-                short_by(g, 0.1 * gg.sqrt()),
-                short(gg.sqrt()),
-            ),
-            None => format!("no cell is met {place}"),
-        };
-        self.say(text);
-        self.answers.probed = Some((source, found));
-    }
-
     /// The view of the picture, as its camera states it; of one that is stated otherwise than by eye and target, that of the last full
     /// picture.
     pub(crate) fn view(&self) -> Option<View> {
@@ -256,6 +220,15 @@ fn put_in_numbers(nodes: &mut [NodeEntry], look: &str, known: &DataScales) {
         // Only a path that leads nowhere is refused.
         let _ = node.set("widgets", &[], ParameterValue::List(list).into());
     }
+}
+
+/// Adds a widget to a transfer function.
+fn add_widget(nodes: &mut [NodeEntry], look: &str, entry: &ParameterValue) {
+    let Some(node) = nodes.iter_mut().find(|node| node.name == look) else { return };
+    let before = node.setting("widgets").and_then(|setting| setting.list()).unwrap_or_default();
+    let list = before.iter().cloned().chain([entry.clone().into()]).collect();
+    // Only a path that leads nowhere is refused.
+    let _ = node.set("widgets", &[], ParameterValue::List(list).into());
 }
 
 /// A picture of that shape with no more pixels than there is room for, and no more than it has.

@@ -3,8 +3,9 @@
 
 use crate::jobs::Arrays;
 use crate::view::View;
-use crate::worker::{Distribution, NodeStatus, PixelProbe, Pixels, Section, Share, VolumeSource};
+use crate::worker::{Distribution, Hit, NodeStatus, PixelProbe, Pixels, Section, Share, VolumeSource};
 use eframe::egui::Ui;
+use glam::DVec3;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::PathBuf;
@@ -12,8 +13,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use voltet_core::{Error, Result};
 use voltet_document::arrange::Align;
-use voltet_document::{Document, Edit, Path};
-use voltet_graph::{Node, NodeEntry, PortType, Registry, RunReport};
+use voltet_document::{Document, Edit, Path, links};
+use voltet_graph::{Node, NodeEntry, Port, PortType, Registry, RunReport};
 
 /// View of the editor in one frame, and what the parts of the window request.
 pub(crate) struct Scene<'a> {
@@ -33,8 +34,9 @@ pub(crate) struct Scene<'a> {
     /// True if a question must be answered first, and other input is blocked.
     pub asks: bool,
     pub nodes: BTreeMap<String, NodeStatus>,
-    /// For each output what runs through it.
+    /// For each output what runs through it, and the box of its points.
     pub values: Arc<BTreeMap<String, String>>,
+    pub bounds: Arc<BTreeMap<String, [DVec3; 2]>>,
     pub failure: Option<Error>,
     pub running: Option<String>,
     pub seconds: Option<f64>,
@@ -43,6 +45,14 @@ pub(crate) struct Scene<'a> {
     /// Reason why there is none.
     pub distribution_fault: Option<Error>,
     pub probed: Option<Arc<PixelProbe>>,
+    /// Place that is seen first under the pointer in the picture.
+    pub hovered: Option<Hit>,
+    /// The output that gives the volume in which it is looked for.
+    pub hovered_in: Option<String>,
+    /// True if the picture is drawn with a widget that is proposed.
+    pub proposes: bool,
+    /// Points of the length that is measured, world units.
+    pub measured: &'a [DVec3],
     /// Contribution of the selected widget to the picture, or an error message; `None` while unknown.
     pub share: Option<Result<Share>>,
     pub section: Option<Result<Arc<Section>>>,
@@ -147,6 +157,18 @@ impl<'a> Scene<'a> {
         self.entries.get(name).copied()
     }
 
+    /// The node and the output that a source names, the first where it names none; and the output's declaration.
+    pub fn giving<'t>(&self, text: &'t str) -> (&'t str, &'t str, Option<&'static Port>) {
+        let (name, output) = links::source(text, &self.document.pipeline().nodes);
+        let node = self.entry(name).and_then(|entry| self.node_type(entry));
+        let outputs = node.map_or(&[][..], |node| node.outputs);
+        let given = match output {
+            Some(output) => outputs.iter().find(|port| port.name == output),
+            None => outputs.first(),
+        };
+        (name, output.or(given.map(|port| port.name)).unwrap_or_default(), given)
+    }
+
     pub fn is_empty(&self) -> bool {
         self.document.pipeline().nodes.is_empty() && self.document.is_toml()
     }
@@ -176,13 +198,13 @@ pub enum Action {
     Edit(String, Vec<Edit>),
     Select(BTreeSet<String>),
     Show(String),
+    /// Takes what nodes add out of the picture, or brings it back.
+    ToggleEyes(BTreeSet<String>),
     MoveCamera(View),
     /// The values at places of the picture are asked for (heights from its middle, to the right and up).
-    Probe(Vec<[f64; 2]>),
+    Probe(Vec<[f64; 2]>, ProbePurpose),
     /// Values of a volume were found otherwise.
     PixelProbe(VolumeSource, Arc<PixelProbe>),
-    /// Centres the picture on the point at a position.
-    Centre([f64; 2]),
     Estimate,
     Do(Command),
     Say(String),
@@ -190,6 +212,17 @@ pub enum Action {
     Begin(PathBuf),
     /// Opens a file dialog, at the path of a file if there is one.
     ChooseFile(FilePurpose, Option<PathBuf>),
+}
+
+/// Use of what a probe of the picture finds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ProbePurpose {
+    /// Values are shown, for widgets.
+    Values,
+    /// The picture is centred on the point.
+    Centre,
+    /// The point is an end of a length.
+    Length,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -233,6 +266,8 @@ pub enum Command {
     Tidy,
     Align(Align),
     Fold,
+    /// Takes what the selected nodes add out of the picture, or brings it back.
+    Eye,
     Frame,
     Note,
     FitGraph,

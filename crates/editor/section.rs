@@ -195,7 +195,7 @@ fn probe(scene: &Scene, section: &Section, [x, y]: [[f64; 2]; 2]) {
         pixels.filter_map(|i| section.values[i].map(|value| (value, 1.0))).collect();
     let middle = section.of.point([0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])]);
     let point = Some(middle).filter(|_| !values.is_empty());
-    let found = PixelProbe { rays: 0, values, point, opacity: 0.0 };
+    let found = PixelProbe { values, point, ..PixelProbe::default() };
     scene.actions.push(Action::PixelProbe(section.of.source.clone(), Arc::new(found)));
 }
 

@@ -25,6 +25,13 @@ pub struct View {
     pub projection: Projection,
 }
 
+/// Square of the sine of the angle between a line and the sight of a point on it below which places in the picture say nothing of places along
+/// the line: 8 degrees.
+const END_ON: f64 = 0.02;
+
+/// Least depth to which a point is moved towards the eye, as a share of its own.
+const BEFORE_EYE: f64 = 0.05;
+
 impl View {
     /// The view that a camera node states by eye and target; `None` where it states none, or one that is not sound.
     pub fn from_camera(node: &NodeEntry) -> Option<View> {
@@ -86,6 +93,79 @@ impl View {
             Projection::Perspective { fov_y } => 2.0 * self.distance() * (0.5 * fov_y).to_radians().tan(),
             Projection::Orthographic { height } => height,
         }
+    }
+
+    /// Place of a point in the picture; `None` of a point that is not before the eye.
+    pub fn place(&self, point: DVec3) -> Option<[f64; 2]> {
+        let axes = self.axes()?;
+        let from = point - self.eye;
+        let depth = from.dot(axes.forward);
+        let height = match self.projection {
+            Projection::Perspective { .. } => axes.pixel * depth,
+            Projection::Orthographic { height } => height,
+        };
+        let is_before = depth > 0.0 || matches!(self.projection, Projection::Orthographic { .. });
+        is_before.then(|| [from.dot(axes.right) / height, from.dot(axes.up) / height])
+    }
+
+    /// Origin and unit direction of the ray through a place of the picture, world units.
+    pub fn ray(&self, [right, up]: [f64; 2]) -> Option<[DVec3; 2]> {
+        let axes = self.axes()?;
+        let aside = axes.pixel * (right * axes.right + up * axes.up);
+        Some(match self.projection {
+            Projection::Perspective { .. } => [self.eye, (axes.forward + aside).normalize()],
+            Projection::Orthographic { .. } => [self.eye + aside, axes.forward],
+        })
+    }
+
+    /// The point on a line through `from`, before the eye, that is seen nearest to a place, at most `reach` away (world units). It goes one way
+    /// along the unit direction while the place does along the line's picture, also beyond the vanishing point. A line that points at the eye
+    /// moves with the hand: up is along its direction.
+    pub fn on_line(&self, from: DVec3, direction: DVec3, place: [f64; 2], reach: f64) -> Option<DVec3> {
+        let (axes, at) = (self.axes()?, self.place(from)?);
+        let [_, sight] = self.ray(at)?;
+        let by = [place[0] - at[0], place[1] - at[1]];
+        let cosine = direction.dot(sight);
+        // Depth, and height of the picture there; both change along the line in perspective.
+        let depth = (from - self.eye).dot(axes.forward);
+        let (height, recedes) = match self.projection {
+            Projection::Perspective { .. } => (axes.pixel * depth, direction.dot(axes.forward) / depth),
+            Projection::Orthographic { height } => (height, 0.0),
+        };
+        let along = if 1.0 - cosine * cosine > END_ON {
+            // The place is at + along · step / (1 + along · recedes).
+            let across = [direction.dot(axes.right), direction.dot(axes.up)];
+            let step = [0, 1].map(|k: usize| across[k] / height - at[k] * recedes);
+            let length = step[0].hypot(step[1]);
+            let way = (by[0] * step[0] + by[1] * step[1]) / length;
+            let left = length - way * recedes;
+            if left > 0.0 { way / left } else { way.signum() * reach }
+        } else {
+            by[1] * height
+        };
+        // Not through the eye, in front of which the depth is a share of that of the point.
+        let [low, high] = match (BEFORE_EYE - 1.0) / recedes {
+            end if recedes > 0.0 => [end.max(-reach), reach],
+            end if recedes < 0.0 => [-reach, end.min(reach)],
+            _ => [-reach, reach],
+        };
+        Some(from + along.clamp(low, high) * direction)
+    }
+
+    /// The point at a place of the picture that is as deep as another point.
+    pub fn beside(&self, point: DVec3, place: [f64; 2]) -> Option<DVec3> {
+        let ([eye, ray], forward) = (self.ray(place)?, self.axes()?.forward);
+        Some(eye + (point - eye).dot(forward) / ray.dot(forward) * ray)
+    }
+
+    /// The point of a ball that is seen at a place, on the side on which another point lies; of a place beside it, the nearest on its rim.
+    pub fn on_ball(&self, centre: DVec3, near: DVec3, place: [f64; 2]) -> Option<DVec3> {
+        let [eye, ray] = self.ray(place)?;
+        let (radius, middle) = (near.distance(centre), eye + (centre - eye).dot(ray) * ray);
+        let aside = middle - centre;
+        let half = (radius * radius - aside.length_squared()).max(0.0).sqrt();
+        let side = if (near - centre).dot(ray) < 0.0 { -half } else { half };
+        Some(centre + radius * (aside + side * ray).try_normalize()?)
     }
 
     /// The view if it is sound, else the one before.

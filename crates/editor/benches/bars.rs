@@ -117,6 +117,7 @@ fn wanted(nodes: &[NodeEntry]) -> RenderRequest {
         size: None,
         background: [0.0; 3],
         coarse_first: true,
+        grip_moves: false,
     }
 }
 

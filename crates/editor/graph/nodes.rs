@@ -1,6 +1,6 @@
 //! Nodes: drawn by the package, moved and selected by the pointer.
 
-use super::package::{self, Face, NodeGraph, Pictures, Response};
+use super::package::{self, EyePress, Face, NodeGraph, Pictures, Response};
 use super::{Dragged, GraphView};
 use crate::scene::{Action, Command, Scene, command_buttons};
 use eframe::egui::{
@@ -17,6 +17,7 @@ const NODE_MENU: &[(&str, Command)] = &[
     ("Duplicate", Command::Duplicate),
     ("Copy", Command::Copy),
     ("Fold or unfold", Command::Fold),
+    ("Show in the picture, or not", Command::Eye),
     ("Frame", Command::Frame),
     ("Delete", Command::Delete),
 ];
@@ -167,6 +168,9 @@ impl GraphView {
                 self.drag(ui, scene, &name_of(node), drag_delta);
             }
             NodeResponse::SelectNode(node) => *selected = Some(BTreeSet::from([name_of(node)])),
+            NodeResponse::User(EyePress(name)) => {
+                scene.actions.push(Action::ToggleEyes([name].into()));
+            }
             NodeResponse::RaiseNode(node) => {
                 let name = name_of(node);
                 self.raised.retain(|known| *known != name);

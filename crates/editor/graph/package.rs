@@ -1,13 +1,15 @@
 //! Adapter to `egui_node_editor`: contents of a node and its ports as the package's types. The package draws each node and reports the
 //! pointer's actions on it. It is given no wires: it would look for both ends of those, drawn or not, and join by equal types only.
 
+use crate::eyes::eye;
 use crate::picture::{WHOLE, milliseconds};
 use crate::scene::{EARLIER, Scene};
 use crate::theme;
 use crate::worker::NodeState;
+use eframe::egui::epaint::EllipseShape;
 use eframe::egui::{
-    Align, Align2, Color32, FontId, Label, Layout, Rect, RichText, TextStyle, TextureHandle, TextureId, Ui,
-    vec2,
+    Align, Align2, Color32, FontId, Label, Layout, Rect, RichText, Sense, Stroke, TextStyle, TextureHandle,
+    TextureId, Ui, WidgetInfo, WidgetType, vec2,
 };
 use egui_node_editor::{
     AnyParameterId, DataTypeTrait, Graph, InputParamKind, NodeDataTrait, NodeId, NodeResponse,
@@ -55,18 +57,24 @@ pub(super) struct Face {
     picture: Option<(TextureId, f32)>,
     is_picture_earlier: bool,
     is_folded: bool,
+    /// True if what it adds to a picture is drawn; none where it adds nothing that can be left out.
+    eye: Option<bool>,
     remark: Option<String>,
     zoom: f32,
     /// Texts are too small to be read: they are left out, their room is kept.
     is_far: bool,
 }
 
-/// Parameters stand in a panel of their own, and nodes report nothing else.
+/// Parameters stand in a panel of their own.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Nothing;
 
+/// A press of the eye of a node.
+#[derive(Debug, Clone)]
+pub(super) struct EyePress(pub String);
+
 pub(super) type NodeGraph = Graph<Face, Port, Nothing>;
-pub(super) type Response = NodeResponse<Nothing, Face>;
+pub(super) type Response = NodeResponse<EyePress, Face>;
 
 /// Adds a node of the document, with its ports unless it is folded.
 pub(super) fn add(
@@ -140,6 +148,7 @@ impl Face {
             }),
             picture: pictures(&entry.name).map(|texture| (texture.id(), aspect(texture.size_vec2()))),
             is_picture_earlier: scene.earlier.contains(entry.name.as_str()),
+            eye: eye(scene, entry),
             is_folded: view.is_some_and(|view| view.folded),
             remark: view.and_then(|view| view.remark.clone()),
             ..Face::default()
@@ -159,6 +168,26 @@ impl Face {
             (None, Some(NodeState::Fresh)) => (self.seconds.map_or(String::new(), milliseconds), weak),
             (None, None) => ("–".into(), weak),
         }
+    }
+
+    /// Shows the eye; true if it is pressed.
+    fn eye_button(&self, ui: &mut Ui, is_open: bool) -> bool {
+        let dark = ui.visuals().dark_mode;
+        let size = vec2(14.0, 12.0) * self.zoom;
+        let (rect, response) = ui.allocate_exact_size(size, Sense::click());
+        let color = if is_open { ui.visuals().strong_text_color() } else { theme::weak(dark) };
+        let color = if response.hovered() { theme::accent(dark) } else { color };
+        let (at, stroke) = (rect.center(), Stroke::new((1.2 * self.zoom).max(0.8), color));
+        ui.painter().add(EllipseShape::stroke(at, vec2(6.0, 3.6) * self.zoom, stroke));
+        if is_open {
+            ui.painter().circle_filled(at, 1.8 * self.zoom, color);
+        } else {
+            ui.painter().line_segment([rect.left_bottom(), rect.right_top()], stroke);
+        }
+        let name = format!("eye of {}", self.name);
+        response.widget_info(|| WidgetInfo::selected(WidgetType::Checkbox, true, is_open, &name));
+        let help = if is_open { "take it out of this window's picture (E)" } else { "bring it back (E)" };
+        response.on_hover_text(help).clicked()
     }
 
     pub fn description(&self) -> String {
@@ -199,7 +228,7 @@ impl Port {
             (false, _) => "output",
         };
         let full = |text| {
-            let (node, output, _) = giving(scene, text);
+            let (node, output, _) = scene.giving(text);
             format!("{node}.{output}")
         };
         let sources: Vec<String> = match self.is_input {
@@ -211,7 +240,7 @@ impl Port {
         };
         let mut text = format!("{name} ({}, {side})\n{summary}", port_type.name());
         for (source, value) in sources.iter().filter_map(|source| Some((source, scene.values.get(source)?))) {
-            let node = scene.nodes.get(giving(scene, source).0);
+            let node = scene.nodes.get(scene.giving(source).0);
             let is_fresh = node.is_some_and(|status| status.state == NodeState::Fresh);
             let earlier = if is_fresh { String::new() } else { format!(" ({EARLIER})") };
             let from = if self.is_input { format!("from {source}: ") } else { String::new() };
@@ -224,22 +253,7 @@ impl Port {
     }
 }
 
-/// The node and the output that a source names, the first where it names none; and the output's declaration.
-pub(super) fn giving<'a>(
-    scene: &Scene,
-    text: &'a str,
-) -> (&'a str, &'a str, Option<&'static voltet_graph::Port>) {
-    let (name, output) = links::source(text, &scene.document.pipeline().nodes);
-    let node = scene.entry(name).and_then(|entry| scene.node_type(entry));
-    let outputs = node.map_or(&[][..], |node| node.outputs);
-    let given = match output {
-        Some(output) => outputs.iter().find(|port| port.name == output),
-        None => outputs.first(),
-    };
-    (name, output.or(given.map(|port| port.name)).unwrap_or_default(), given)
-}
-
-impl UserResponseTrait for Nothing {}
+impl UserResponseTrait for EyePress {}
 
 impl DataTypeTrait<()> for Port {
     fn data_type_color(&self, _: &mut ()) -> Color32 {
@@ -253,11 +267,18 @@ impl DataTypeTrait<()> for Port {
 }
 
 impl WidgetValueTrait for Nothing {
-    type Response = Nothing;
+    type Response = EyePress;
     type UserState = ();
     type NodeData = Face;
 
-    fn value_widget(&mut self, name: &str, _: NodeId, ui: &mut Ui, (): &mut (), face: &Face) -> Vec<Nothing> {
+    fn value_widget(
+        &mut self,
+        name: &str,
+        _: NodeId,
+        ui: &mut Ui,
+        (): &mut (),
+        face: &Face,
+    ) -> Vec<EyePress> {
         if face.is_far {
             ui.allocate_space(vec2(1.0, ui.text_style_height(&TextStyle::Body)));
         } else {
@@ -268,19 +289,25 @@ impl WidgetValueTrait for Nothing {
 }
 
 impl NodeDataTrait for Face {
-    type Response = Nothing;
+    type Response = EyePress;
     type UserState = ();
     type DataType = Port;
     type ValueType = Nothing;
 
     fn top_bar_ui(&self, ui: &mut Ui, _: NodeId, _: &NodeGraph, (): &mut ()) -> Vec<Response> {
         let (text, color) = self.mark(ui.visuals().dark_mode);
-        if !self.is_far && !text.is_empty() {
+        let mut responses = Vec::new();
+        if !self.is_far && (self.eye.is_some() || !text.is_empty()) {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                ui.label(RichText::new(text).size(11.0 * self.zoom).color(color));
+                if self.eye.is_some_and(|is_open| self.eye_button(ui, is_open)) {
+                    responses.push(NodeResponse::User(EyePress(self.name.clone())));
+                }
+                if !text.is_empty() {
+                    ui.label(RichText::new(text).size(11.0 * self.zoom).color(color));
+                }
             });
         }
-        Vec::new()
+        responses
     }
 
     fn output_ui(&self, ui: &mut Ui, _: NodeId, _: &NodeGraph, (): &mut (), name: &str) -> Vec<Response> {

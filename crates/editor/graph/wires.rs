@@ -2,7 +2,7 @@
 //! empty space, or where it does not fit, with the reason.
 
 use super::menu::Menu;
-use super::package::{Port, giving};
+use super::package::Port;
 use super::wire_list::taking_off;
 use super::{DraggedWire, GraphView, NEAR};
 use crate::scene::Scene;
@@ -39,7 +39,7 @@ impl GraphView {
                 }) {
                     continue;
                 }
-                let (feeding, output, given) = giving(scene, text);
+                let (feeding, output, given) = scene.giving(text);
                 let Some(feeding) = scene.entry(feeding) else { continue };
                 let color = given.map_or(theme::wrong(dark), |port| theme::port_color(port.port_type, dark));
                 let from = to_window(self.places.port(scene, feeding, output, false));
@@ -115,7 +115,7 @@ impl GraphView {
             let entry = scene.entry(&port.node).filter(|_| port.is_input)?;
             let name = port.declared.name;
             let text = links::sources(entry.inputs.iter().find(|link| link.port == name)?).last()?;
-            let (node, _, given) = giving(scene, text);
+            let (node, _, given) = scene.giving(text);
             let held = Port { node: node.into(), declared: given?, is_input: false, is_optional: false };
             Some(DraggedWire { port: held, taken_off: Some((port.node.clone(), name, text.into())) })
         };

@@ -5,7 +5,7 @@ use super::images::Images;
 use super::kinds::{PlaneContext, gaussian, gaussian_over};
 use super::plane::{Change, Plane, S_AND_G, list, middle};
 use super::relative::{self, PlaneAxes};
-use super::screen_widget::{self, ScreenWidget};
+use super::screen_widget::{self, Grip, ScreenWidget};
 use crate::scene::{Actions, Scene};
 use crate::worker::{DataScales, PixelProbe};
 use eframe::egui::Rect;
@@ -31,6 +31,9 @@ pub(super) struct EditedFunction<'a> {
     /// Lengths of the axes of the data.
     pub extent: [f64; 2],
     pub plane: Plane,
+    /// Grips of each widget in the plane.
+    pub grips: Vec<Vec<Grip>>,
+    images: &'a Images,
 }
 
 impl<'a> EditedFunction<'a> {
@@ -41,7 +44,7 @@ impl<'a> EditedFunction<'a> {
         axes: [ArrayRef; 2],
         plane: Option<Plane>,
         former_peak: Option<f64>,
-        images: &Images,
+        images: &'a Images,
     ) -> EditedFunction<'a> {
         let list = widgets_of(node);
         let found = scene.distribution.as_ref();
@@ -62,7 +65,14 @@ impl<'a> EditedFunction<'a> {
             if most > 0.0 { 1.1 * most } else { 1.0 }
         });
         let plane = Plane { rect: Rect::ZERO, shown: [[0.0, 1.0]; 2], extent: metric, peak };
-        EditedFunction { scene, actions: scene.actions, node, list, widgets, axes, scales, extent, plane }
+        let (actions, grips) = (scene.actions, Vec::new());
+        EditedFunction { scene, actions, node, list, widgets, axes, scales, extent, plane, grips, images }
+    }
+
+    /// Takes the plane of this frame, in which the widgets' grips lie.
+    pub fn place_on(&mut self, plane: Plane) {
+        self.plane = plane;
+        self.grips = self.widgets.iter().map(|widget| widget.grips(&plane)).collect();
     }
 
     pub fn histogram(&self) -> Option<&Histogram> {
@@ -71,6 +81,15 @@ impl<'a> EditedFunction<'a> {
 
     pub fn known(&self) -> Option<&DataScales> {
         self.scene.distribution.as_ref().map(|found| &found.known)
+    }
+
+    /// A widget's table as it lies in the plane.
+    pub fn on_plane(&self, fields: &[Field]) -> ScreenWidget {
+        let (axes, scales, extent) = (&self.axes, self.scales, self.plane.metric());
+        ScreenWidget::new(
+            fields,
+            &PlaneContext { axes, scales, extent, known: self.known(), images: self.images },
+        )
     }
 
     /// Sets of widgets that the file keeps, by their digits.
@@ -114,6 +133,18 @@ pub(crate) fn edited_node<'a>(scene: &Scene<'a>) -> Option<&'a NodeEntry> {
     selected.or_else(|| nodes.iter().filter(is_one).find(|node| feeding.contains(&node.name)))
 }
 
+/// The transfer function that the shown picture is drawn with, of several the selected one or else the first; and the output that gives the
+/// volume.
+pub(crate) fn drawn_with<'a>(scene: &Scene<'a>) -> Option<(&'a NodeEntry, String)> {
+    let nodes = &scene.document.pipeline().nodes;
+    let feeding = upstream(nodes, scene.shown_node?);
+    let feeds = |node: &NodeEntry| feeding.contains(&node.name);
+    let is_one = |node: &&NodeEntry| node.node_type.text() == Some("transfer-function") && feeds(node);
+    let selected = nodes.iter().filter(is_one).find(|node| scene.selection.contains(&node.name));
+    let look = selected.or_else(|| nodes.iter().find(is_one))?;
+    Some((look, volume_among(scene, &look.name, feeds)?))
+}
+
 pub(crate) fn fields_of(look: &NodeEntry) -> Vec<String> {
     let all: BTreeSet<String> =
         widgets_of(look).iter().filter_map(LocatedValue::table).flat_map(screen_widget::arrays).collect();
@@ -133,6 +164,11 @@ fn widgets_of(look: &NodeEntry) -> &[LocatedValue] {
 
 /// The output that gives the volume that a transfer function is drawn with: "node" or "node.port".
 pub(crate) fn volume_of(scene: &Scene, look: &str) -> Option<String> {
+    volume_among(scene, look, |_| true)
+}
+
+/// Output that gives the volume with which some nodes draw a transfer function.
+fn volume_among(scene: &Scene, look: &str, is_one: impl Fn(&NodeEntry) -> bool) -> Option<String> {
     let nodes = &scene.document.pipeline().nodes;
     let source = |node: &NodeEntry, port_type: PortType| {
         let declared = scene.node_type(node)?;
@@ -143,7 +179,7 @@ pub(crate) fn volume_of(scene: &Scene, look: &str) -> Option<String> {
         source(node, PortType::TransferFunction)
             .is_some_and(|text| text == look || text.split('.').next() == Some(look))
     };
-    let mut drawn = nodes.iter().filter(draws).filter(|node| node.name != look);
+    let mut drawn = nodes.iter().filter(draws).filter(|node| node.name != look && is_one(node));
     let by_use = drawn.find_map(|node| source(node, PortType::Volume));
     by_use.or_else(|| source(scene.entry(look)?, PortType::Volume))
 }
@@ -244,6 +280,21 @@ pub(super) fn at_probe(look: &EditedFunction, probed: &PixelProbe) -> Option<Par
     let k = kernel(&found, MIN_DEVIATION, 1.0, is_correlated);
     let extent = [0, 1].map(|k: usize| if found.extent[k] > 0.0 { found.extent[k] } else { 1.0 });
     Some(widget(look, gaussian(mean, &k, extent)))
+}
+
+/// Share of the values beyond each end of a proposed range.
+const LEFT_OUT_SHARE: f64 = 0.05;
+
+/// The ranges of s and g that hold most of the probed values, at least as wide as a hand can take hold of. `None` without values.
+pub(super) fn range_at_probe(look: &EditedFunction, probed: &PixelProbe) -> Option<ParameterValue> {
+    let found = probed.on(look.scales).ranges(LEFT_OUT_SHARE).filter(|_| look.is_of_s_and_g())?;
+    let wide = |axis: usize| {
+        let ([low, high], least) = (found[axis], 2.0 * MIN_DEVIATION * look.extent[axis]);
+        let aside = 0.5 * (least - (high - low)).max(0.0);
+        Field::new(["s", "g"][axis], list(&[low - aside, high + aside]))
+    };
+    let region = ParameterValue::Table(vec![wide(0), wide(1)]);
+    Some(widget(look, ("uniform", vec![("region", Some(region))])))
 }
 
 fn widget(look: &EditedFunction, (kind, numbers): (&str, Vec<Change>)) -> ParameterValue {

@@ -1,7 +1,7 @@
 //! The list of widgets: its commands and their keys over the plane, sets that the file keeps under `[editor]`; and the lines above the plane
 //! with the choice of axes: s, g, arrays of the data, and arrays that widgets name.
 
-use super::edited_function::{EditedFunction, at_peak, at_probe, axis_name, volume_of};
+use super::edited_function::{EditedFunction, at_peak, axis_name, volume_of};
 use super::plane::S_AND_G;
 use super::pointer::FINE;
 use super::screen_widget::{self, ScreenWidget};
@@ -247,14 +247,7 @@ impl TransferPanel {
             if peak.clicked() {
                 self.add_at_peak(look);
             }
-            if let Some(entry) = look.scene.probed.as_ref().and_then(|probed| at_probe(look, probed)) {
-                let found = ui
-                    .small_button("+ at probe")
-                    .on_hover_text("a Gaussian on the values of the probe: their mean and covariance");
-                if found.clicked() {
-                    self.add(look, entry);
-                }
-            }
+            self.proposal_buttons(ui, look);
             if self.shown.is_some()
                 && ui.small_button("all").on_hover_text("all of the data into view").clicked()
             {

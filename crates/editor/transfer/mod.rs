@@ -7,6 +7,7 @@ mod kinds;
 mod list;
 mod plane;
 mod pointer;
+mod proposals;
 mod relative;
 mod screen_widget;
 #[cfg(test)]
@@ -16,7 +17,7 @@ use crate::scene::{Command, Scene};
 use crate::theme;
 use crate::worker::{short, short_by};
 use edited_function::{EditedFunction, axis_name, axis_title};
-pub(crate) use edited_function::{data_scope, edited_node, fields_of, scales, volume_of};
+pub(crate) use edited_function::{data_scope, drawn_with, edited_node, fields_of, scales, volume_of};
 use eframe::egui::{
     self, Align, Align2, Button, FontId, Layout, Rect, Sense, Stroke, StrokeKind, Ui, UiBuilder, WidgetInfo,
     WidgetType, pos2, vec2,
@@ -28,7 +29,7 @@ pub(crate) use relative::in_numbers;
 use screen_widget::{Drag, ScreenWidget};
 use std::collections::BTreeSet;
 use voltet_document::{Edit, Path};
-use voltet_graph::{ArrayRef, LocatedValue, find_setting};
+use voltet_graph::{ArrayRef, LocatedValue, ParameterValue, find_setting};
 
 /// Room for the numbers of the axes: left, below, and right where a curve has its own.
 const MARGIN: [f32; 3] = [52.0, 18.0, 44.0];
@@ -52,6 +53,10 @@ pub(crate) struct TransferPanel {
     drag: Option<Drag>,
     counts: Counts,
     images: Images,
+    /// Widget that the pointer is about to add.
+    proposed: Option<ParameterValue>,
+    /// Button that added what it proposed, until the pointer has left it.
+    was_added: Option<&'static str>,
     /// Widgets that the window's picture leaves out; the file keeps them.
     hidden: BTreeSet<usize>,
     of: Option<String>,
@@ -147,7 +152,7 @@ impl TransferPanel {
             pos2(whole.right() - if has_curve { MARGIN[2] } else { 8.0 }, whole.bottom() - MARGIN[1]),
         );
         let shown = self.shown.or_else(|| look.histogram().map(plane::whole));
-        look.plane = Plane { rect, shown: shown.unwrap_or([[0.0, 1.0]; 2]), ..look.plane };
+        look.place_on(Plane { rect, shown: shown.unwrap_or([[0.0, 1.0]; 2]), ..look.plane });
         self.plane = Some(look.plane);
         self.draw(ui, &look);
         if has_curve {
@@ -179,13 +184,21 @@ impl TransferPanel {
         if let Some(probed) = look.scene.probed.as_ref().filter(|_| look.is_of_s_and_g()) {
             plane::probed(ui, plane, &probed.on(look.scales));
         }
+        self.draw_proposal(ui, look);
+        if let Some(cell) = look.scene.hovered.as_ref().and_then(|hit| hit.cell.as_ref())
+            && look.is_of_s_and_g()
+            && look.scene.hovered_in == volume_of(look.scene, &look.node.name)
+        {
+            let values = [cell.s, cell.g.unwrap_or(0.0)];
+            plane::mark(ui, plane, [0, 1].map(|k: usize| look.scales[k].position(values[k])));
+        }
         // The one in hand above the others.
         let others = (0..look.widgets.len()).filter(|place| *place != self.chosen);
         for place in others.chain([self.chosen]) {
             let Some(widget) = look.widgets.get(place) else { continue };
             let hovered = self.hovered.filter(|(known, _)| *known == place && self.drag.is_none());
             let handle = hovered.and_then(|(_, handle)| handle).or(self.held);
-            let handles = (place == self.chosen).then_some(handle);
+            let handles = (place == self.chosen).then_some((&look.grips[place][..], handle));
             screen_widget::draw(ui, plane, widget, handles, self.hidden.contains(&place));
         }
         if look.scene.distribution.is_none() {
@@ -217,9 +230,8 @@ impl TransferPanel {
         let [x, y] = look.axes.each_ref().map(axis_name);
         let name = format!("plane of {x} and {y}");
         response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, &name));
-        let Some(widget) = look.widgets.get(self.chosen) else { return };
-        for screen_widget::Grip { handle, place, .. } in widget.grips(&look.plane) {
-            let rect = Rect::from_center_size(place, vec2(10.0, 10.0));
+        for screen_widget::Grip { handle, place, .. } in look.grips.get(self.chosen).into_iter().flatten() {
+            let rect = Rect::from_center_size(*place, vec2(10.0, 10.0));
             let name = format!("{} of widget {}", handle.name(), self.chosen + 1);
             let grip = ui.interact(rect, ui.id().with((name.as_str(), "grip")), Sense::empty());
             grip.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, &name));

@@ -5,8 +5,8 @@ use crate::picture::{WHOLE, set_texture};
 use crate::theme;
 use crate::worker::{Distribution, PixelProbe, short, short_by};
 use eframe::egui::{
-    Align2, Color32, ColorImage, FontId, Galley, Painter, Pos2, Rect, Stroke, StrokeKind, TextureHandle,
-    TextureOptions, Ui, Vec2, pos2, vec2,
+    Align2, Color32, ColorImage, FontId, Galley, Painter, Pos2, Rect, Sense, Stroke, StrokeKind,
+    TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, WidgetType, pos2, vec2,
 };
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -284,6 +284,22 @@ pub(super) fn probed(ui: &Ui, plane: Plane, probed: &PixelProbe) {
         let dot = Rect::from_min_size(at, Vec2::splat(DOT));
         painter.rect_filled(dot, 0.0, color.gamma_multiply(0.25 + 0.75 * (share / densest).sqrt() as f32));
     }
+}
+
+/// Mark of the values that are seen first under the pointer in the picture.
+pub(super) fn mark(ui: &Ui, plane: Plane, place: [f64; 2]) {
+    let at = plane.to_window(place);
+    if !place.iter().all(|x| x.is_finite()) || !plane.rect.contains(at) {
+        return;
+    }
+    let stroke = Stroke::new(1.5, theme::accent(ui.visuals().dark_mode));
+    ui.painter().circle_stroke(at, 6.0, stroke);
+    for way in [vec2(1.0, 0.0), vec2(0.0, 1.0), vec2(-1.0, 0.0), vec2(0.0, -1.0)] {
+        ui.painter().line_segment([at + 3.0 * way, at + 10.0 * way], stroke);
+    }
+    let response =
+        ui.interact(Rect::from_center_size(at, vec2(12.0, 12.0)), ui.id().with("mark"), Sense::empty());
+    response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, "value under the pointer"));
 }
 
 /// The plane of the scalar and its gradient magnitude.

@@ -2,7 +2,7 @@
 
 use super::edited_function::EditedFunction;
 use super::plane::{self, Handle, Plane, height_of};
-use super::screen_widget::{Drag, Region, ScreenWidget};
+use super::screen_widget::{Drag, Grip, Region, ScreenWidget};
 use super::{TransferPanel, edit};
 use crate::theme;
 use eframe::egui::{self, PointerButton, Popup, Pos2, SetOpenCommand, Ui, Vec2};
@@ -121,7 +121,7 @@ impl TransferPanel {
     /// Takes away the point of a curve or polygon that lies there; false where none does.
     fn take_point_away(&mut self, at: Pos2, look: &EditedFunction) -> bool {
         let Some(widget) = look.widgets.get(self.chosen) else { return false };
-        let handle = nearest(widget, at, look.plane);
+        let handle = nearest(&look.grips[self.chosen], at);
         let changes = handle.and_then(|handle| widget.without_point(handle));
         let takes = changes.is_some();
         if let Some(changes) = changes {
@@ -147,8 +147,7 @@ impl TransferPanel {
         let value = plane.to_values(at);
         // Handles and lines of others come before what others cover; of what covers the place, the strongest.
         let mut in_turn = [self.chosen].into_iter().chain(0..look.widgets.len());
-        let by_handle =
-            in_turn.find_map(|place| Some((place, Some(nearest(look.widgets.get(place)?, at, plane)?))));
+        let by_handle = in_turn.find_map(|place| Some((place, Some(nearest(look.grips.get(place)?, at)?))));
         let on_curve = || look.widgets.iter().position(|widget| is_on_curve(widget, at, plane));
         // What is everywhere, and lines, are taken by what is drawn of them alone.
         let local = || {
@@ -168,7 +167,7 @@ impl TransferPanel {
         self.held = taken.and_then(|(_, handle)| handle);
         let Some((place, handle)) = taken else { return };
         let widget = &look.widgets[place];
-        let held = widget.grips(&plane).into_iter().find(|grip| Some(grip.handle) == handle);
+        let held = look.grips[place].iter().find(|grip| Some(grip.handle) == handle);
         let (from, grip) = held.map_or((plane.to_values(at), at), |held| (held.at, held.place));
         (self.chosen, self.is_last) = (place, true);
         self.drag = Some(Drag { widget: widget.clone(), handle, grip, from, at: from, peak: plane.peak });
@@ -176,9 +175,8 @@ impl TransferPanel {
 }
 
 /// The handle that a pointer means.
-pub(super) fn nearest(widget: &ScreenWidget, at: Pos2, plane: Plane) -> Option<Handle> {
-    let grips = widget.grips(&plane).into_iter();
-    let by_distance = grips.map(|grip| (grip.place.distance(at), grip.handle));
+pub(super) fn nearest(grips: &[Grip], at: Pos2) -> Option<Handle> {
+    let by_distance = grips.iter().map(|grip| (grip.place.distance(at), grip.handle));
     let near = by_distance.filter(|(distance, _)| *distance <= NEAR);
     near.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, handle)| handle)
 }

@@ -244,7 +244,7 @@ pub(super) fn draw(
     ui: &Ui,
     plane: Plane,
     widget: &ScreenWidget,
-    handles: Option<Option<Handle>>,
+    handles: Option<(&[Grip], Option<Handle>)>,
     is_hidden: bool,
 ) {
     let (dark, is_chosen) = (ui.visuals().dark_mode, handles.is_some());
@@ -257,8 +257,8 @@ pub(super) fn draw(
         shape.draw(&pen);
     }
     widget.region.draw(&pen, widget.is_its_region());
-    if let Some(held) = handles {
-        for Grip { handle, at, place } in widget.grips(&plane) {
+    if let Some((grips, held)) = handles {
+        for &Grip { handle, at, place } in grips {
             pen.painter.line_segment([plane.to_window(at), place], Stroke::new(1.0, base));
             grip(&pen.painter, place, handle, held == Some(handle), base, dark);
         }

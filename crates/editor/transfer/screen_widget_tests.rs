@@ -435,3 +435,36 @@ fn crowded_handles_are_told_apart_and_points_lie_where_they_are() {
         assert!(grips[..i].iter().all(|other| other.place.distance(grip.place) >= APART - 0.01));
     }
 }
+
+/// Every grip changes its widget, and to one that is sound.
+#[test]
+fn each_grip_acts() {
+    let plane = Plane { rect: Rect::from_min_size(Pos2::ZERO, vec2(400.0, 200.0)), ..PLANE };
+    let of_kind = |kind: &str, own: Vec<Field>| -> Vec<Field> {
+        let color = (kind != "gaussian-colormap").then(|| field("color", list(&[1.0, 0.5, 0.25])));
+        let first = [field("kind", kind.into()), field("extinction", 7.0.into())];
+        first.into_iter().chain(color).chain(own).collect()
+    };
+    let centre = || field("centre", list(&[40.0, 4.0]));
+    let sigma = || field("sigma", list(&[5.0, 1.0]));
+    let wave = || vec![field("origin", list(&[40.0, 4.0])), field("period", 10.0.into())];
+    for (fields, count) in [
+        (of_kind("gaussian", vec![centre(), sigma()]), 4),
+        // It has no matrix, and cannot be turned.
+        (of_kind("gaussian-colormap", vec![centre(), sigma(), field("range", list(&[0.0, 100.0]))]), 3),
+        (of_kind("triangular-gaussian", vec![field("centre", 40.0.into()), field("sigma", 2.0.into())]), 2),
+        (of_kind("triangle-wave", wave()), 3),
+        (of_kind("sine-wave", wave()), 3),
+    ] {
+        let drawn = read(&fields);
+        let grips = drawn.grips(&plane);
+        assert_eq!((&drawn.fault, grips.len()), (&None, count), "{}", drawn.kind);
+        for Grip { handle, at, .. } in grips {
+            let changes = drawn.moved(handle, [at[0] + 3.0, at[1] + 0.5], &plane);
+            let after = changed(fields.clone(), changes);
+            let found = read(&after);
+            assert!(found.fault.is_none(), "{} {handle:?}: {:?}", drawn.kind, found.fault);
+            assert_ne!(after, fields, "{} {handle:?}", drawn.kind);
+        }
+    }
+}

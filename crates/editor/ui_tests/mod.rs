@@ -2,10 +2,13 @@
 
 mod digits;
 mod earlier;
+mod eyes;
 mod files;
 mod first_steps;
 mod graph;
 mod ground;
+mod handles;
+mod hits;
 mod keyboard;
 mod parameters;
 mod picture;

@@ -24,8 +24,64 @@ fn a_box_in_the_picture_finds_the_values_on_its_rays() {
     assert!(probed.rays > 100 && probed.values.len() > 500, "{} {}", probed.rays, probed.values.len());
     let total: f64 = probed.values.iter().map(|(_, share)| share).sum();
     assert!((total - 1.0).abs() < 1e-6, "the shares of all rays are one: {total}");
-    assert!(hand.said().contains(&format!("on {} rays", probed.rays)), "{}", hand.said());
+    let seen = format!("{} values on {} rays, the most visible of each", probed.heaviest.len(), probed.rays);
+    assert!(hand.said().contains(&seen), "{}", hand.said());
     assert_eq!(hand.text(), TEXT, "looking changes nothing, nor does the view turn");
+}
+
+#[test]
+fn a_box_proposes_widgets_that_cover_what_is_seen_most_below_it() {
+    let mut hand = Hand::in_tall_window(TEXT);
+    with_distribution(&mut hand);
+    assert!(hand.texts("+ range").is_empty());
+    let middle = hand.named("picture picture");
+    let corner = middle - vec2(20.0, 15.0);
+    hand.drag_with(corner, middle + vec2(20.0, 15.0), PointerButton::Primary, Modifiers::ALT);
+    until(&mut hand, "no answer comes", |hand| hand.editor.scene().probed.is_some());
+    let probed = hand.editor.scene().probed.clone().unwrap();
+    assert_eq!(probed.heaviest.len(), probed.rays, "each ray meets something, once");
+    // What is seen most are values that the widget holds, not all that the rays pass.
+    let spread = |values: &[([f64; 2], f64)]| {
+        let s = values.iter().map(|(value, _)| value[0]);
+        s.clone().fold(0.0, f64::max) - s.fold(f64::INFINITY, f64::min)
+    };
+    assert!(spread(&probed.heaviest) < 0.6 * spread(&probed.values));
+    let picture = |hand: &Hand| hand.editor.worker().shown(|shown| shown.pixels.clone().unwrap().picture);
+    for (button, kind) in [("+ at probe", "gaussian"), ("+ range", "uniform")] {
+        hand.move_to(pos2(5.0, 400.0), Modifiers::NONE);
+        hand.settle();
+        let before = picture(&hand);
+        hand.frames(3);
+        let at = hand.texts(button)[0];
+        hand.move_to(at, Modifiers::NONE);
+        hand.frames(2);
+        hand.settle();
+        assert!(picture(&hand) != before, "{button}: the picture shows the proposal");
+        assert_eq!((hand.text(), hand.steps()), (TEXT.to_string(), 0), "{button}: and nothing else does");
+        let says = |hand: &Hand| hand.shown(&|shown| shown.ends_with("with a proposed widget")).len();
+        assert_eq!(says(&hand), 1, "{button}");
+        hand.click(at);
+        hand.frames(3);
+        hand.settle();
+        // The pointer is at the button still: the widget is there once.
+        assert_eq!(says(&hand), 0, "{button}");
+        assert!(picture(&hand) == picture(&Hand::in_tall_window(&hand.text())), "{button}");
+        let widget = last_widget(&hand);
+        let find = |name: &str| widget.iter().find(|field| field.name == name).unwrap().setting.clone();
+        assert!(hand.steps() == 1 && find("kind").text() == Some(kind), "{}", hand.text());
+        if kind == "uniform" {
+            let region = find("region").table().unwrap().to_vec();
+            let [s, g] = ["s", "g"].map(|name| {
+                let range =
+                    region.iter().find(|field| field.name == name).unwrap().setting.numbers().unwrap();
+                range[0]..=range[1]
+            });
+            let held = probed.heaviest.iter().filter(|([x, y], _)| s.contains(x) && g.contains(y)).count();
+            assert!(held * 10 >= probed.rays * 8, "{held} of {}", probed.rays);
+        }
+        hand.key(Key::Z, Modifiers::COMMAND);
+        assert_eq!(hand.text(), TEXT);
+    }
 }
 
 #[test]

@@ -163,3 +163,55 @@ proptest! {
         }
     }
 }
+
+/// Points and their places are told from each other, by an independent projection.
+#[test]
+fn places_and_points_are_inverse() {
+    let point = DVec3::new(2.0, 1.0, 2.5);
+    for view in [view(), parallel()] {
+        let place = view.place(point).unwrap();
+        assert!((0..2).all(|k| (place[k] - seen(&view, point)[k]).abs() < 1e-12), "{place:?}");
+        assert!(near(view.beside(point, place).unwrap(), point));
+        let beside = view.beside(point, [0.1, -0.2]).unwrap();
+        assert!((0..2).all(|k| (seen(&view, beside)[k] - [0.1, -0.2][k]).abs() < 1e-12));
+        assert!(((beside - point).dot(view.axes().unwrap().forward)).abs() < 1e-9, "as deep");
+        // A point of a line is found again by its place, and the nearest one by a place beside the line.
+        let (direction, by) = (DVec3::new(0.6, 0.0, 0.8), 0.7);
+        let on = view.on_line(point, direction, seen(&view, point + by * direction), 9.0).unwrap();
+        assert!(near(on, point + by * direction), "{on}");
+        let [eye, sight] = ray(&view, place).unwrap();
+        let end_on = view.on_line(point, sight, [place[0], place[1] + 0.1], 9.0).unwrap();
+        // A tenth of the height that the picture has at the point.
+        let step = view.beside(point, [place[0], place[1] + 0.1]).unwrap().distance(point);
+        assert!(near(end_on, point + step * sight), "{eye} {end_on}");
+        // A ball: the side on which the other point lies, and its rim for a place beside it.
+        let tip = point + 0.5 * direction;
+        assert!(near(view.on_ball(point, tip, seen(&view, tip)).unwrap(), tip));
+        let rim = view.on_ball(point, tip, [place[0] + 0.4, place[1]]).unwrap();
+        assert!((rim.distance(point) - 0.5).abs() < 1e-9 && seen(&view, rim)[0] > place[0], "{rim}");
+    }
+    assert_eq!(view().place(DVec3::new(0.0, -20.0, 6.0)), None, "behind the eye");
+}
+
+/// Whatever the angle between a line and the eye, the point goes one way as the hand does, and stays before the eye and within reach.
+#[test]
+fn a_point_on_a_line_follows_the_hand_steadily() {
+    for view in [view(), parallel()] {
+        let axes = view.axes().unwrap();
+        let point = view.target;
+        for degrees in [0.0, 2.0, 7.9, 8.2, 12.0, 45.0, 90.0, 135.0, 170.0, 172.5, 180.0f64] {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            let direction = cos * axes.forward + sin * axes.up;
+            let along = |up: f64| {
+                let to = view.on_line(point, direction, [0.0, up], 30.0).unwrap();
+                assert!(view.place(to).is_some(), "{degrees} {up}: behind the eye");
+                (to - point).dot(direction)
+            };
+            assert!(along(0.0).abs() < 1e-9);
+            let ups = (-10..=10).map(|step| 0.05 * f64::from(step));
+            let found: Vec<f64> = ups.map(along).collect();
+            assert!(found.iter().all(|along| along.abs() <= 30.0 + 1e-9), "{degrees}: {found:?}");
+            assert!(found.is_sorted() && found[9] < 0.0 && found[11] > 0.0, "{degrees}: {found:?}");
+        }
+    }
+}

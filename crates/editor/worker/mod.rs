@@ -7,6 +7,7 @@
 
 mod comparison;
 mod distribution;
+mod hits;
 mod output;
 mod probing;
 mod request;
@@ -20,6 +21,7 @@ pub(crate) use comparison::{Estimate, PreviewQuery, Share, ShareQuery};
 #[cfg(test)]
 pub(crate) use distribution::Spread;
 pub(crate) use distribution::{DataScales, Distribution, DistributionQuery};
+pub(crate) use hits::{Hit, HitCell};
 pub use output::WorkerOutput;
 pub(crate) use output::{NodeState, NodeStatus, Preview};
 pub(crate) use probing::{PixelProbe, ProbeQuery, Section, SectionQuery};
@@ -73,6 +75,21 @@ impl Worker {
         state.has_news = true;
         drop(state);
         self.shared.changed.notify_one();
+    }
+
+    /// Asks for what is seen at a place, unless a probe of the same tells it.
+    pub(crate) fn ask_hover(&self, query: ProbeQuery) {
+        let mut state = lock(&self.shared.state);
+        let WorkerOutput { probe, hover, .. } = &mut state.output;
+        if probe.asked() != Some(&query) {
+            drop(state);
+            return self.ask(|output| &mut output.hover, query);
+        }
+        match probe.answer().cloned() {
+            Some(_) if hover.asked() == Some(&query) && hover.answer().is_some() => {}
+            Some(found) => hover.adopt(query, found),
+            None => hover.forget(),
+        }
     }
 
     /// Forgets which queries about the data were asked, so that they can be asked again; their answers stay.

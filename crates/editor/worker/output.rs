@@ -53,7 +53,11 @@ pub struct WorkerOutput {
     pub(crate) values: Arc<BTreeMap<String, String>>,
     /// Least and greatest coordinates of the data.
     pub(crate) bounds: Option<[DVec3; 2]>,
+    /// Least and greatest coordinates at each output, `"node.port"`.
+    pub(crate) output_bounds: Arc<BTreeMap<String, [DVec3; 2]>>,
     pub(crate) probe: Exchange<ProbeQuery>,
+    /// Probe of the place under the pointer.
+    pub(crate) hover: Exchange<ProbeQuery>,
     pub(crate) section: Exchange<SectionQuery>,
     pub(crate) estimate: Exchange<Estimate>,
     pub(crate) distribution: Exchange<DistributionQuery>,
@@ -96,6 +100,15 @@ impl WorkerOutput {
             (name, status)
         };
         self.nodes = wanted.upstream().into_iter().map(status).collect();
+    }
+
+    /// Seconds that the nodes took last which are to run for the newest request, but for those that draw and such.
+    pub(super) fn stale_seconds(&self, wanted: &RenderRequest) -> f64 {
+        let stale = self
+            .nodes
+            .iter()
+            .filter(|(name, status)| status.state == NodeState::Stale && !wanted.is_cheap(name));
+        stale.filter_map(|(_, status)| status.seconds).sum()
     }
 
     fn set(&mut self, node: &str, state: NodeState) {
@@ -145,6 +158,7 @@ impl WorkerOutput {
             self.report = Some(Arc::new(report));
             let values = values.unwrap_or_default();
             (self.values, self.bounds) = (Arc::new(values.words), values.bounds);
+            self.output_bounds = Arc::new(values.output_bounds);
         }
     }
 

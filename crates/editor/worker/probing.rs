@@ -1,12 +1,17 @@
 //! Values on rays of the picture, weighted by their contribution to it; and a section of the data by a plane: s and g at the pixels of a
 //! picture of it, linear in each cell.
 
+use super::hits::{Hit, first_hit};
 use super::request::{Query, QueryRun, VolumeSource};
+use crate::view::View;
 use glam::{DMat3, DVec2, DVec3};
 use std::collections::BTreeSet;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use voltet_core::Result;
 use voltet_core::camera::Camera;
+use voltet_core::clip::Clip;
+use voltet_core::grid::whole_cells;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::AxisScale;
 use voltet_core::volume::Volume;
@@ -22,6 +27,10 @@ pub(crate) struct ProbeQuery {
     /// The nodes that give the transfer function and the camera.
     pub look: String,
     pub camera: String,
+    /// Parts of space in which the volume is drawn.
+    pub clips: Vec<Clip>,
+    /// Outputs that give the surfaces of the picture.
+    pub surfaces: Vec<String>,
     /// Places, in heights of the picture from its middle, to the right and up.
     pub places: Vec<[f64; 2]>,
 }
@@ -32,8 +41,12 @@ pub(crate) struct PixelProbe {
     pub rays: usize,
     /// Values [s, g] with their shares of what is seen (or of the way, where nothing is).
     pub values: Vec<([f64; 2], f64)>,
-    /// The point where the most is seen, world units; `None` where no ray meets a cell.
+    /// Segment of each ray that adds the most to the picture: its values [s, g], and the opacity that it adds. Rays that meet nothing have none.
+    pub heaviest: Vec<([f64; 2], f64)>,
+    /// The point where the most is seen, of a single ray that meets a surface first the one there; world units. `None` where nothing is met.
     pub point: Option<DVec3>,
+    /// Place that is seen first, of a single ray.
+    pub hit: Option<Hit>,
     pub opacity: f64,
 }
 
@@ -43,11 +56,18 @@ impl ProbeQuery {
         let camera = call.camera("camera")?;
         let transfer_function = look.for_diagonal(diagonal(volume.grid.bounds()));
         let camera = Camera { samples: 1, ..*camera };
+        let volume = match self.places[..] {
+            // All cells are looked at once, and few are made ready for rays.
+            [place] => Arc::new(near_ray(&volume, camera, place, call.progress())?),
+            _ => volume,
+        };
         // What is seen, as the values count: light and silhouettes change colours.
         let shading = Shading::default();
         let scene = Scene::new(volume, Arc::new(transfer_function), camera, shading, VisibilityOrder::Exact);
+        let surfaces = call.surfaces("surface")?;
+        let scene = Scene { clips: self.clips.clone(), surfaces: surfaces.clone(), ..scene };
         let forms = CompiledTransferFunction::new(&scene.transfer_function)?;
-        let tracer = Tracer::new(&scene, Box::new(forms))?;
+        let tracer = Tracer::new(&scene, Box::new(forms.clone()))?;
         let mut probed = PixelProbe { rays: self.places.len(), ..PixelProbe::default() };
         let (mut seen_most, [width, height]) = (0.0, camera.size.map(f64::from));
         for place in &self.places {
@@ -57,7 +77,11 @@ impl ProbeQuery {
             probed.opacity += walk.seen.opacity / self.places.len() as f64;
             let all: f64 = walk.steps.iter().map(|step| step.contribution()[3]).sum();
             let way: f64 = walk.steps.iter().map(|step| step.length).sum();
+            let mut heaviest = ([0.0; 2], 0.0);
             let [start, direction] = tracer.world(&ray).map(DVec3::from);
+            if let [_] = self.places[..] {
+                probed.hit = first_hit(&scene.volume, &forms, &walk, &surfaces, [start, direction]);
+            }
             for step in &walk.steps {
                 let share = if all > 1e-6 { step.contribution()[3] / all } else { step.length / way };
                 let value = |k: usize| {
@@ -65,15 +89,45 @@ impl ProbeQuery {
                     0.5 * front.unwrap_or(0.0) + 0.5 * back.unwrap_or(0.0)
                 };
                 probed.values.push(([value(0), value(1)], share / self.places.len() as f64));
+                if step.contribution()[3] > heaviest.1 {
+                    heaviest = ([value(0), value(1)], step.contribution()[3]);
+                }
                 if share > seen_most {
                     seen_most = share;
                     let middle = 0.5 * (step.distance[0] + step.distance[1]);
                     probed.point = Some(start + middle * direction);
                 }
             }
+            probed.heaviest.extend((all > 1e-6).then_some(heaviest));
+            let on_surface = probed.hit.as_ref().filter(|hit| hit.is_on_surface).map(|hit| hit.point);
+            probed.point = on_surface.or(probed.point);
         }
         Ok(probed)
     }
+}
+
+/// Room for rounding about a cell, as a share of its distance from the eye.
+const ROUNDING: f64 = 1e-9;
+
+/// The cells of a volume whose balls, about the middle of their corners, are met by the ray through a place of the picture. Errors: a newer
+/// query; memory ends.
+fn near_ray(volume: &Volume, camera: Camera, place: [f64; 2], progress: &dyn Progress) -> Result<Volume> {
+    let Some([origin, direction]) = View::from(camera).ray(place) else { return Ok(volume.clone()) };
+    let (grid, stops) = (&volume.grid, AtomicBool::new(false));
+    let is_met = |cell: usize| {
+        if cell.is_multiple_of(4096) && progress.cancelled() {
+            stops.store(true, Ordering::Relaxed);
+        }
+        let corner = |point: u32| grid.points.get(point as usize).copied().unwrap_or(DVec3::NAN);
+        let corners = grid.tetrahedra[cell].map(corner);
+        let middle = 0.25 * corners.iter().sum::<DVec3>();
+        let radius = corners.map(|corner| corner.distance(middle)).into_iter().fold(0.0, f64::max);
+        let from = middle - origin;
+        !stops.load(Ordering::Relaxed) && from.cross(direction).length() <= radius + ROUNDING * from.length()
+    };
+    let near = whole_cells(grid, is_met, progress)?;
+    progress.check_cancelled()?;
+    Ok(volume.subset(&near))
 }
 
 impl Query for ProbeQuery {
@@ -82,32 +136,58 @@ impl Query for ProbeQuery {
     const WAITS: bool = false;
 
     fn answer(&self, run: &mut QueryRun) -> Result<Arc<PixelProbe>> {
-        let others = [("transfer-function", &*self.look), ("camera", &*self.camera)];
+        let mut others = vec![("transfer-function", &*self.look), ("camera", &*self.camera)];
+        others.extend(self.surfaces.iter().map(|source| ("surface", source.as_str())));
         self.source.feed(run, &BTreeSet::new(), &others, |call| self.walk(call)).map(Arc::new)
     }
 }
 
 impl PixelProbe {
-    /// The values at their positions on the axes of s and g; without those that have none.
+    /// Values that a widget is to cover: of several rays those that are seen most, of one ray or a section all.
+    pub fn gathered(&self) -> &[([f64; 2], f64)] {
+        if self.rays > 1 && !self.heaviest.is_empty() { &self.heaviest } else { &self.values }
+    }
+
+    /// The gathered values at their positions on the axes of s and g, as those of a section; without those that have none.
     pub fn on(&self, scales: [AxisScale; 2]) -> PixelProbe {
         let placed =
             |([s, g], share): &([f64; 2], f64)| ([scales[0].position(*s), scales[1].position(*g)], *share);
-        let values = self.values.iter().map(placed).filter(|(place, _)| place.iter().all(|x| x.is_finite()));
-        PixelProbe { values: values.collect(), ..self.clone() }
+        let values = self.gathered().iter().map(placed);
+        let values = values.filter(|(place, _)| place.iter().all(|x| x.is_finite())).collect();
+        PixelProbe { values, ..PixelProbe::default() }
     }
 
-    /// Mean and covariance of the values by their shares; `None` where there are none.
+    /// Mean and covariance of the gathered values by their shares; `None` where there are none.
     pub fn moments(&self) -> Option<([f64; 2], [[f64; 2]; 2])> {
-        let total: f64 = self.values.iter().map(|(_, share)| share).sum();
+        let gathered = self.gathered();
+        let total: f64 = gathered.iter().map(|(_, share)| share).sum();
         if total.is_nan() || total <= 0.0 {
             return None;
         }
         let mean =
-            |of: &dyn Fn([f64; 2]) -> f64| self.values.iter().map(|(v, w)| w * of(*v)).sum::<f64>() / total;
+            |of: &dyn Fn([f64; 2]) -> f64| gathered.iter().map(|(v, w)| w * of(*v)).sum::<f64>() / total;
         let centre = [mean(&|v| v[0]), mean(&|v| v[1])];
         let covariance = |i: usize, j: usize| mean(&|v| (v[i] - centre[i]) * (v[j] - centre[j]));
         let mixed = covariance(0, 1);
         Some((centre, [[covariance(0, 0).max(0.0), mixed], [mixed, covariance(1, 1).max(0.0)]]))
+    }
+
+    /// Ranges of s and g that leave out a share of the gathered values at each end.
+    pub fn ranges(&self, without: f64) -> Option<[[f64; 2]; 2]> {
+        let total: f64 = self.gathered().iter().map(|(_, share)| share).sum();
+        let end = |axis: usize, sign: f64| {
+            let mut values: Vec<(f64, f64)> =
+                self.gathered().iter().map(|(v, w)| (sign * v[axis], *w)).collect();
+            values.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let mut passed = 0.0;
+            let value = values.into_iter().find(|(_, share)| {
+                passed += share;
+                passed > without * total
+            });
+            value.map(|(value, _)| sign * value)
+        };
+        let range = |axis: usize| Some([end(axis, 1.0)?, end(axis, -1.0)?]);
+        Some([range(0)?, range(1)?])
     }
 }
 
@@ -243,6 +323,11 @@ mod tests {
         let (_, of_one) =
             PixelProbe { values: vec![([7.0, 2.0], 0.3)], ..PixelProbe::default() }.moments().unwrap();
         assert!(of_one.as_flattened().iter().all(|x| x.abs() < 1e-20), "{of_one:?}");
-        assert!(PixelProbe::default().moments().is_none());
+        assert!(PixelProbe::default().moments().is_none() && PixelProbe::default().ranges(0.1).is_none());
+        // Of several rays the heaviest segments count; a tenth of them at each end is left out.
+        let heaviest = (0..20).map(|k| ([f64::from(k), 3.0], 0.5)).collect();
+        let of_rays = PixelProbe { rays: 20, heaviest, ..PixelProbe::default() };
+        assert_eq!(of_rays.moments().unwrap().0, [9.5, 3.0]);
+        assert_eq!(of_rays.ranges(0.1), Some([[2.0, 17.0], [3.0, 3.0]]));
     }
 }

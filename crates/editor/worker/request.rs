@@ -38,6 +38,8 @@ pub struct RenderRequest {
     pub background: [f64; 3],
     /// True if a picture of fewer pixels is shown while the full one is drawn.
     pub coarse_first: bool,
+    /// True while a hand moves a grip in the picture: settings that differ are its movement.
+    pub grip_moves: bool,
 }
 
 impl RenderRequest {
@@ -117,7 +119,7 @@ impl RenderRequest {
 pub(super) struct Change {
     /// The nodes whose output is another, or is not needed any more.
     pub touched: BTreeSet<String>,
-    /// True if a hand's movement makes all of them: numbers of cameras and transfer functions.
+    /// True if a hand's movement makes all of them: settings of cameras and transfer functions, and of all nodes while it moves a grip.
     pub moves: bool,
 }
 
@@ -133,7 +135,7 @@ impl Change {
         let moves = !elsewhere
             && (&before.node, before.size, before.background) == (&now.node, now.size, now.background)
             && before.nodes.len() == now.nodes.len()
-            && before.nodes.iter().zip(&now.nodes).all(|(a, b)| a == b || is_movement(a, b));
+            && before.nodes.iter().zip(&now.nodes).all(|(a, b)| a == b || is_movement(a, b, now.grip_moves));
         Change { touched: touched.collect(), moves }
     }
 }
@@ -142,10 +144,10 @@ fn find<'a>(nodes: &'a [NodeEntry], name: &str) -> Option<&'a NodeEntry> {
     nodes.iter().find(|node| node.name == name)
 }
 
-/// True if two states of a node differ in numbers that the pointer moves in the picture or over the histogram.
-fn is_movement(before: &NodeEntry, now: &NodeEntry) -> bool {
+/// True if two states of a node differ in settings alone, and these are of a camera or a transfer function, or a grip is moved.
+fn is_movement(before: &NodeEntry, now: &NodeEntry, grip_moves: bool) -> bool {
     let is_moved = ["camera", "transfer-function"].iter().any(|name| before.node_type.text() == Some(name));
-    is_moved && NodeEntry { settings: now.settings.clone(), ..before.clone() } == *now
+    (is_moved || grip_moves) && NodeEntry { settings: now.settings.clone(), ..before.clone() } == *now
 }
 
 /// The nodes that feed one, and it; in the order of the document.
@@ -281,24 +283,29 @@ const ARRAYS: &str = "arrays";
 pub(super) struct Values {
     /// For each output, `"node.port"`, in words.
     pub words: BTreeMap<String, String>,
-    /// Least and greatest coordinates of the data.
+    /// Least and greatest coordinates of the data: of the first, and of each output.
     pub bounds: Option<[DVec3; 2]>,
+    pub output_bounds: BTreeMap<String, [DVec3; 2]>,
 }
 
 /// Descriptions of the values on the wires, from the session's cache.
 pub(super) fn wire_values(session: &mut Session, graph: &Graph) -> Option<Values> {
     let place = graph.nodes.iter().position(|node| node.node.name == WIRES.name)?;
     let (values, _) = session.feed(graph, place, &Demand::default(), &NoObserver).ok()?;
-    let mut seen = Values::default();
+    let (mut seen, mut known) = (Values::default(), BTreeMap::new());
     for (edge, value) in graph.nodes[place].inputs.iter().zip(values) {
         let giving = &graph.nodes[edge.node];
         let output = format!("{}.{}", giving.name, giving.node.outputs[edge.output].name);
-        seen.words.insert(output, describe(&value));
-        seen.bounds = seen.bounds.or_else(|| match &value {
-            Value::Grid(grid) => bounds(&grid.points),
-            Value::Volume(volume) => bounds(&volume.grid.points),
-            _ => None,
-        });
+        seen.words.insert(output.clone(), describe(&value));
+        let points = match &value {
+            Value::Grid(grid) => &grid.points,
+            Value::Volume(volume) => &volume.grid.points,
+            _ => continue,
+        };
+        // Most outputs share their points.
+        let found = *known.entry((points.as_ptr(), points.len())).or_insert_with(|| bounds(points));
+        seen.bounds = seen.bounds.or(found);
+        seen.output_bounds.extend(found.map(|found| (output, found)));
     }
     Some(seen)
 }
@@ -507,8 +514,16 @@ impl<Q: Query> Exchange<Q> {
                 false if number == self.number => self.forget_query(),
                 false => {}
             },
-            found => self.answer = Some((number, found)),
+            // What is not asked again is of use for the newest query alone.
+            found if Q::WAITS || number == self.number => self.answer = Some((number, found)),
+            _ => {}
         }
+    }
+
+    /// Takes over a query whose answer is known.
+    pub(super) fn adopt(&mut self, query: Q, found: Result<Q::Reply>) {
+        self.ask(query);
+        (self.is_open, self.answer) = (false, Some((self.number, found)));
     }
 
     /// The query to be answered next, with its number, if it is open.
@@ -524,7 +539,7 @@ mod tests {
 
     fn over(background: [f64; 3]) -> RenderRequest {
         let (nodes, folder, node) = (Vec::new(), PathBuf::new(), "picture".into());
-        RenderRequest { nodes, folder, node, size: None, background, coarse_first: false }
+        RenderRequest { nodes, folder, node, size: None, background, coarse_first: false, grip_moves: false }
     }
 
     /// Within one level of what a PNG file of the picture holds.

@@ -42,6 +42,7 @@ pub(super) fn wanted(nodes: Vec<NodeEntry>, folder: &std::path::Path) -> RenderR
         size: None,
         background: [0.0; 3],
         coarse_first: false,
+        grip_moves: false,
     }
 }
 

@@ -4,7 +4,7 @@ use super::tests::{IMAGE, PANICS, nodes, settle, wanted};
 use super::*;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::AtomicUsize;
+use std::sync::atomic::{AtomicBool, AtomicUsize};
 use std::time::{Duration, Instant};
 use voltet_core::picture::Picture;
 use voltet_graph::{Node, Outputs, ParameterValue, Port, PortType, Value};
@@ -75,6 +75,58 @@ fn dropping_the_worker_stops_what_runs() {
     worker.draw(wanted(nodes("[pipeline]\nformat = 1\n[nodes.picture]\ntype = \"slow\""), &PathBuf::new()));
     drop(worker);
     assert!(start.elapsed() < Duration::from_secs(15));
+}
+
+/// True once the node with a volume runs.
+static PROBES: AtomicBool = AtomicBool::new(false);
+
+static SLOW_VOLUME: Node = Node {
+    name: "slow-volume",
+    summary: "Takes half a minute, or until it is stopped.",
+    outputs: &[Port { name: "volume", port_type: PortType::Volume, summary: "none" }],
+    demand: &|_| Ok(()),
+    run: &|call| -> Result<Outputs> {
+        PROBES.store(true, Ordering::SeqCst);
+        for _ in 0..3000 {
+            call.progress().check_cancelled()?;
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        Err(Error::run("nothing stops it"))
+    },
+    ..Node::BLANK
+};
+
+/// What is found for an earlier place is of no use: it is stopped, not waited for.
+#[test]
+fn a_newer_place_under_the_pointer_stops_the_search_for_the_one_before() {
+    let mut registry = voltet_nodes::registry().unwrap();
+    registry.add(&SLOW_VOLUME).unwrap();
+    let worker = Worker::start(&registry, Arc::new(|| {})).unwrap();
+    let text = "[pipeline]\nformat = 1\n[nodes.slow]\ntype = \"slow-volume\"\n[nodes.look]\ntype = \"transfer-function\"\n\
+                [nodes.view]\ntype = \"camera\"\neye = [9.0, 0.0, 0.0]\ntarget = [0.0, 0.0, 0.0]\n";
+    let at = |output: &str, x: f64| ProbeQuery {
+        source: VolumeSource { nodes: nodes(text), folder: PathBuf::new(), output: output.into() },
+        look: "look".into(),
+        camera: "view".into(),
+        clips: Vec::new(),
+        surfaces: Vec::new(),
+        places: vec![[x, 0.0]],
+    };
+    worker.ask_hover(at("slow", 0.0));
+    while !PROBES.load(Ordering::SeqCst) {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let start = Instant::now();
+    worker.ask_hover(at("slow", 0.1));
+    worker.ask_hover(at("nothing", 0.2));
+    while worker.shown(|shown| shown.hover.answer().is_none()) {
+        assert!(start.elapsed() < Duration::from_secs(15), "the first one is not stopped");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    worker.shown(|shown| {
+        let error = shown.hover.answer().unwrap().as_ref().unwrap_err().to_string();
+        assert!(error.contains("nothing") && !error.contains("stops"), "{error}");
+    });
 }
 
 /// Numbers of starts and ends of the node that takes its time.

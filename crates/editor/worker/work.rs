@@ -61,6 +61,7 @@ impl WorkerState<'_> {
             || self.query(newest, |output| &mut output.distribution)
             || self.query(newest, |output| &mut output.share)
             || previews.iter().any(|node| self.query(newest, |output| output.preview(node)))
+            || self.query(newest, |output| &mut output.hover)
     }
 
     /// Draws what is wanted: coarse first where the full picture takes longer than a person waits for, and from what the engine kept of
@@ -69,7 +70,10 @@ impl WorkerState<'_> {
         self.pace.look_from(wanted.cameras());
         // The first picture of a wish is for a hand that moves, whether it is coarse or quick enough to have all pixels.
         let first = wanted.coarse_first.then(|| self.pace.divisor(wanted.pixels()));
-        let passes = first.map(|divisor| (divisor, Some(self.pace.patience(divisor)))).into_iter();
+        // A hand at a grip may move what a node makes of the data, such as a slice.
+        let stale = || 2.0 * lock(&self.shared.state).output.stale_seconds(wanted);
+        let others = Duration::from_secs_f64(if wanted.grip_moves { stale() } else { 0.0 });
+        let passes = first.map(|divisor| (divisor, Some(self.pace.patience(divisor) + others))).into_iter();
         for (divisor, patience) in passes.chain([(1, None)]) {
             match self.pass(number, wanted, divisor, patience) {
                 Ok(true) => return self.shared.show(|shown| shown.settled(number)),
@@ -134,13 +138,23 @@ impl WorkerState<'_> {
         })
     }
 
-    /// Answers the open query of a kind, unless there is none; it is given up for a newer picture.
-    fn query<Q: Query>(&mut self, newest: u64, of: impl Fn(&mut WorkerOutput) -> &mut Exchange<Q>) -> bool {
+    /// Answers the open query of a kind, unless there is none; it is given up for a newer picture, and one that is not asked again for a newer
+    /// query.
+    fn query<Q: Query>(
+        &mut self,
+        newest: u64,
+        of: impl Fn(&mut WorkerOutput) -> &mut Exchange<Q> + Sync,
+    ) -> bool {
         let (shared, registry) = (self.shared, self.registry);
         // Queries of another document than that of the newest request are none of this document's.
         let taken = lock(&shared.state).output.since(newest).and_then(|output| of(output).take());
         let Some((number, query)) = taken else { return false };
-        let stop = |_: &dyn Fn() -> Option<String>| shared.newest() != newest;
+        let is_superseded = || {
+            let mut state = lock(&shared.state);
+            state.output.since(newest).is_none_or(|output| of(output).numbers()[0] != number)
+        };
+        let stop =
+            |_: &dyn Fn() -> Option<String>| shared.newest() != newest || (!Q::WAITS && is_superseded());
         let following = Following::new(shared, &stop, false);
         let outcome = self.guarded(&following, |session| {
             query.answer(&mut QueryRun { session, registry, observer: &following })
@@ -254,8 +268,7 @@ impl Observer for Following<'_> {
 /// A pass that may be superseded: it is stopped for a newer request at once, but for two cases:
 ///
 /// - The node that runs is not touched by the change: its output will serve, and the pass ends after it.
-/// - The picture is the first of its request, coarse or quick, and the change is a hand's movement (numbers of cameras and transfer
-///   functions): stopped each time, a steady drag would never show any. It has about the time that such a picture takes.
+/// - The picture is the first of its request, coarse or quick, and the change is a hand's movement (see [`Change::moves`]): stopped each time, a steady drag would never show any. It has about the time that such a picture takes.
 ///
 /// A picture that was drawn to its end after another kind of change is not shown.
 struct Pass<'a> {
@@ -425,6 +438,7 @@ mod tests {
             size: None,
             background: [0.0; 3],
             coarse_first: true,
+            grip_moves: false,
         }
     }
 
@@ -452,6 +466,11 @@ mod tests {
             touched(&with("look", "unit_distance", ParameterValue::Number(2.0))),
             (of(&["look", "picture"]), true)
         );
+        // What a hand moves by a grip is a movement, what is typed is none, be it the same parameter.
+        let typed = with("picture", "clip", ParameterValue::List(Vec::new()));
+        assert_eq!(touched(&typed), (of(&["picture"]), false));
+        let dragged = RenderRequest { grip_moves: true, ..typed };
+        assert_eq!(touched(&dragged), (of(&["picture"]), true));
         let other = with("gradient", "method", ParameterValue::Text("cell-average".into()));
         assert_eq!(touched(&other), (of(&["gradient", "picture"]), false));
         let elsewhere = RenderRequest { folder: "elsewhere".into(), ..wanted() };

@@ -95,8 +95,9 @@ impl Model {
                     (0..1 + lot.below(3)).filter_map(|_| lot.of(&names).cloned()).collect();
                 Edit::MoveNodes(moved.into_iter().map(|name| (name, [lot.number(), lot.number()])).collect())
             }
-            (21, _) => match lot.below(2) {
-                0 => Edit::Fold { node, folded: lot.below(2) == 0 },
+            (21, _) => match lot.below(3) {
+                0 => Edit::Hide { node, hidden: lot.below(2) == 0 },
+                1 => Edit::Fold { node, folded: lot.below(2) == 0 },
                 _ => Edit::Remark { node, text: Some("so".to_string()).filter(|_| lot.below(3) > 0) },
             },
             (22, _) => {

@@ -126,6 +126,12 @@ impl Model {
                 view.position = view.position.or(at.map(|at| at.map(f64::round)));
                 view.folded = *folded;
             }
+            Edit::Hide { node, hidden } => {
+                let at = self.shown.0.get(node).copied();
+                let view = self.view.nodes.entry(node.clone()).or_default();
+                view.position = view.position.or(at.map(|at| at.map(f64::round)));
+                view.hidden = *hidden;
+            }
             Edit::Remark { node, text } => {
                 let at = self.shown.0.get(node).copied();
                 let view = self.view.nodes.entry(node.clone()).or_default();

@@ -3,6 +3,7 @@
 use super::gaussian::{Ellipse, finely, spread};
 use super::shapes::{PlaneContext, Shape, Triangle};
 use crate::transfer::plane::{Change, Handle, Plane, S_AND_G, WidgetPainter, list, rounded, rows};
+use voltet_core::transfer::WIDGET_KINDS;
 use voltet_graph::{ArrayRef, Field, LocatedValue, ParameterValue, find_setting};
 
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +18,8 @@ pub(super) struct FieldShape {
     figure: Figure,
     /// True over s and g, where the half axes say all.
     is_flat: bool,
+    /// True if its kind can be turned: it has a matrix.
+    turns: bool,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -80,7 +83,10 @@ impl FieldShape {
             }
         };
         let (centre, is_flat) = (centre.to_vec(), *fields == S_AND_G);
-        Some(FieldShape { at, centre, sigma, kernel, magnitude, figure, is_flat })
+        let kind = find_setting(numbers, "kind").and_then(LocatedValue::text);
+        let kind = WIDGET_KINDS.iter().find(|known| Some(known.name) == kind);
+        let turns = kind.is_some_and(|kind| kind.parameters.iter().any(|known| known.name == "matrix"));
+        Some(FieldShape { at, centre, sigma, kernel, magnitude, figure, is_flat, turns })
     }
 
     fn centred(&self, to: [f64; 2]) -> Vec<Change> {
@@ -151,10 +157,12 @@ impl FieldShape {
 
 impl Shape for FieldShape {
     fn handles(&self, plane: &Plane) -> Vec<(Handle, [f64; 2])> {
-        match &self.figure {
+        let mut handles = match &self.figure {
             Figure::Ellipse(ellipse) => ellipse.handles(),
             Figure::Triangle(triangle) => triangle.handles(plane),
-        }
+        };
+        handles.retain(|(handle, _)| self.turns || *handle != Handle::Angle);
+        handles
     }
 
     fn moved(&self, handle: Handle, to: [f64; 2], plane: &Plane) -> Vec<Change> {

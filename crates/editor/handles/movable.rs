@@ -1,0 +1,32 @@
+//! Objects in the picture that grips move.
+
+use voltet_document::Edit;
+
+/// An object in the picture that grips move. Places are in heights of the picture from its middle, to the right and up.
+pub(super) trait Movable {
+    /// Its kind and its node: "plane of clip".
+    fn name(&self) -> &str;
+
+    /// The node whose parameters it is.
+    fn node(&self) -> &str;
+
+    /// Lines that show where it is.
+    fn lines(&self) -> Vec<[[f64; 2]; 2]>;
+
+    /// Its grips that are before the eye.
+    fn grips(&self) -> Vec<PictureGrip>;
+
+    /// The parameters when a grip is brought to a place.
+    fn moved(&self, grip: usize, to: [f64; 2]) -> Vec<Edit>;
+
+    /// The parameters when a key moves a grip: steps to the right and up, or forward.
+    fn nudged(&self, grip: usize, by: [f64; 2]) -> Vec<Edit>;
+}
+
+#[derive(Clone)]
+pub(super) struct PictureGrip {
+    /// Number among the grips of its object.
+    pub number: usize,
+    pub name: String,
+    pub place: [f64; 2],
+}

@@ -1,0 +1,227 @@
+//! Parts of an annotation: the scale of the colours, which stands at a border, and texts at a border or at a point.
+
+use super::movable::{Movable, PictureGrip};
+use crate::scene::Scene;
+use std::rc::Rc;
+use voltet_core::arithmetic::decimal;
+use voltet_document::{Edit, Path};
+use voltet_graph::{Field, LocatedValue, NodeEntry, ParameterValue, find_setting};
+
+/// Distance of a grip at a border from it, heights of the picture.
+const MARGIN: f64 = 0.05;
+
+/// Step of the keys, and of written places, as shares of the picture.
+const STEP: f64 = 0.01;
+const WRITTEN: f64 = 1e-3;
+
+/// Position of a part.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Anchor {
+    /// At a side: -1, 0 or 1 to the right and up.
+    Bar([i8; 2]),
+    /// In a corner or at the middle of a side, alike.
+    Border([i8; 2]),
+    /// Shares of width and height, from the upper left corner.
+    Point([f64; 2]),
+}
+
+/// The annotation of a node.
+struct Note {
+    node: String,
+    /// Its parts: name, the parameter that places it, whether that is stated, and the place.
+    parts: Vec<(String, Path, bool, Anchor)>,
+    /// Width of the picture by its height.
+    aspect: f64,
+}
+
+/// Words for sides; the first of up and down, the second of left and right.
+fn side(word: &str) -> [i8; 2] {
+    let sign = |low: &str, high: &str| i8::from(word.contains(high)) - i8::from(word.contains(low));
+    [sign("left", "right"), sign("bottom", "top")]
+}
+
+fn word([right, up]: [i8; 2]) -> String {
+    let words = [["bottom", "", "top"][(up + 1) as usize], ["left", "", "right"][(right + 1) as usize]];
+    words.into_iter().filter(|word| !word.is_empty()).collect::<Vec<_>>().join("-")
+}
+
+/// The annotations among these nodes, in a picture of that width by its height.
+pub(super) fn objects<'a>(scene: &Scene, nodes: impl Iterator<Item = &'a NodeEntry>) -> Vec<Rc<dyn Movable>> {
+    let size = scene.picture_size.unwrap_or([4, 3]).map(f64::from);
+    let note =
+        |node: &NodeEntry| Note { node: node.name.clone(), parts: parts(node), aspect: size[0] / size[1] };
+    let annotations = nodes.filter(|node| node.node_type.text() == Some("annotation"));
+    annotations.map(|node| Rc::new(note(node)) as Rc<dyn Movable>).collect()
+}
+
+fn parts(node: &NodeEntry) -> Vec<(String, Path, bool, Anchor)> {
+    let mut parts = Vec::new();
+    let stated = node.setting("bar").and_then(LocatedValue::text);
+    let has_scale = node.inputs.iter().any(|link| link.port == "transfer_function");
+    let at = side(stated.unwrap_or("right"));
+    if has_scale && at != [0, 0] {
+        parts.push(("bar".into(), Path::from("bar"), stated.is_some(), Anchor::Bar(at)));
+    }
+    let texts = node.setting("texts").and_then(LocatedValue::list).unwrap_or_default();
+    for (place, text) in texts.iter().enumerate() {
+        let fields = text.table().unwrap_or_default();
+        if let Some(anchor) = anchor(fields) {
+            let path = Path::from("texts").with(place).with("at");
+            parts.push((format!("text {}", place + 1), path, find_setting(fields, "at").is_some(), anchor));
+        }
+    }
+    parts
+}
+
+fn anchor(text: &[Field]) -> Option<Anchor> {
+    let at = find_setting(text, "at");
+    match find_setting(text, "kind")?.text()? {
+        "border" => Some(Anchor::Border(side(at.and_then(LocatedValue::text).unwrap_or("bottom-left")))),
+        "point" => at?.array().map(Anchor::Point),
+        _ => None,
+    }
+}
+
+impl Note {
+    fn place(&self, anchor: Anchor) -> [f64; 2] {
+        match anchor {
+            Anchor::Bar(side) | Anchor::Border(side) => {
+                let half = [0.5 * self.aspect - MARGIN, 0.5 - MARGIN];
+                [0, 1].map(|k: usize| f64::from(side[k]) * half[k])
+            }
+            Anchor::Point([right, down]) => [(right - 0.5) * self.aspect, 0.5 - down],
+        }
+    }
+
+    /// The anchor of the same kind that is nearest to a place.
+    fn nearest(&self, anchor: Anchor, [x, y]: [f64; 2]) -> Anchor {
+        // Halves of the sides, from the middle.
+        let shares = [2.0 * x / self.aspect, 2.0 * y];
+        let beside = |k: usize| if shares[k] < 0.0 { -1 } else { 1 };
+        let is_across = shares[0].abs() > shares[1].abs();
+        let nearest_side = if is_across { [beside(0), 0] } else { [0, beside(1)] };
+        match anchor {
+            Anchor::Bar(_) => Anchor::Bar(nearest_side),
+            Anchor::Border(_) => {
+                let third = [0, 1].map(|k: usize| if shares[k].abs() < 1.0 / 3.0 { 0 } else { beside(k) });
+                Anchor::Border(if third == [0, 0] { nearest_side } else { third })
+            }
+            Anchor::Point(_) => {
+                let share = |x: f64| decimal(x.clamp(0.0, 1.0), WRITTEN);
+                Anchor::Point([share(x / self.aspect + 0.5), share(0.5 - y)])
+            }
+        }
+    }
+
+    /// The anchor after keys: one step to the right and up. Sides are stepped from one to the next, also with Alt.
+    fn stepped(&self, anchor: Anchor, by: [f64; 2]) -> Anchor {
+        let step = by.map(|x| if x == 0.0 { 0 } else { x.signum() as i8 });
+        match anchor {
+            Anchor::Bar(_) if step[0] != 0 => Anchor::Bar([step[0], 0]),
+            Anchor::Bar(_) => Anchor::Bar(step),
+            Anchor::Border(side) => {
+                let on = |side: [i8; 2]| [0, 1].map(|k: usize| (side[k] + step[k]).clamp(-1, 1));
+                let next = on(side);
+                Anchor::Border(if next == [0, 0] { on(next) } else { next })
+            }
+            Anchor::Point(_) => {
+                let [x, y] = self.place(anchor);
+                self.nearest(anchor, [x + STEP * self.aspect * by[0], y + STEP * by[1]])
+            }
+        }
+    }
+
+    fn edits(&self, part: usize, to: impl Fn(Anchor) -> Anchor) -> Vec<Edit> {
+        let Some((_, path, is_stated, before)) = self.parts.get(part) else { return Vec::new() };
+        let after = to(*before);
+        let (node, path) = (self.node.clone(), path.clone());
+        vec![match after {
+            // As the file leaves it out.
+            _ if after == *before && !is_stated => Edit::Unset { node, path },
+            Anchor::Bar(side) | Anchor::Border(side) => {
+                Edit::Set { node, path, value: ParameterValue::Text(word(side)) }
+            }
+            Anchor::Point(shares) => Edit::Set { node, path, value: shares.into_iter().collect() },
+        }]
+    }
+}
+
+impl Movable for Note {
+    fn name(&self) -> &str {
+        &self.node
+    }
+
+    fn node(&self) -> &str {
+        &self.node
+    }
+
+    fn lines(&self) -> Vec<[[f64; 2]; 2]> {
+        Vec::new()
+    }
+
+    fn grips(&self) -> Vec<PictureGrip> {
+        let grip = |(number, (name, _, _, anchor)): (usize, &(String, Path, bool, Anchor))| PictureGrip {
+            number,
+            name: name.clone(),
+            place: self.place(*anchor),
+        };
+        self.parts.iter().enumerate().map(grip).collect()
+    }
+
+    fn moved(&self, grip: usize, to: [f64; 2]) -> Vec<Edit> {
+        self.edits(grip, |anchor| self.nearest(anchor, to))
+    }
+
+    fn nudged(&self, grip: usize, by: [f64; 2]) -> Vec<Edit> {
+        let stays = |anchor: &Anchor| self.stepped(*anchor, by) == *anchor;
+        match self.parts.get(grip) {
+            Some((_, _, _, anchor)) if stays(anchor) => Vec::new(),
+            _ => self.edits(grip, |anchor| self.stepped(anchor, by)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_sides_come_back() {
+        for at in ["top-left", "top", "top-right", "left", "right", "bottom-left", "bottom", "bottom-right"] {
+            assert_eq!(word(side(at)), at);
+        }
+    }
+
+    #[test]
+    fn keys_lead_from_each_place_at_the_border_to_the_next_also_with_alt() {
+        let note = Note { node: "figure".into(), parts: Vec::new(), aspect: 1.5 };
+        let keys = [[-1.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
+        // Left, right, up, down.
+        for (from, to) in [
+            ("top-left", ["top-left", "top", "top-left", "left"]),
+            ("top", ["top-left", "top-right", "top", "bottom"]),
+            ("top-right", ["top", "top-right", "top-right", "right"]),
+            ("left", ["left", "right", "top-left", "bottom-left"]),
+            ("right", ["left", "right", "top-right", "bottom-right"]),
+            ("bottom-left", ["bottom-left", "bottom", "left", "bottom-left"]),
+            ("bottom", ["bottom-left", "bottom-right", "top", "bottom"]),
+            ("bottom-right", ["bottom", "bottom-right", "right", "bottom-right"]),
+        ] {
+            for (key, to) in keys.into_iter().zip(to) {
+                for times in [1.0, 0.2] {
+                    let Anchor::Border(at) = note.stepped(Anchor::Border(side(from)), key.map(|x| times * x))
+                    else {
+                        panic!("another kind of place")
+                    };
+                    assert_eq!(word(at), to, "{from} {key:?}");
+                }
+            }
+        }
+        for from in ["left", "right", "top", "bottom"] {
+            let to = keys.map(|key| note.stepped(Anchor::Bar(side(from)), key.map(|x| 0.2 * x)));
+            assert_eq!(to, ["left", "right", "top", "bottom"].map(|at| Anchor::Bar(side(at))), "{from}");
+        }
+        let Anchor::Point(at) = note.stepped(Anchor::Point([0.5, 0.25]), [0.2, -1.0]) else { panic!() };
+        assert!((at[0] - 0.502).abs() < 1e-9 && (at[1] - 0.26).abs() < 1e-9, "{at:?}");
+    }
+}

@@ -1,0 +1,285 @@
+//! Handles in the picture: clips and slices, by the pointer and by keys.
+
+use super::*;
+use glam::DVec3;
+
+/// The scene with lines more at its renderer.
+fn with_clips(clips: &str) -> String {
+    TEXT.replace("engine = \"cpu\"\n", &format!("engine = \"cpu\"\nclip = [{clips}]\n"))
+}
+
+const PLANE: &str = "{ kind = \"plane\", origin = [1.0, 2.0, -1.0], normal = [0.0, 0.0, 2.0] }";
+
+/// A number of a clip.
+fn of_clip(hand: &Hand, place: usize, key: &str) -> DVec3 {
+    let nodes = &hand.editor.document().pipeline().nodes;
+    let node = nodes.iter().find(|node| node.name == "picture").unwrap();
+    let list = node.setting("clip").unwrap().list().unwrap().to_vec();
+    let table = list[place].table().unwrap();
+    let found = table.iter().find(|field| field.name == key).unwrap();
+    match found.setting.number() {
+        Some(number) => DVec3::splat(number),
+        None => DVec3::from(found.setting.array::<3>().unwrap()),
+    }
+}
+
+/// Place in the window of a point in space.
+fn window(hand: &Hand, point: DVec3) -> Pos2 {
+    let picture = hand.editor.panels.picture.rect.unwrap();
+    let [x, y] = hand.editor.view().unwrap().place(point).unwrap();
+    picture.center() + picture.height() * vec2(x as f32, -y as f32)
+}
+
+#[test]
+fn a_plane_is_moved_along_its_normal_by_its_grip_in_one_step_and_the_picture_follows() {
+    let text = with_clips(PLANE);
+    let mut hand = Hand::new(&text);
+    let picture = |hand: &Hand| hand.editor.worker().shown(|shown| shown.pixels.clone().unwrap().picture);
+    let before = picture(&hand);
+    let grip = hand.named("plane of clip: position");
+    // The middle of the plane's cut with the data's box of ± 10.
+    assert!(grip.distance(window(&hand, DVec3::new(0.0, 0.0, -1.0))) < 0.5, "{grip}");
+    hand.drag(grip, window(&hand, DVec3::new(0.0, 0.0, 4.0)));
+    let origin = of_clip(&hand, 0, "origin");
+    assert!((origin - DVec3::new(1.0, 2.0, 4.0)).length() < 0.02, "along the normal alone: {origin}");
+    assert_eq!(of_clip(&hand, 0, "normal"), DVec3::new(0.0, 0.0, 2.0));
+    assert_eq!(hand.steps(), 1);
+    assert!(
+        hand.text().contains("origin = [1.0, 2.0, ") && hand.text().contains("# coarse"),
+        "{}",
+        hand.text()
+    );
+    hand.settle();
+    assert_ne!(picture(&hand), before);
+    hand.key(Key::Z, Modifiers::COMMAND);
+    hand.settle();
+    assert_eq!((hand.text(), picture(&hand)), (text, before));
+}
+
+/// Slow frames hold the way to the grip and the press on it.
+#[test]
+fn a_press_in_the_frame_in_which_the_pointer_comes_moves_nothing() {
+    let mut hand = Hand::new(&with_clips(PLANE));
+    let grip = hand.named("plane of clip: position");
+    hand.move_to(hand.named("node look"), Modifiers::NONE);
+    hand.at = grip;
+    let button = |pressed| Event::PointerButton {
+        pos: grip,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    hand.frame(vec![Event::PointerMoved(grip), button(true)], Modifiers::NONE);
+    hand.frames(2);
+    hand.frame(vec![button(false)], Modifiers::NONE);
+    assert_eq!(of_clip(&hand, 0, "origin"), DVec3::new(1.0, 2.0, -1.0));
+    assert_eq!(hand.steps(), 0);
+}
+
+#[test]
+fn the_tip_of_the_arrow_turns_a_plane_about_its_middle() {
+    let mut hand = Hand::new(&with_clips(PLANE));
+    let (middle, arrow) = (DVec3::new(0.0, 0.0, -1.0), 0.2 * 20.0 * 3f64.sqrt());
+    let tip = hand.named("plane of clip: direction");
+    assert!(tip.distance(window(&hand, middle + arrow * DVec3::Z)) < 0.5, "{tip}");
+    let to = DVec3::new(-0.6, 0.0, 0.8);
+    hand.drag(tip, window(&hand, middle + arrow * to));
+    let (normal, origin) = (of_clip(&hand, 0, "normal"), of_clip(&hand, 0, "origin"));
+    assert!((normal - to).length() < 0.02 && (normal.length() - 1.0).abs() < 1e-4, "{normal}");
+    assert!((origin - middle).length() < 1e-3, "the grip stays in its middle: {origin}");
+    assert_eq!(hand.steps(), 1);
+}
+
+#[test]
+fn keys_move_what_has_the_focus_by_a_hundredth_of_the_diagonal() {
+    let mut hand = Hand::new(&with_clips(PLANE));
+    let selection = hand.editor.selection.clone();
+    hand.click_on("plane of clip: position");
+    assert_eq!(hand.steps(), 0, "a click moves nothing");
+    hand.key(Key::ArrowUp, Modifiers::NONE);
+    hand.frames(2);
+    let step = 0.01 * 20.0 * 3f64.sqrt();
+    let z = of_clip(&hand, 0, "origin").z;
+    assert!((z + 1.0 - step).abs() < 1e-3, "{z}");
+    hand.key(Key::ArrowLeft, Modifiers::ALT);
+    hand.frames(2);
+    let z = of_clip(&hand, 0, "origin").z;
+    assert!((z + 1.0 - 0.8 * step).abs() < 1e-3, "with Alt a fifth back: {z}");
+    assert_eq!(hand.editor.selection, selection, "the arrows choose no other node");
+    assert_eq!(hand.steps(), 1, "keys that follow one another are one step");
+}
+
+#[test]
+fn a_box_has_six_grips_a_ball_two_and_a_cylinder_three_and_none_is_moved_through_another() {
+    let clips = "{ kind = \"box\", low = [-6.0, -6.0, -6.0], high = [6.0, 6.0, 6.0] }, \
+                 { kind = \"sphere\", centre = [0.0, 0.0, 0.0], radius = 8.0 }, \
+                 { kind = \"cylinder\", from = [0.0, 0.0, -9.0], to = [0.0, 0.0, 9.0], radius = 7.0 }";
+    let mut hand = Hand::new(&with_clips(clips));
+    assert!(!hand.sees("box of clip 1: upper x face"), "which of several is meant is not known");
+    hand.editor.selection = ["picture".to_string()].into();
+    hand.frames(3);
+    for axis in ["x", "y", "z"] {
+        assert!(hand.sees(&format!("box of clip 1: lower {axis} face")), "{axis}");
+    }
+    let face = hand.named("box of clip 1: upper z face");
+    hand.drag(face, window(&hand, DVec3::new(0.0, 0.0, 8.0)));
+    let high = of_clip(&hand, 0, "high");
+    assert!(high.x == 6.0 && high.y == 6.0 && (high.z - 8.0).abs() < 0.05, "{high}");
+    // Through the lower face: it stays above.
+    hand.drag(hand.named("box of clip 1: upper z face"), window(&hand, DVec3::new(0.0, 0.0, -9.0)));
+    let high = of_clip(&hand, 0, "high");
+    assert!(high.z > -6.0 && high.z < -5.9, "{high}");
+    hand.settle();
+    assert!(hand.editor.scene().failure.is_none(), "{:?}", hand.editor.scene().failure);
+    let rim = hand.named("sphere of clip 2: radius");
+    let centre = hand.named("sphere of clip 2: centre");
+    hand.drag(rim, centre + 0.5 * (rim - centre));
+    assert!((of_clip(&hand, 1, "radius").x - 4.0).abs() < 0.05, "{}", of_clip(&hand, 1, "radius").x);
+    hand.drag(hand.named("sphere of clip 2: centre"), centre + vec2(20.0, 0.0));
+    let right = hand.editor.view().unwrap().sides().unwrap()[0];
+    let moved = of_clip(&hand, 1, "centre");
+    assert!(moved.length() > 1.0 && (moved.normalize() - right).length() < 1e-3, "{moved}");
+    hand.drag(hand.named("cylinder of clip 3: end 2"), centre);
+    assert!(of_clip(&hand, 2, "to").z < 9.0);
+    assert!(hand.sees("cylinder of clip 3: radius"));
+    assert_eq!(hand.steps(), 5);
+}
+
+const SLICE: &str = "[nodes.cut]\ntype = \"slice\"\norigin = [\"50 %\", 0.0, \"30 %\"]\nnormal = [0.0, 0.0, 1.0]\n\
+                     inputs = { volume = \"gradient\" }\n\n[nodes.view]";
+
+/// A slice in the scene's picture.
+pub(super) fn with_slice() -> String {
+    TEXT.replace("[nodes.view]", SLICE)
+        .replace("camera = \"view\" }", "camera = \"view\", surfaces = [\"cut\"] }")
+}
+
+#[test]
+fn a_slice_is_dragged_and_shares_of_the_data_stay_shares() {
+    let mut hand = Hand::new(&with_slice());
+    let grip = hand.named("plane of cut: position");
+    assert!(grip.distance(window(&hand, DVec3::new(0.0, 0.0, -4.0))) < 0.5, "30 % of ± 10: {grip}");
+    hand.drag(grip, window(&hand, DVec3::new(0.0, 0.0, 2.0)));
+    let text = hand.text();
+    let line = text.lines().find(|line| line.starts_with("origin")).unwrap();
+    let rest = line.strip_prefix("origin = [\"50 %\", 0.0, \"").unwrap();
+    let share: f64 = rest.strip_suffix(" %\"]").unwrap().parse().unwrap();
+    assert!((share - 60.0).abs() < 0.2, "{line}");
+    hand.settle();
+    assert!(hand.editor.scene().failure.is_none(), "{:?}", hand.editor.scene().failure);
+    // Beside a clip it is one of two: the selected node's has grips.
+    let both = with_slice().replace("engine = \"cpu\"\n", &format!("engine = \"cpu\"\nclip = [{PLANE}]\n"));
+    let mut hand = Hand::new(&both);
+    assert!(!hand.sees("plane of cut: position") && !hand.sees("plane of clip: position"));
+    hand.editor.selection = ["cut".to_string()].into();
+    hand.frames(3);
+    assert!(hand.sees("plane of cut: position") && !hand.sees("plane of clip: position"));
+}
+
+#[test]
+fn texts_and_the_scale_of_an_annotation_are_brought_to_where_they_are_to_stand() {
+    let figure = "[nodes.figure]\ntype = \"annotation\"\nbar_range = [0.0, 300.0] # by hand\n\
+                  texts = [{ kind = \"point\", text = \"here\", at = [0.5, 0.5] }, { kind = \"border\", text = \"there\" }]\n\
+                  inputs = { image = \"picture\", transfer_function = \"look\", volume = \"gradient\" }\n\n[nodes.file]";
+    let text = TEXT.replace("[nodes.file]", figure);
+    let mut hand = Hand::new(&text);
+    assert!(!hand.sees("figure: bar"), "its node is not selected");
+    hand.editor.selection = ["figure".to_string()].into();
+    hand.frames(3);
+    let picture = hand.editor.panels.picture.rect.unwrap();
+    assert!(hand.named("figure: text 1").distance(picture.center()) < 0.5);
+    hand.drag(picture.center(), picture.left_top() + picture.size() * vec2(0.25, 0.75));
+    hand.drag(hand.named("figure: text 2"), picture.right_top() + vec2(-30.0, 20.0));
+    // Not far enough for another side.
+    let bar = hand.named("figure: bar");
+    hand.drag(bar, bar - vec2(30.0, 0.0));
+    assert!(hand.steps() == 2 && !hand.text().contains("bar = "), "{}", hand.text());
+    hand.drag(bar, picture.center_bottom() - vec2(0.0, 20.0));
+    let written = hand.text();
+    assert!(written.contains("at = [0.25, 0.75]") && written.contains("at = \"top-right\""), "{written}");
+    assert!(written.contains("bar = \"bottom\"") && written.contains("# by hand"), "{written}");
+    assert_eq!(hand.steps(), 3);
+    hand.settle();
+    assert!(hand.editor.scene().failure.is_none(), "{:?}", hand.editor.scene().failure);
+    // By keys: the next place of three, a hundredth of the picture, the other side.
+    for (name, key) in [("text 2", Key::ArrowLeft), ("text 1", Key::ArrowRight), ("bar", Key::ArrowUp)] {
+        hand.click_on(&format!("figure: {name}"));
+        hand.key(key, Modifiers::NONE);
+        hand.frames(2);
+    }
+    let written = hand.text();
+    assert!(written.contains("at = [0.26, 0.75]") && written.contains("at = \"top\""), "{written}");
+    assert!(written.contains("bar = \"top\""), "{written}");
+}
+
+/// A plane that is seen face on has no way in the picture: up is along its normal, and the grip stays in the hand.
+#[test]
+fn a_plane_that_faces_the_eye_is_moved_steadily() {
+    let plane =
+        PLANE.replace("[1.0, 2.0, -1.0]", "[0.0, 0.0, 0.0]").replace("[0.0, 0.0, 2.0]", "[0.0, -1.0, 0.0]");
+    let text = with_clips(&plane).replace("eye = [-28.0, -38.0, 24.0]", "eye = [0.0, -52.0, 0.0]");
+    let mut hand = Hand::new(&text);
+    let grip = hand.named("plane of clip: position");
+    let height = hand.editor.panels.picture.rect.unwrap().height();
+    hand.move_to(grip, Modifiers::NONE);
+    hand.button(true, PointerButton::Primary, Modifiers::NONE);
+    let mut before = 0.0;
+    for step in 1..=9 {
+        hand.move_to(grip - vec2(0.0, 0.05 * step as f32 * height), Modifiers::NONE);
+        let towards = -of_clip(&hand, 0, "origin").y;
+        // The picture is 27.9 high at the plane.
+        assert!((towards - before - 0.05 * 27.87).abs() < 0.05, "{step}: from {before} to {towards}");
+        before = towards;
+    }
+    let moves = |hand: &Hand| hand.editor.answers.asked.as_ref().unwrap().grip_moves;
+    assert!(moves(&hand), "the picture follows the hand");
+    hand.button(false, PointerButton::Primary, Modifiers::NONE);
+    hand.frames(2);
+    assert_eq!(hand.steps(), 1);
+    let entry = voltet_graph::ParameterValue::List(Vec::new());
+    hand.editor.edit("typed".into(), &[voltet_document::Edit::set("picture", ["clip"], entry)]);
+    hand.frames(2);
+    assert!(!moves(&hand), "what is typed is no movement");
+}
+
+#[test]
+fn what_is_not_for_a_grip_is_for_the_picture_below_it() {
+    let mut hand = Hand::new(&with_clips(PLANE));
+    let grip = |hand: &Hand| hand.named("plane of clip: position");
+    let view = |hand: &Hand| hand.editor.view().unwrap();
+    for button in [PointerButton::Middle, PointerButton::Secondary] {
+        let (before, at) = (view(&hand), grip(&hand));
+        hand.drag_with(at, at + vec2(12.0, 20.0), button, Modifiers::NONE);
+        assert_ne!(view(&hand), before, "{button:?}");
+    }
+    let (before, at) = (view(&hand), grip(&hand));
+    hand.move_to(at, Modifiers::NONE);
+    let unit = eframe::egui::MouseWheelUnit::Line;
+    let (delta, phase, modifiers) = (vec2(0.0, 2.0), TouchPhase::Move, Modifiers::NONE);
+    hand.frame(vec![Event::MouseWheel { unit, delta, phase, modifiers }], modifiers);
+    hand.frames(10);
+    assert_ne!(view(&hand), before, "the wheel");
+    hand.settle();
+    let at = grip(&hand);
+    hand.click(at);
+    until(&mut hand, "nothing is picked", |hand| hand.said().contains("on the ray"));
+    assert_eq!(of_clip(&hand, 0, "origin"), DVec3::new(1.0, 2.0, -1.0));
+    // A hand that measures, or draws a box, takes hold of none.
+    for mode in ["measure", "box"] {
+        hand.click_on(mode);
+        hand.frames(2);
+        assert!(!hand.sees("plane of clip: position"), "{mode}");
+        hand.click_on(mode);
+        hand.frames(2);
+        assert!(hand.sees("plane of clip: position"), "{mode}");
+    }
+}
+
+/// What half of all steps of a series is, only a run finds.
+#[test]
+fn a_slice_by_shares_of_a_series_has_no_grips() {
+    let of_series = with_slice().replace("type = \"slice\"", "type = \"slice\"\nrelative_to = \"series\"");
+    assert!(!Hand::new(&of_series).sees("plane of cut: position"));
+    let in_numbers = of_series.replace("[\"50 %\", 0.0, \"30 %\"]", "[0.0, 0.0, -4.0]");
+    assert!(Hand::new(&in_numbers).sees("plane of cut: position"));
+}
