@@ -2,7 +2,7 @@
 
 use crate::editor::{Answers, Editor};
 use crate::jobs::{self, Arrays};
-use crate::scene::pictures;
+use crate::scene::{camera_of, pictures};
 use crate::section;
 use crate::transfer;
 use crate::view::View;
@@ -56,6 +56,7 @@ impl Editor {
         self.answers.asked = None;
         self.worker.forget_queries();
         self.arrays = Arrays::default();
+        self.panels.time.forget_series();
     }
 
     pub(crate) fn look_at_disk(&mut self) {
@@ -79,15 +80,16 @@ impl Editor {
             return;
         };
         let size = self.camera().and_then(size_of).map(|own| fitted(own, self.panels.picture.room));
-        let mut wanted = self.render_request(node, size, true);
+        let mut wanted = self.request_of(&self.document.pipeline().nodes, node, size, true);
         if let (Some(look), Some(found)) = (self.panels.transfer.dragged(), self.scene().distribution) {
             put_in_numbers(&mut wanted.nodes, look, &found.known);
         }
         if let Some((look, hidden)) = self.panels.transfer.hidden() {
             retain_widgets(&mut wanted.nodes, look, |place| !hidden.contains(&place));
         }
+        let next = self.put_frame(&mut wanted);
         if self.answers.asked.as_ref() != Some(&wanted) {
-            self.answers.picture_number = self.worker.draw(wanted.clone());
+            self.answers.picture_number = self.worker.draw_and_read(wanted.clone(), next);
             self.answers.asked = Some(wanted);
         }
     }
@@ -98,7 +100,17 @@ impl Editor {
         size: Option<[u32; 2]>,
         coarse_first: bool,
     ) -> RenderRequest {
-        let all = &self.document.pipeline().nodes;
+        self.request_of(&self.nodes_of_frame(), node, size, coarse_first)
+    }
+
+    /// The request for the picture of a node among these.
+    fn request_of(
+        &self,
+        all: &[NodeEntry],
+        node: &str,
+        size: Option<[u32; 2]>,
+        coarse_first: bool,
+    ) -> RenderRequest {
         let (nodes, folder) = (links::feeding(all, node), self.document.folder());
         let background = background(all, node);
         RenderRequest { nodes, folder, node: node.to_string(), size, background, coarse_first }
@@ -112,8 +124,8 @@ impl Editor {
     }
 
     fn volume_source(&self, output: String) -> VolumeSource {
-        let all = &self.document.pipeline().nodes;
-        let nodes = links::feeding(all, links::source(&output, all).0);
+        let all = self.nodes_of_frame();
+        let nodes = links::feeding(&all, links::source(&output, &all).0);
         VolumeSource { nodes, folder: self.document.folder(), output }
     }
 
@@ -151,7 +163,10 @@ impl Editor {
 
     /// Asks for small pictures of the other nodes that give one, once the shown one is there and no hand is at work.
     fn find_previews(&self) {
-        if self.gesture.is_some() || self.worker.shown(|shown| shown.is_busy) {
+        if self.gesture.is_some()
+            || self.panels.time.playing.is_some()
+            || self.worker.shown(|shown| shown.is_busy)
+        {
             return;
         }
         for node in pictures(&self.document, &self.registry) {
@@ -180,10 +195,12 @@ impl Editor {
 
     pub(crate) fn probe(&mut self, places: Vec<[f64; 2]>, centres: bool) {
         let (Some((look, output)), Some(camera)) = (self.edited(), self.camera()) else { return };
-        let nodes = self.document.pipeline().nodes.clone();
+        let nodes = self.nodes_of_frame();
         let source = VolumeSource { nodes, folder: self.document.folder(), output };
         let wanted = ProbeQuery { source, look: look.name.clone(), camera: camera.name.clone(), places };
         self.worker.ask(|output| &mut output.probe, wanted);
+        // A hand waits for it, and not for a step that is read ahead.
+        self.worker.read_no_further();
         self.answers.probing = Some(centres);
     }
 
@@ -238,13 +255,11 @@ impl Editor {
             let found = report.origins.cameras.iter().find(|(node, _)| *node == camera.name);
             found.map(|(_, camera)| View::from(**camera))
         };
-        View::from_camera(camera).or_else(drawn)
+        self.free_view().or_else(|| View::from_camera(camera)).or_else(drawn)
     }
 
     pub(crate) fn camera(&self) -> Option<&NodeEntry> {
-        let nodes = &self.document.pipeline().nodes;
-        let feeding = upstream(nodes, self.shown_node.as_deref()?);
-        nodes.iter().find(|node| node.node_type.text() == Some("camera") && feeding.contains(&node.name))
+        camera_of(&self.document.pipeline().nodes, self.shown_node.as_deref()?)
     }
 }
 
