@@ -1,6 +1,7 @@
 //! A pipeline file, or a picture that carries one, with its text and its checked graph; conflicts of inputs and outputs of a call, by
 //! file identity: no output may be an input or another output.
 
+pub use voltet_document::Change;
 pub use voltet_io::encode::Source;
 
 use crate::core::counted;
@@ -8,10 +9,7 @@ use std::path::{Path, PathBuf};
 use voltet_core::{Error, Result};
 use voltet_document::{Document as DocumentText, Edit, Path as KeyPath};
 use voltet_graph::pipeline::{Pipeline, locate, value};
-use voltet_graph::{
-    Graph, GraphNode, LinkEntry, NamedPath, ParameterValue, Registry, ResolvedPipeline, SourceSpan,
-    unknown_node,
-};
+use voltet_graph::{Graph, GraphNode, NamedPath, ParameterValue, Registry, ResolvedPipeline, SourceSpan};
 use voltet_io::formats::files_beside;
 use voltet_io::provenance::{DataFile, PluginRecord, Provenance};
 use voltet_nodes::files::{Use, collision};
@@ -45,72 +43,6 @@ pub struct Document {
     pub carried: Option<Provenance>,
 }
 
-/// A change of a parameter, or of a part of it, of a pipeline that was read.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Change {
-    /// The node.
-    pub node: String,
-    /// The parameter, and keys and numbers that lead to a part of it, with points between: `widgets.0.centre`.
-    pub parameter: String,
-    /// Its new value; `None`: it is not stated any more.
-    pub value: Option<ParameterValue>,
-}
-
-/// Begin of the name of an input in a change, in place of a parameter.
-const INPUTS: &str = "inputs.";
-
-impl Change {
-    /// The change that sets a parameter.
-    pub fn set(node: &str, parameter: &str, value: ParameterValue) -> Change {
-        Change { node: node.into(), parameter: parameter.into(), value: Some(value) }
-    }
-
-    /// The change that lets an output (`"node"` or `"node.port"`) feed an input.
-    pub fn wire(node: &str, port: &str, source: &str) -> Change {
-        Change::set(node, &format!("{INPUTS}{port}"), ParameterValue::Text(source.into()))
-    }
-
-    /// The change that takes a parameter away.
-    pub fn unset(node: &str, parameter: &str) -> Change {
-        Change { node: node.into(), parameter: parameter.into(), value: None }
-    }
-
-    pub(crate) fn apply(&self, pipeline: &mut Pipeline) -> Result<()> {
-        let names = || pipeline.nodes.iter().map(|entry| entry.name.as_str());
-        let Some(place) = names().position(|name| name == self.node) else {
-            return Err(unknown_node(&self.node, names()));
-        };
-        let entry = &mut pipeline.nodes[place];
-        if let (Some(port), Some(source)) = (self.parameter.strip_prefix(INPUTS), &self.value) {
-            entry.inputs.retain(|link| link.port != port);
-            let (origin, source) = (SourceSpan::Nowhere, source.clone().into());
-            entry.inputs.push(LinkEntry { port: port.into(), origin, source });
-            return Ok(());
-        }
-        let keys: Vec<&str> = self.parameter.split('.').collect();
-        match &self.value {
-            Some(value) => entry.set(keys[0], &keys[1..], value.clone().into()),
-            None => {
-                entry.settings.retain(|field| field.name != self.parameter);
-                Ok(())
-            }
-        }
-    }
-
-    fn edit(&self) -> Edit {
-        let (node, path) = (self.node.clone(), KeyPath::from(self.parameter.as_str()));
-        if let (Some(port), Some(ParameterValue::Text(source))) =
-            (self.parameter.strip_prefix(INPUTS), &self.value)
-        {
-            return Edit::Connect { node, port: port.into(), source: source.clone(), beside: false };
-        }
-        match self.value.clone() {
-            Some(value) => Edit::Set { node, path, value },
-            None => Edit::Unset { node, path },
-        }
-    }
-}
-
 impl Document {
     /// The document with some parameters changed, as if its file said so.
     ///
@@ -119,7 +51,7 @@ impl Document {
     pub fn changed(&self, changes: &[Change], registry: &Registry) -> Result<Document> {
         let located = |error| self.locate(error);
         let mut pipeline = self.pipeline.clone();
-        changes.iter().try_for_each(|change| change.apply(&mut pipeline)).map_err(located)?;
+        changes.iter().try_for_each(|change| change.apply(&mut pipeline.nodes)).map_err(located)?;
         let folder = self.graph.folder.clone();
         let mut graph = Graph::build(&pipeline.nodes, registry, folder).map_err(located)?;
         let mut text = DocumentText::from_text(self.graph.stated.text.clone(), None);

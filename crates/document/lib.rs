@@ -5,6 +5,7 @@
 //! after each change, by the same reader that runs use.
 
 pub mod arrange;
+mod change;
 mod document;
 mod edit;
 mod faults;
@@ -13,13 +14,16 @@ pub mod links;
 mod nodes;
 pub mod panel;
 mod path;
+pub mod series;
 mod text;
 mod view;
 
+pub use change::Change;
 pub use document::{Document, Gesture, History};
 pub use edit::Edit;
 pub use faults::{Diagnostic, FaultTarget};
 pub use file::{Autosave, OrphanedDraft, Recovery, stamp};
 pub use nodes::{Fitting, Group, giving, search, taking};
 pub use path::{Path, Step};
+pub use series::Series;
 pub use view::{Annotation, AnnotationId, NodeView, View};

@@ -56,6 +56,10 @@ impl Editor {
                 self.open_by(ctx, file, Some(dialog));
             }
             FilePurpose::SaveAs => self.save_as(file),
+            FilePurpose::Film => {
+                let path = relative_to(file, &self.document.folder());
+                self.panels.time.film.path = Some(path.to_string_lossy().into_owned());
+            }
             FilePurpose::Parameter { node, path, .. } => {
                 let text = relative_to(file, &self.document.folder()).to_string_lossy().into_owned();
                 self.edit_one(Edit::Set { node, path, value: text.into() });
@@ -118,6 +122,9 @@ impl Editor {
 
     /// Has the camera node say so.
     pub(crate) fn look(&mut self, view: View) {
+        if self.take_free_view(view) {
+            return;
+        }
         let Some(camera) = self.camera() else { return };
         let name = camera.name.clone();
         // What stays as it is, stated or not, needs not be written.
@@ -203,6 +210,9 @@ impl Editor {
             Command::Costs => self.panels.costs = !self.panels.costs,
             Command::Widgets => self.panels.transfer.switch_keys(),
             Command::Section => self.panels.section.open = !self.panels.section.open,
+            Command::Time(to) => self.move_time(to),
+            Command::Film => (self.panels.time.is_open, self.panels.time.film.is_open) = (true, true),
+            Command::Strip => self.panels.time.is_open = !self.panels.time.is_open,
             Command::Study => self.panels.study.open = !self.panels.study.open,
             Command::ReadAgain => self.read_again(),
             Command::Help => self.panels.help = !self.panels.help,
@@ -521,10 +531,11 @@ impl Editor {
         self.faults = (None, Vec::new());
         self.message = None;
         // Which windows are open is the user's; what they show was the other document's.
-        let Panels { section, study, panes, costs, help, .. } = std::mem::take(&mut self.panels);
+        let Panels { section, study, time, panes, costs, help, .. } = std::mem::take(&mut self.panels);
         self.panels = Panels {
             section: section.emptied(),
             study: study.emptied(),
+            time: time.emptied(),
             panes,
             costs,
             help,

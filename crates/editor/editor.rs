@@ -12,6 +12,7 @@ use crate::scene::{Action, Actions, Command, Lag, ProbePurpose, Scene, error_tex
 use crate::section::SectionPanel;
 use crate::study::{StudyPanel, show_costs};
 use crate::theme;
+use crate::time_strip::TimeStrip;
 use crate::transfer::TransferPanel;
 use crate::worker::{
     Estimate, NodeState, PixelProbe, RenderRequest, VolumeSource, Worker, WorkerOutput, size_of,
@@ -40,6 +41,7 @@ pub(crate) struct Panels {
     pub transfer: TransferPanel,
     pub section: SectionPanel,
     pub study: StudyPanel,
+    pub time: TimeStrip,
     /// Shares of what is at the right, the transfer function there, and the parameters.
     pub panes: [Pane; 3],
     pub costs: bool,
@@ -304,6 +306,7 @@ impl Editor {
         self.name_arrays(ctx);
         self.settle_on_nodes();
         self.follow_answers(ctx);
+        self.follow_time(ctx);
         self.gesture = self.gestures.gesture(ctx);
         if ctx.input(|input| input.viewport().close_requested()) && !self.ends {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
@@ -355,7 +358,13 @@ impl Editor {
             return;
         }
         let panels = &mut self.panels;
-        let sheets = [&mut panels.help, &mut panels.study.open, &mut panels.costs, &mut panels.section.open];
+        let sheets = [
+            &mut panels.help,
+            &mut panels.time.film.is_open,
+            &mut panels.study.open,
+            &mut panels.costs,
+            &mut panels.section.open,
+        ];
         if let Some(open) = sheets.into_iter().find(|open| **open) {
             *open = false;
             ctx.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape));
@@ -371,7 +380,7 @@ fn show(editor: &mut Editor, ui: &mut Ui) {
     {
         let scene = editor.scene();
         Panel::top("menus").show(ui, |ui| keys::bar(ui, &scene));
-        Panel::bottom("status").show(ui, |ui| status(ui, editor, &scene));
+        Panel::bottom("status").show(ui, |ui| status(ui, editor, &scene, &panels));
         if scene.is_empty() {
             empty(editor, ui, &mut panels.graph, &scene);
         } else {
@@ -380,6 +389,7 @@ fn show(editor: &mut Editor, ui: &mut Ui) {
         show_costs(ctx, &mut panels.costs, &scene);
         panels.section.show(ctx, &scene);
         panels.study.show(ctx, &scene);
+        panels.time.show_film(ctx, &scene);
     }
     keys::sheet(ctx, &mut panels.help);
     editor.panels = panels;
@@ -424,6 +434,9 @@ fn parts(ui: &mut Ui, scene: &Scene, panels: &mut Panels) {
             } else {
                 panels.transfer.lose_keys();
             }
+            if panels.time.is_wanted(scene) {
+                Panel::bottom("time").show(ui, |ui| panels.time.show(ui, scene));
+            }
             panels.picture.show(ui, scene);
         });
     right.keep(ctx, shown.response.rect.width(), width);
@@ -445,11 +458,14 @@ fn parts(ui: &mut Ui, scene: &Scene, panels: &mut Panels) {
     });
 }
 
-fn status(ui: &mut Ui, editor: &Editor, scene: &Scene) {
+fn status(ui: &mut Ui, editor: &Editor, scene: &Scene, panels: &Panels) {
     let dark = ui.visuals().dark_mode;
     ui.horizontal(|ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             picture::status(ui, scene);
+            if let Some(text) = panels.time.film.progress() {
+                ui.label(RichText::new(text).color(theme::weak(dark)));
+            }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 // The parameters of the selected node say what is wrong with it.
                 let is_said = |fault: &&Error| {

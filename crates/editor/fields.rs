@@ -2,6 +2,7 @@
 
 use crate::theme;
 use eframe::egui::color_picker::{Alpha, color_picker_color32};
+use eframe::egui::text::{CCursor, CCursorRange};
 use eframe::egui::{
     Button, Color32, DragValue, Popup, PopupCloseBehavior, Rect, Response, Rgba, RichText, Sense, Slider,
     TextEdit, Ui, WidgetInfo, WidgetType, vec2,
@@ -70,6 +71,24 @@ fn stated(x: f64) -> String {
     }
 }
 
+/// Significant digits from which on a number is one that was computed, of which seven are shown.
+const COMPUTED: usize = 15;
+
+/// A number that nobody edits: one of 32 bits has the shortest form that reads back as such, and of one that was computed, such as 1/255,
+/// the first digits are shown.
+fn shown(x: f64) -> String {
+    if f64::from(x as f32) == x && x.abs() < SCIENTIFIC {
+        return ParameterValue::Number((x as f32).to_string().parse().unwrap_or(x)).to_string();
+    }
+    let text = stated(x);
+    let digits = text.split('e').next().unwrap_or_default().chars().filter(char::is_ascii_digit);
+    if digits.skip_while(|digit| *digit == '0').count() < COMPUTED {
+        return text;
+    }
+    let rounded = format!("{x:.6e}").parse().unwrap_or(x);
+    stated(rounded) + "…"
+}
+
 /// The number that a text means, with any sign for minus.
 fn parsed(text: &str) -> Option<f64> {
     let plain: String = text.chars().filter(|c| !c.is_whitespace()).collect();
@@ -108,8 +127,21 @@ pub(crate) fn drag(
     };
     let field = DragValue::new(&mut x).range(range.min..=range.max).speed(step).update_while_editing(false);
     let field = field.custom_parser(parse);
-    let field = if whole { field.max_decimals(0) } else { field.custom_formatter(|x, _| stated(x)) };
-    let response = ui.add(field);
+    // Who edits a number begins with all its digits.
+    let is_edited = ui.memory(|memory| memory.has_focus(ui.next_auto_id()));
+    let text_of = |x: f64| if is_edited { stated(x) } else { shown(x) };
+    let field = if whole { field.max_decimals(0) } else { field.custom_formatter(|x, _| text_of(x)) };
+    let mut response = ui.add(field);
+    if !whole && response.clicked() {
+        // The field selects as many letters as it showed; what is typed takes the place of all that is edited.
+        let mut state = TextEdit::load_state(ui.ctx(), response.id).unwrap_or_default();
+        let end = CCursor::new(stated(before).chars().count());
+        state.cursor.set_char_range(Some(CCursorRange::two(CCursor::default(), end)));
+        state.store(ui.ctx(), response.id);
+    }
+    if !whole && text_of(before) != stated(before) {
+        response = response.on_hover_text(stated(before));
+    }
     if let Some(typed) = text.into_inner() {
         *remark = correction(&typed, before, range, whole).or(remark.take());
     }
@@ -256,6 +288,51 @@ mod tests {
             assert_eq!(stated(x), text);
             assert_eq!(parsed(text), Some(x));
         }
+    }
+
+    #[test]
+    fn a_number_that_nobody_edits_is_short() {
+        for (x, text) in [
+            (1.0 / 255.0, "0.003921569…"),
+            (f64::from(0.1f32), "0.1"),
+            (0.1, "0.1"),
+            (101_325.023_437, "101325.023437"),
+            (-1.0 / 3.0, "-0.3333333…"),
+            (2.0, "2.0"),
+            (1e12 / 3.0, "3.333333e11…"),
+        ] {
+            assert_eq!(shown(x), text);
+        }
+    }
+
+    #[test]
+    fn what_is_typed_into_a_shortened_number_takes_the_place_of_all_its_digits() {
+        let held = std::rc::Rc::new(std::cell::Cell::new(1.0 / 255.0));
+        let of_field = held.clone();
+        let mut harness = egui_kittest::Harness::new_ui(move |ui| {
+            let (_, x) = drag(ui, of_field.get(), &Range::ANY, 0.1, false, &mut None);
+            of_field.set(x);
+        });
+        let at = eframe::egui::pos2(20.0, 16.0);
+        for events in [
+            vec![eframe::egui::Event::PointerMoved(at)],
+            vec![press(at, true)],
+            vec![press(at, false)],
+            vec![],
+            vec![eframe::egui::Event::Text("0.5".into())],
+            vec![],
+        ] {
+            harness.input_mut().events.extend(events);
+            harness.step();
+        }
+        harness.key_press(eframe::egui::Key::Enter);
+        harness.run_steps(2);
+        assert_eq!(held.get(), 0.5);
+    }
+
+    fn press(pos: eframe::egui::Pos2, pressed: bool) -> eframe::egui::Event {
+        let (button, modifiers) = (eframe::egui::PointerButton::Primary, eframe::egui::Modifiers::NONE);
+        eframe::egui::Event::PointerButton { pos, button, pressed, modifiers }
     }
 
     #[test]

@@ -204,6 +204,7 @@ impl FilePurpose {
         match self {
             FilePurpose::Open => "Open a pipeline or data".into(),
             FilePurpose::SaveAs => "Save as".into(),
+            FilePurpose::Film => "The file of the film".into(),
             FilePurpose::Parameter { node, path, writes: false } => format!("A file to read: {node}.{path}"),
             FilePurpose::Parameter { node, path, writes: true } => format!("A file to write: {node}.{path}"),
         }
@@ -215,6 +216,7 @@ impl FilePurpose {
         match self {
             FilePurpose::Open => is_pipeline_ending(&end) || DATA.contains(&end.as_str()),
             FilePurpose::SaveAs => is_pipeline_ending(&end),
+            FilePurpose::Film => ["mp4", "webm", "gif", "png"].contains(&end.as_str()),
             FilePurpose::Parameter { .. } => true,
         }
     }
@@ -287,7 +289,7 @@ impl FileDialog {
         let name = match &purpose {
             FilePurpose::Open => String::new(),
             FilePurpose::SaveAs => own.unwrap_or_else(|| "pipeline.toml".into()),
-            FilePurpose::Parameter { .. } => own.unwrap_or_default(),
+            FilePurpose::Film | FilePurpose::Parameter { .. } => own.unwrap_or_default(),
         };
         let mut dialog = FileDialog {
             purpose,
@@ -369,7 +371,7 @@ impl FileDialog {
                 (FilePurpose::Open, _) => "Open",
                 (FilePurpose::SaveAs, false) => "Save",
                 (FilePurpose::SaveAs, true) => "Write over it",
-                (FilePurpose::Parameter { .. }, _) => "Choose",
+                (FilePurpose::Film | FilePurpose::Parameter { .. }, _) => "Choose",
             };
             if (ui.button(text).clicked() || entered) && !self.name.is_empty() {
                 chosen = Some(self.folder.join(&self.name));

@@ -83,6 +83,13 @@ impl<T> Job<T> {
         self.observer.progress.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
+    /// Stops the work and waits for its end.
+    pub fn end(self) {
+        self.cancel();
+        // Without a result the thread has ended, too.
+        let _ = self.result.recv();
+    }
+
     pub fn cancel(&self) {
         self.observer.is_cancelled.store(true, Ordering::Relaxed);
     }
@@ -227,4 +234,25 @@ fn choices(head: &voltet_core::reading::FileArray, range: Option<[f64; 2]>) -> V
     let all = std::iter::once(choice(format!("{}:magnitude", head.name), &range));
     let parts = (0..head.component_count).map(|i| choice(format!("{}:{i}", head.name), ""));
     all.chain(parts).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_end_of_a_job_is_waited_for() {
+        let is_tidy = Arc::new(AtomicBool::new(false));
+        let of_work = is_tidy.clone();
+        let work = move |observer: &dyn Observer| {
+            while !observer.cancelled() {
+                std::thread::sleep(std::time::Duration::from_millis(1));
+            }
+            std::thread::sleep(std::time::Duration::from_millis(20));
+            of_work.store(true, Ordering::SeqCst);
+            Ok(())
+        };
+        Job::start("test", &Context::default(), work).unwrap().end();
+        assert!(is_tidy.load(Ordering::SeqCst));
+    }
 }

@@ -1,7 +1,7 @@
 //! The keys: one table, from which they are read and the help sheet is made; the bar at the top: menus, and what is done most; input events:
 //! their grouping into undo steps, and those that wait for the next frame.
 
-use crate::scene::{Actions, Command, Scene};
+use crate::scene::{Actions, Command, Scene, TimeMove};
 use crate::theme;
 use eframe::egui::{
     self, Button, Context, Event, Grid, Key, KeyboardShortcut, Label, Layout, MenuBar, Modifiers, RawInput,
@@ -29,6 +29,7 @@ const COMMANDS: &[Binding] = {
         ("File", Save, "Save", &[(CTRL, Key::S)], "save"),
         ("File", SaveAs, "Save as …", &[(CTRL_SHIFT, Key::S)], "save as"),
         ("File", Run, "Run: write the files", &[(CTRL, Key::R)], "run: write the files; stops a run"),
+        ("File", Film, "Film …", &[(SHIFT, Key::A)], "film of the time steps, or of the camera's way"),
         ("File", Quit, "Quit", &[(CTRL, Key::Q)], "quit"),
         ("Edit", Undo, "Undo", &[(CTRL, Key::Z)], "undo"),
         ("Edit", Redo, "Redo", &[(CTRL_SHIFT, Key::Z), (CTRL, Key::Y)], "redo"),
@@ -131,6 +132,12 @@ const COMMANDS: &[Binding] = {
             &[(NONE, Key::W)],
             "keys for the widgets wherever the pointer is; again or Escape: no more",
         ),
+        ("View", Strip, "Frames", &[(NONE, Key::M)], "strip of frames, for a way of the camera"),
+        ("", Time(TimeMove::Play), "", &[(NONE, Key::A)], "play the time steps, or stop"),
+        ("", Time(TimeMove::Previous), "", &[(NONE, Key::OpenBracket)], "time step before"),
+        ("", Time(TimeMove::Next), "", &[(NONE, Key::CloseBracket)], "time step after"),
+        ("", Time(TimeMove::First), "", &[(NONE, Key::Home)], "first time step"),
+        ("", Time(TimeMove::Last), "", &[(NONE, Key::End)], "last time step"),
         ("View", Theme, "Light or dark", &[(NONE, Key::T)], "light or dark"),
         ("View", Help, "Keys and mouse", &[(NONE, Key::F1)], "this sheet"),
     ]

@@ -2,10 +2,13 @@
 
 mod apply_actions;
 mod blocks;
+mod compare;
 mod editor;
+mod expression;
 mod eyes;
 mod fields;
 mod files;
+mod film;
 mod first_arrays;
 mod graph;
 mod handles;
@@ -20,7 +23,10 @@ mod requests;
 mod scene;
 mod section;
 mod study;
+mod textures;
 mod theme;
+mod time_following;
+mod time_strip;
 mod transfer;
 #[cfg(test)]
 mod ui_tests;
@@ -29,5 +35,6 @@ mod window;
 pub mod worker;
 
 pub use editor::{Editor, Start};
+pub use film::{Film, FilmRequest};
 pub use study::{Studied, StudiedRow, Study, StudyRequest};
-pub use window::run;
+pub use window::{Services, run};

@@ -2,14 +2,15 @@
 //! tables; and texts that are being typed.
 
 use crate::blocks::block_tree;
+use crate::expression::ExpressionField;
 use crate::fields::{color, gradient, number_field, numbers};
 use crate::jobs::reads;
 use crate::scene::{Action, FilePurpose, Scene, error_text};
 use crate::theme::{self, button};
 use eframe::egui::collapsing_header::CollapsingState;
 use eframe::egui::{
-    CollapsingHeader, Color32, ComboBox, FocusDirection, Grid, Label, RichText, ScrollArea, Sense, TextEdit,
-    Ui, WidgetInfo, WidgetType, vec2,
+    CollapsingHeader, Color32, ComboBox, FocusDirection, Grid, Label, Response, RichText, ScrollArea, Sense,
+    TextEdit, Ui, WidgetInfo, WidgetType, vec2,
 };
 use std::collections::HashMap;
 use std::ops::RangeInclusive;
@@ -57,11 +58,23 @@ impl Typing {
 
     /// A field that gives its text once it is done and another than before.
     fn line(&mut self, ui: &mut Ui, key: &str, now: &str, width: f32, hint: &str) -> Option<String> {
+        let width = width.min(self.width);
+        self.line_in(ui, key, now, &mut |ui, text| {
+            ui.add(TextEdit::singleline(text).id_salt(key).desired_width(width).hint_text(hint))
+        })
+    }
+
+    /// Text of a field that a function shows, as of [`Typing::line`].
+    fn line_in(
+        &mut self,
+        ui: &mut Ui,
+        key: &str,
+        now: &str,
+        show: &mut dyn FnMut(&mut Ui, &mut String) -> Response,
+    ) -> Option<String> {
         let begun = self.texts.get(key).or_else(|| self.refused(key).map(|refused| &refused[1]));
         let mut text = begun.cloned().unwrap_or_else(|| now.to_string());
-        let width = width.min(self.width);
-        let field = TextEdit::singleline(&mut text).id_salt(key).desired_width(width).hint_text(hint);
-        let response = ui.add(field);
+        let response = show(ui, &mut text);
         ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(key));
         if self.wants_focus.as_deref() == Some(key) {
             self.wants_focus = None;
@@ -118,6 +131,7 @@ impl Typing {
 #[derive(Default)]
 pub(crate) struct ParameterPanel {
     typing: Typing,
+    expression: ExpressionField,
     /// True if names stand above their values.
     is_narrow: bool,
     /// True if the first value is to get the focus.
@@ -436,6 +450,16 @@ impl ParameterPanel {
             }
             Control::Colour { most } => color(ui, now, *most, &mut self.typing.remark),
             Control::Choice(words) => choice(ui, &key, now, words),
+            Control::Text if row.parameter.name == "expression" => {
+                let arrays = of.scene.arrays.feeding(ui.ctx(), of.scene.document, of.scene.registry, of.node);
+                let now = now.map(to_text).unwrap_or_default();
+                let width = self.typing.width.min(420.0);
+                let field = &mut self.expression;
+                let text = self.typing.line_in(ui, &key, &now, &mut |ui, text| {
+                    field.show(ui, &key, text, width, &arrays.choices)
+                });
+                text.map(ParameterValue::Text)
+            }
             Control::Text => self.typing.value(ui, &key, row, 160.0, ""),
             Control::Array | Control::Arrays => self.arrays(ui, of, row, &key),
             Control::InputFile | Control::OutputFile => {

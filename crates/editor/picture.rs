@@ -1,17 +1,18 @@
 //! The picture: what the worker drew last, and the hand that moves the camera.
 
+use crate::compare::Compare;
 use crate::eyes::left_out;
 use crate::handles::Handles;
 use crate::hit_marks;
+pub(crate) use crate::scene::milliseconds;
 use crate::scene::{Action, Command, EARLIER, ProbePurpose, Scene, command_buttons};
+pub(crate) use crate::textures::{WHOLE, color_image, set_texture};
 use crate::theme::{self, button};
 use crate::view::View;
-use crate::worker::Pixels;
 use eframe::egui::scroll_area::ScrollSource;
 use eframe::egui::{
-    Align2, Color32, ColorImage, ComboBox, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, RichText,
-    ScrollArea, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, WidgetType,
-    pos2, vec2,
+    Align2, Color32, ComboBox, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, RichText, ScrollArea,
+    Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, WidgetType, vec2,
 };
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -58,6 +59,7 @@ pub(crate) struct PicturePanel {
     handles: Handles,
     /// True if each pixel of the picture is one of the screen.
     is_own_size: bool,
+    compare: Compare,
     /// The picture in the window.
     pub rect: Option<Rect>,
     /// Pixels that it can show.
@@ -93,10 +95,11 @@ impl PicturePanel {
         let least = own.unwrap_or(vec2(16.0, 16.0));
         let (rect, response) =
             ui.allocate_exact_size(ui.available_size().max(least), Sense::click_and_drag());
-        let room = own.unwrap_or(rect.size()) * ui.pixels_per_point();
+        let (whole, rect) = (rect, self.compare.room(rect));
+        let room = own.unwrap_or(whole.size()) * ui.pixels_per_point();
         self.room = [room.x.round().max(1.0) as u32, room.y.round().max(1.0) as u32];
         self.take(ui, scene);
-        ui.painter().rect_filled(rect, 0.0, Color32::BLACK);
+        ui.painter().rect_filled(whole, 0.0, Color32::BLACK);
         let aspect = scene.picture_size.map_or(4.0 / 3.0, |[width, height]| width as f32 / height as f32);
         let size = if rect.width() > rect.height() * aspect {
             vec2(rect.height() * aspect, rect.height())
@@ -108,6 +111,7 @@ impl PicturePanel {
         if let Some(texture) = self.texture.as_ref().filter(|_| scene.pixels.is_some()) {
             ui.painter().image(texture.id(), picture, WHOLE, theme::tint(scene.is_earlier()));
         }
+        self.compare.over(ui, scene, whole, picture);
         self.over(ui, scene, rect);
         let bare = response.clone();
         // A hand that probes or measures takes hold of nothing.
@@ -190,6 +194,7 @@ impl PicturePanel {
                 if ui.selectable_label(self.is_own_size, "1:1").on_hover_text(help).clicked() {
                     self.is_own_size = !self.is_own_size;
                 }
+                self.compare.button(ui, scene);
                 if ui.small_button("section").on_hover_text("s on a plane through the data (K)").clicked() {
                     scene.actions.command(Section);
                 }
@@ -397,35 +402,4 @@ pub(crate) fn status(ui: &mut Ui, scene: &Scene) {
         let text = format!("{width} × {height}{seconds}{engine}{earlier}{without}{proposed}");
         ui.label(RichText::new(text).color(theme::weak(dark)));
     }
-}
-
-pub(crate) fn milliseconds(seconds: f64) -> String {
-    match seconds {
-        s if s < 1e-3 => "< 1 ms".into(),
-        s if s < 1.0 => format!("{:.0} ms", s * 1e3),
-        s if s < 100.0 => format!("{s:.1} s"),
-        s => format!("{s:.0} s"),
-    }
-}
-
-/// All of a texture.
-pub(crate) const WHOLE: Rect = Rect { min: Pos2::ZERO, max: pos2(1.0, 1.0) };
-
-/// Puts an image into a texture, which is made where there is none yet.
-pub(crate) fn set_texture(
-    texture: &mut Option<TextureHandle>,
-    ui: &Ui,
-    name: &str,
-    image: ColorImage,
-    options: TextureOptions,
-) {
-    match texture {
-        Some(texture) => texture.set(image, options),
-        None => *texture = Some(ui.ctx().load_texture(name, image, options)),
-    }
-}
-
-fn color_image(pixels: &Pixels) -> ColorImage {
-    let of = |&[r, g, b, _]: &[u8; 4]| Color32::from_rgb(r, g, b);
-    ColorImage::new(pixels.size(), pixels.rgba.iter().map(of).collect())
 }

@@ -1,7 +1,6 @@
 //! Probes of the picture: requests to the worker for what rays meet, and handling of its answers.
 
 use crate::editor::Editor;
-use crate::eyes::visible_nodes;
 use crate::scene::ProbePurpose;
 use crate::transfer;
 use crate::worker::{PixelProbe, ProbeQuery, VolumeSource, short, short_by};
@@ -17,7 +16,7 @@ impl Editor {
     /// Rays through places of the picture, with the clips and surfaces that it is drawn with.
     fn probe_query(&self, places: Vec<[f64; 2]>) -> Option<ProbeQuery> {
         let ((look, output), camera) = (transfer::drawn_with(&self.scene())?, self.camera()?);
-        let all = &*visible_nodes(&self.document, &self.registry);
+        let all = &*self.nodes_of_frame();
         let mut names = upstream(all, self.shown_node.as_deref()?);
         let draws = |node: &&NodeEntry| {
             let declared = self.registry.node_type(node);
@@ -45,6 +44,8 @@ impl Editor {
             // A second click at the same place is another probe.
             self.worker.forget_query(|output| &mut output.probe);
             self.worker.ask(|output| &mut output.probe, wanted);
+            // A hand waits for it, and not for a step that is read ahead.
+            self.worker.read_no_further();
             self.answers.probing = Some(purpose);
         }
     }

@@ -3,7 +3,7 @@
 use crate::editor::{Answers, Editor};
 use crate::eyes::visible_nodes;
 use crate::jobs::{self, Arrays};
-use crate::scene::pictures;
+use crate::scene::{camera_of, pictures};
 use crate::section;
 use crate::transfer;
 use crate::view::View;
@@ -57,6 +57,7 @@ impl Editor {
         self.answers.asked = None;
         self.worker.forget_queries();
         self.arrays = Arrays::default();
+        self.panels.time.forget_series();
     }
 
     pub(crate) fn look_at_disk(&mut self) {
@@ -80,16 +81,18 @@ impl Editor {
             return;
         };
         let size = self.camera().and_then(size_of).map(|own| fitted(own, self.panels.picture.room));
-        let mut wanted = self.render_request(node, size, true);
+        let all = visible_nodes(&self.document, &self.registry);
+        let mut wanted = self.request_of(&all, node, size, true);
         if let (Some(look), Some(found)) = (self.panels.transfer.dragged(), self.scene().distribution) {
             put_in_numbers(&mut wanted.nodes, look, &found.known);
         }
         self.answers.proposes = self.put_shown_widgets(&mut wanted.nodes);
+        let next = self.put_frame(&mut wanted);
         // That a hand lets go of a grip asks for no other picture.
         wanted.grip_moves = self.answers.asked.as_ref().is_some_and(|asked| asked.grip_moves);
         if self.answers.asked.as_ref() != Some(&wanted) {
             wanted.grip_moves = self.panels.picture.moves_grip();
-            self.answers.picture_number = self.worker.draw(wanted.clone());
+            self.answers.picture_number = self.worker.draw_and_read(wanted.clone(), next);
             self.answers.asked = Some(wanted);
         }
     }
@@ -112,9 +115,19 @@ impl Editor {
         size: Option<[u32; 2]>,
         coarse_first: bool,
     ) -> RenderRequest {
-        let all = visible_nodes(&self.document, &self.registry);
-        let (nodes, folder) = (links::feeding(&all, node), self.document.folder());
-        let background = background(&all, node);
+        self.request_of(&self.nodes_of_frame(), node, size, coarse_first)
+    }
+
+    /// The request for the picture of a node among these.
+    fn request_of(
+        &self,
+        all: &[NodeEntry],
+        node: &str,
+        size: Option<[u32; 2]>,
+        coarse_first: bool,
+    ) -> RenderRequest {
+        let (nodes, folder) = (links::feeding(all, node), self.document.folder());
+        let background = background(all, node);
         let node = node.to_string();
         RenderRequest { nodes, folder, node, size, background, coarse_first, grip_moves: false }
     }
@@ -127,8 +140,8 @@ impl Editor {
     }
 
     fn volume_source(&self, output: String) -> VolumeSource {
-        let all = &self.document.pipeline().nodes;
-        let nodes = links::feeding(all, links::source(&output, all).0);
+        let all = self.nodes_of_frame();
+        let nodes = links::feeding(&all, links::source(&output, &all).0);
         VolumeSource { nodes, folder: self.document.folder(), output }
     }
 
@@ -166,7 +179,10 @@ impl Editor {
 
     /// Asks for small pictures of the other nodes that give one, once the shown one is there and no hand is at work.
     fn find_previews(&self) {
-        if self.gesture.is_some() || self.worker.shown(|shown| shown.is_busy) {
+        if self.gesture.is_some()
+            || self.panels.time.playing.is_some()
+            || self.worker.shown(|shown| shown.is_busy)
+        {
             return;
         }
         for node in pictures(&self.document, &self.registry) {
@@ -202,13 +218,11 @@ impl Editor {
             let found = report.origins.cameras.iter().find(|(node, _)| *node == camera.name);
             found.map(|(_, camera)| View::from(**camera))
         };
-        View::from_camera(camera).or_else(drawn)
+        self.free_view().or_else(|| View::from_camera(camera)).or_else(drawn)
     }
 
     pub(crate) fn camera(&self) -> Option<&NodeEntry> {
-        let nodes = &self.document.pipeline().nodes;
-        let feeding = upstream(nodes, self.shown_node.as_deref()?);
-        nodes.iter().find(|node| node.node_type.text() == Some("camera") && feeding.contains(&node.name))
+        camera_of(&self.document.pipeline().nodes, self.shown_node.as_deref()?)
     }
 }
 

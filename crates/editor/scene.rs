@@ -13,6 +13,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use voltet_core::{Error, Result};
 use voltet_document::arrange::Align;
+use voltet_document::links::upstream;
 use voltet_document::{Document, Edit, Path, links};
 use voltet_graph::{Node, NodeEntry, Port, PortType, Registry, RunReport};
 
@@ -182,6 +183,22 @@ impl<'a> Scene<'a> {
     }
 }
 
+/// The camera of a picture.
+pub(crate) fn camera_of<'a>(nodes: &'a [NodeEntry], picture: &str) -> Option<&'a NodeEntry> {
+    let feeding = upstream(nodes, picture);
+    nodes.iter().find(|node| node.node_type.text() == Some("camera") && feeding.contains(&node.name))
+}
+
+/// A time in words.
+pub(crate) fn milliseconds(seconds: f64) -> String {
+    match seconds {
+        s if s < 1e-3 => "< 1 ms".into(),
+        s if s < 1.0 => format!("{:.0} ms", s * 1e3),
+        s if s < 100.0 => format!("{s:.1} s"),
+        s => format!("{s:.0} s"),
+    }
+}
+
 /// The names of the nodes that give pictures, in the order of the document.
 pub(crate) fn pictures<'a>(document: &'a Document, registry: &Registry) -> Vec<&'a str> {
     let gives = |node: &&NodeEntry| {
@@ -229,6 +246,8 @@ pub enum ProbePurpose {
 pub enum FilePurpose {
     Open,
     SaveAs,
+    /// Names the file of a film.
+    Film,
     /// Names it in a parameter of a node, which reads or writes it.
     Parameter {
         node: String,
@@ -283,7 +302,24 @@ pub enum Command {
     Widgets,
     Section,
     Study,
+    /// Another frame of the time series or of the camera's way.
+    Time(TimeMove),
+    /// The sheet that makes films.
+    Film,
+    /// The strip of frames, also where there is only a camera.
+    Strip,
     Help,
+}
+
+/// A place that a command moves the strip to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum TimeMove {
+    First,
+    Previous,
+    Next,
+    Last,
+    /// Begins to play, or stops.
+    Play,
 }
 
 /// Buttons of a menu, each for a command.

@@ -2,6 +2,7 @@
 
 use crate::editor::{Editor, Start};
 use crate::files::{Recent, is_pipeline};
+use crate::film::Film;
 use crate::keys::InputQueue;
 use crate::panes::WindowLayout;
 use crate::study::Study;
@@ -21,10 +22,19 @@ const SIZE: [f32; 2] = [1280.0, 720.0];
 /// Least width and height, points.
 const MIN_SIZE: [f32; 2] = [700.0, 500.0];
 
-/// Opens the window on a file, or on an empty pipeline, and waits for its end. Must be called from the main thread. `start`
-/// makes the text of a pipeline for a file that is none, `study` studies. Errors: the file cannot be read, there is no display, or it has no
+/// Functions of the program that the window calls, on threads of their own.
+pub struct Services {
+    /// Makes the text of a pipeline for a file that is none.
+    pub start: Start,
+    /// Makes studies.
+    pub study: Study,
+    /// Makes films.
+    pub film: Film,
+}
+
+/// Opens the window on a file, or on an empty pipeline, and waits for its end. Must be called from the main thread. Errors: the file cannot be read, there is no display, or it has no
 /// OpenGL.
-pub fn run(file: Option<&Path>, registry: &Registry, start: Start, study: Study) -> Result<()> {
+pub fn run(file: Option<&Path>, registry: &Registry, services: Services) -> Result<()> {
     let document = match file {
         Some(path) if is_pipeline(path) => Document::open(path)?,
         Some(path) => {
@@ -60,8 +70,9 @@ pub fn run(file: Option<&Path>, registry: &Registry, start: Start, study: Study)
         theme::apply(&context.egui_ctx);
         let ctx = context.egui_ctx.clone();
         let wake = Arc::new(move || ctx.request_repaint());
-        let mut editor = Editor::new(document, registry, start, wake)?;
-        editor.panels.study.make = Some(study);
+        let mut editor = Editor::new(document, registry, services.start, wake)?;
+        editor.panels.study.make = Some(services.study);
+        editor.panels.time.film.make = Some(services.film);
         if let Some(place) = voltet_document::Recovery::usual() {
             editor.keep_in(place);
         }
@@ -118,6 +129,7 @@ impl App for Window {
         if self.editor.ends() {
             self.editor.recover.forget();
         }
+        self.editor.panels.time.film.end();
         if let Some(file) = self.kept.as_deref().filter(|_| self.size != Vec2::ZERO) {
             WindowLayout::from_panes(self.size, &self.editor.panels.panes).write(file);
         }

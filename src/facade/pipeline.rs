@@ -149,7 +149,7 @@ impl Pipeline {
     /// As of [`Pipeline::set`].
     pub fn apply(&mut self, changes: &[Change]) -> Result<()> {
         let mut text = self.source.clone();
-        changes.iter().try_for_each(|change| change.apply(&mut text.nodes))?;
+        changes.iter().try_for_each(|change| change.apply(&mut text.nodes.nodes))?;
         self.replace(PipelineText { is_changed: true, ..text })
     }
 

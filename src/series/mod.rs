@@ -22,18 +22,13 @@ use std::path::{Path, PathBuf};
 use steps::StepSelection;
 use voltet_core::parameters::Parameters;
 use voltet_core::{Error, Result};
+use voltet_document::Series;
+use voltet_document::series::{self, TIME, TIME_STEP};
 use voltet_graph::{
     Edge, Graph, GraphNode, NamedPath, ParameterType, ParameterValue, Port, PortType, Registry,
 };
 use voltet_nodes::files::relative_to;
 use voltet_nodes::relative::RELATIVE_TO;
-
-/// Parameters of a reader that name its step.
-const TIME_STEP: &str = "time_step";
-const TIME: &str = "time";
-
-/// Parameter of a reader that says what is read between steps.
-const BETWEEN: &str = "between_steps";
 
 /// The input to whose data numbers are relative.
 const VOLUME: &str = "volume";
@@ -79,112 +74,6 @@ impl Frame {
             };
         }
         label
-    }
-}
-
-/// Time series that the readers of a pipeline read together.
-#[derive(Default)]
-struct Series {
-    readers: Vec<SeriesReader>,
-    /// True if some reader of a series stays at the step that it names, while others go on.
-    has_fixed: bool,
-    /// True if some reader has values between steps.
-    is_interpolated: bool,
-    /// Number of the step that the pipeline names.
-    own: usize,
-    times: Vec<f64>,
-}
-
-/// A node that reads a time series.
-struct SeriesReader {
-    node: String,
-    /// True if it names its step by a time.
-    names_time: bool,
-    /// True if the file names its step.
-    names_step: bool,
-    /// True if the file has the parameter for a step, which may be all.
-    has_step: bool,
-    own: usize,
-    times: Vec<f64>,
-}
-
-impl Series {
-    /// The series of the nodes that some output needs. Where some of several name their step, those stay there. Files are opened,
-    /// headers alone.
-    fn from_graph(graph: &Graph) -> Result<Series> {
-        let mut series = Series::default();
-        let mut readers: Vec<(&GraphNode, SeriesReader)> = Vec::new();
-        for &place in &graph.order {
-            let node = &graph.nodes[place];
-            let found = graph.time_series(place)?;
-            if found.steps.len() < 2 {
-                if series.times.is_empty() {
-                    series.times = found.times;
-                }
-                continue;
-            }
-            let p = &node.parameters;
-            let names_time = p.is_set(TIME);
-            let is_number = p.optional(TIME_STEP).is_some_and(|step| step.text().is_none());
-            let (own, times) = (found.own, found.times);
-            let (names_step, has_step) = (names_time || is_number, p.is_set(TIME_STEP));
-            let node_name = node.name.clone();
-            readers
-                .push((node, SeriesReader { node: node_name, names_time, names_step, has_step, own, times }));
-        }
-        let is_mixed = readers.iter().any(|(_, reader)| !reader.names_step);
-        series.has_fixed = is_mixed && readers.iter().any(|(_, reader)| reader.names_step);
-        readers.retain(|(_, reader)| !(is_mixed && reader.names_step));
-        for (node, reader) in readers {
-            match series.readers.first() {
-                None => (series.own, series.times) = (reader.own, reader.times.clone()),
-                Some(first) if first.times.len() != reader.times.len() => {
-                    let error = Error::usage("two time series have different numbers of steps");
-                    let [count, own] = [first, &reader].map(|reader| reader.times.len());
-                    let counts = format!("{count} of '{}' and {own} of '{}'", first.node, reader.node);
-                    let accepted = "series of the same length, or a time_step for the one that stays";
-                    return Err(node.locate(error.got(counts).expected(accepted)));
-                }
-                Some(_) => {}
-            }
-            series.is_interpolated |=
-                node.parameters.optional(BETWEEN).is_some_and(|word| word.text() == Some("linear"));
-            series.readers.push(reader);
-        }
-        if series.is_interpolated
-            && let Some(other) = series.readers.iter().find(|reader| reader.times != series.times)
-        {
-            let error = Error::usage("readers of values between steps have series of different times");
-            let error = error.got(format!("'{}' and '{}'", series.readers[0].node, other.node));
-            return Err(error.expected("series of the same times, or between_steps = \"nearest\""));
-        }
-        Ok(series)
-    }
-
-    /// Number of steps, 1 where there is no series.
-    fn count(&self) -> usize {
-        if self.readers.is_empty() { 1 } else { self.times.len() }
-    }
-
-    /// Changes that let every reader read at a time.
-    fn at_time(&self, time: f64) -> Vec<Change> {
-        let of_reader = |SeriesReader { node, has_step, .. }: &SeriesReader| {
-            let step = has_step.then(|| Change::unset(node, TIME_STEP));
-            step.into_iter().chain([Change::set(node, TIME, ParameterValue::Number(time))])
-        };
-        self.readers.iter().flat_map(of_reader).collect()
-    }
-
-    /// Changes that let every reader read a step.
-    fn at(&self, step: usize) -> Vec<Change> {
-        let mut changes = Vec::new();
-        for SeriesReader { node, names_time, .. } in &self.readers {
-            if *names_time {
-                changes.push(Change::unset(node, TIME));
-            }
-            changes.push(Change::set(node, TIME_STEP, ParameterValue::Integer(step as i64)));
-        }
-        changes
     }
 }
 
@@ -273,9 +162,7 @@ fn step_frames(graph: &Graph, selection: &FrameSelection) -> Result<Vec<Frame>> 
     };
     let ranges = match (selection.ranges, &steps) {
         (Some(ranges), _) => range_changes(graph, ranges.word(), true),
-        (None, Some(_)) if !series.readers.is_empty() && !series.has_fixed => {
-            range_changes(graph, "sample", false)
-        }
+        (None, Some(_)) if !series.is_none() && !series.has_fixed => range_changes(graph, "sample", false),
         _ => Vec::new(),
     };
     let frame = |(step, between): (usize, Option<f64>)| {
@@ -372,7 +259,9 @@ fn refuse_sweeps(graph: &Graph, sweeps: &[Sweep]) -> Result<()> {
             TIME if is_reader => {
                 "--times TIMES, or --steps STEPS (Python: times=TIMES or steps=STEPS), which draw each of these time steps"
             }
-            PHASE if moves(node) => "--frames COUNT (Python: turns=COUNT), which moves the camera on its way",
+            PHASE if phase(node, 0, 1).is_some() => {
+                "--frames COUNT (Python: turns=COUNT), which moves the camera on its way"
+            }
             _ => continue,
         };
         let error = Error::usage("this parameter is not swept, for each picture has a value of its own");
@@ -412,7 +301,7 @@ fn swept(frames: Vec<Frame>, sweeps: &[Sweep]) -> Result<Vec<Frame>> {
 /// Moves the cameras on their ways from the first frame to the last; `count`: frames of a way where nothing else varies.
 fn turn(graph: &Graph, frames: &mut Vec<Frame>, count: Option<usize>) -> Result<()> {
     let cameras = graph.order.iter().map(|&place| &graph.nodes[place]);
-    let cameras: Vec<&GraphNode> = cameras.filter(|node| moves(node)).collect();
+    let cameras: Vec<&GraphNode> = cameras.filter(|node| phase(node, 0, 1).is_some()).collect();
     if let Some(count) = count {
         if frames.len() > 1 {
             let error =
@@ -433,24 +322,20 @@ fn turn(graph: &Graph, frames: &mut Vec<Frame>, count: Option<usize>) -> Result<
     if length < 2 {
         return Ok(());
     }
-    for camera in cameras {
-        let is_set = camera.parameters.is_set(PHASE);
-        // The last picture of a whole turn comes before the first again.
-        let orbit = camera.parameters.number("orbit")?;
-        let is_closed = orbit != 0.0 && orbit % 360.0 == 0.0 && camera.parameters.optional("keys").is_none();
-        let last = if is_closed { length } else { length - 1 };
-        for (number, frame) in frames.iter_mut().enumerate().filter(|_| !is_set) {
-            let phase = number as f64 / last as f64;
-            frame.changes.push(Change::set(&camera.name, PHASE, ParameterValue::Number(phase)));
+    for camera in cameras.into_iter().filter(|camera| !camera.parameters.is_set(PHASE)) {
+        for (number, frame) in frames.iter_mut().enumerate() {
+            let phase = phase(camera, number, length).map(ParameterValue::Number);
+            frame.changes.extend(phase.map(|phase| Change::set(&camera.name, PHASE, phase)));
         }
     }
     Ok(())
 }
 
-/// True if a node is a camera that has a way.
-fn moves(node: &GraphNode) -> bool {
-    let has_orbit = node.parameters.optional_number("orbit").is_some_and(|orbit| orbit != 0.0);
-    node.node.parameter(PHASE).is_some() && (has_orbit || node.parameters.optional("keys").is_some())
+/// Place on its way of a camera in one of so many pictures; `None` of a node that has no way.
+fn phase(node: &GraphNode, number: usize, count: usize) -> Option<f64> {
+    node.node.parameter(PHASE)?;
+    let (orbit, keys) = (node.parameters.optional_number("orbit"), node.parameters.optional("keys"));
+    series::phase(orbit.unwrap_or(0.0), keys.is_some(), number, count)
 }
 
 /// Quantities in which frames differ.

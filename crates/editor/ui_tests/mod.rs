@@ -1,7 +1,9 @@
 //! The window's logic, driven by raw input events without a display.
 
+mod compare;
 mod digits;
 mod earlier;
+mod expression;
 mod eyes;
 mod files;
 mod first_steps;
@@ -17,6 +19,7 @@ mod recovery;
 mod screens;
 mod session;
 mod slow;
+mod time;
 mod transfer;
 mod transfer_axes;
 mod transfer_more;

@@ -55,7 +55,7 @@ fn graphs(wanted: &RenderRequest, registry: &Registry) -> Result<[Graph; 2]> {
 }
 
 /// The largest difference of a premultiplied channel, and the root of the mean square.
-fn difference(a: &Picture, b: &Picture) -> [f64; 2] {
+pub(crate) fn difference(a: &Picture, b: &Picture) -> [f64; 2] {
     let (mut most, mut sum) = (0.0f64, 0.0);
     for (a, b) in a.rgba.iter().flatten().zip(b.rgba.iter().flatten()) {
         let by = f64::from((a - b).abs());

@@ -17,7 +17,7 @@ mod tests;
 mod tests_superseding;
 mod work;
 
-pub(crate) use comparison::{Estimate, PreviewQuery, Share, ShareQuery};
+pub(crate) use comparison::{Estimate, PreviewQuery, Share, ShareQuery, difference};
 #[cfg(test)]
 pub(crate) use distribution::Spread;
 pub(crate) use distribution::{DataScales, Distribution, DistributionQuery};
@@ -59,13 +59,26 @@ impl Worker {
 
     /// Asks for a picture, in place of any that was asked for before; gives the request's number.
     pub fn draw(&self, wanted: RenderRequest) -> u64 {
+        self.draw_and_read(wanted, None)
+    }
+
+    /// Asks for a picture as [`Worker::draw`] does; meanwhile, where memory is ample, the data are read of the one that will be
+    /// asked for next.
+    pub(crate) fn draw_and_read(&self, wanted: RenderRequest, next: Option<RenderRequest>) -> u64 {
         let mut state = lock(&self.shared.state);
         let number = self.shared.newest.fetch_add(1, Ordering::SeqCst) + 1;
         state.output.begin(number, &wanted);
-        (state.picture, state.has_news) = (Some(wanted), true);
+        state.reads_ahead = next.is_some();
+        (state.picture, state.next, state.has_news) = (Some(wanted), next, true);
         drop(state);
         self.shared.changed.notify_one();
         number
+    }
+
+    /// Ends the reading of data ahead, which what is asked next would wait for, and frees them.
+    pub(crate) fn read_no_further(&self) {
+        let mut state = lock(&self.shared.state);
+        (state.reads_ahead, state.next) = (false, None);
     }
 
     /// Asks something beside pictures, unless it was asked last; `of`: the place of such queries.
@@ -104,7 +117,7 @@ impl Worker {
     pub(crate) fn forget(&self) {
         let mut state = lock(&self.shared.state);
         let first = self.shared.newest.fetch_add(1, Ordering::SeqCst) + 1;
-        (state.picture, state.output) = (None, WorkerOutput::from(first));
+        (state.picture, state.next, state.output) = (None, None, WorkerOutput::from(first));
     }
 
     /// Forgets a query and its answer; `of`: the place of such queries.

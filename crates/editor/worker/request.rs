@@ -11,6 +11,7 @@ use voltet_core::grid::Grid;
 use voltet_core::grid::extent::{bounds, range};
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result, counted, noun_of, with_commas};
+use voltet_document::Series;
 use voltet_document::links::{self, upstream};
 use voltet_graph::{
     DefaultValue, Demand, Field, Graph, NoObserver, Node, NodeEntry, Observer, Parameter, ParameterType,
@@ -102,6 +103,13 @@ impl RenderRequest {
         }
         nodes.push(NodeEntry::of_program(&WIRES, Vec::new(), outputs));
         Graph::build(&nodes, registry, self.folder.clone())
+    }
+
+    /// The time series of the readers that feed the picture. Errors: those of the nodes and their files.
+    pub(crate) fn series(&self, registry: &Registry) -> Result<Series> {
+        let mut registry = registry.clone();
+        registry.add(&WIRES)?;
+        Series::from_graph(&self.graph(&registry, 1)?)
     }
 
     pub(super) fn picture_of(&self, report: &RunReport) -> Result<Arc<Picture>> {

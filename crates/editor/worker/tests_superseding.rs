@@ -255,3 +255,26 @@ fn a_steady_drag_shows_pictures() {
     // Ninety wishes in a second and a half; how many are met is for the benchmark, but not the first and the last alone.
     assert!(seen.len() >= 5, "{seen:?}");
 }
+
+/// What a hand asks for does not wait for data that nobody will draw.
+#[test]
+fn reading_ahead_ends_once_nobody_waits_for_it() {
+    let worker = worker_with_own();
+    let of = |number: i64| {
+        let text = format!("[pipeline]\nformat = 1\n[nodes.picture]\ntype = \"slow\"\nnumber = {number}");
+        wanted(nodes(&text), &PathBuf::new())
+    };
+    let begun = BEGUN.load(Ordering::SeqCst);
+    worker.draw_and_read(of(1), Some(of(-2)));
+    settle(&worker);
+    let start = Instant::now();
+    while BEGUN.load(Ordering::SeqCst) < begun + 2 && start.elapsed() < Duration::from_secs(2) {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    worker.read_no_further();
+    worker.ask(|output| &mut output.estimate, Estimate(of(1)));
+    while worker.shown(|shown| shown.estimate.is_waiting()) {
+        assert!(start.elapsed() < Duration::from_secs(20), "the slow one would be read for half a minute");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}

@@ -20,12 +20,15 @@ struct WorkerState<'a> {
     shared: &'a Shared,
     registry: &'a Registry,
     session: Session,
+    /// The session that read data ahead, which keeps them until they are drawn.
+    ahead: Option<Session>,
     pace: FrameTimeModel,
 }
 
 /// Works at the newest request, and at queries where there is none, until the worker ends.
 pub(super) fn run(shared: &Shared, registry: &Registry) {
-    let mut own = WorkerState { shared, registry, session: session(), pace: FrameTimeModel::default() };
+    let mut own =
+        WorkerState { shared, registry, session: session(), ahead: None, pace: FrameTimeModel::default() };
     loop {
         let mut state = lock(&shared.state);
         while !std::mem::take(&mut state.has_news) {
@@ -47,9 +50,9 @@ impl WorkerState<'_> {
             return false;
         }
         if let Some(wanted) = state.picture.take() {
-            let number = self.shared.newest();
+            let (number, next) = (self.shared.newest(), state.next.take());
             drop(state);
-            self.picture(number, &wanted);
+            self.picture_and_data(number, &wanted, next.as_ref());
             return true;
         }
         let previews: Vec<String> = state.output.previews.keys().cloned().collect();
@@ -62,6 +65,20 @@ impl WorkerState<'_> {
             || self.query(newest, |output| &mut output.share)
             || previews.iter().any(|node| self.query(newest, |output| output.preview(node)))
             || self.query(newest, |output| &mut output.hover)
+    }
+
+    /// Draws what is wanted, and reads the data of the next picture meanwhile.
+    fn picture_and_data(&mut self, number: u64, wanted: &RenderRequest, next: Option<&RenderRequest>) {
+        let Some(next) = next.filter(|_| has_room_ahead()) else {
+            self.ahead = None;
+            return self.picture(number, wanted);
+        };
+        let (shared, registry, mut session) = (self.shared, self.registry, self.session.beside());
+        std::thread::scope(|scope| {
+            scope.spawn(|| read_ahead(shared, registry, &mut session, next));
+            self.picture(number, wanted);
+        });
+        self.ahead = Some(session).filter(|_| lock(&shared.state).reads_ahead);
     }
 
     /// Draws what is wanted: coarse first where the full picture takes longer than a person waits for, and from what the engine kept of
@@ -168,6 +185,24 @@ impl WorkerState<'_> {
     }
 }
 
+/// True if memory is left for other data beside those that are drawn, by the rule of `voltet run`.
+fn has_room_ahead() -> bool {
+    memory::available().zip(memory::peak()).is_some_and(|(left, most)| left / 3 >= most)
+}
+
+/// Reads what a picture will be drawn from, until another one is wanted. What is wrong with the data is said when they are drawn.
+fn read_ahead(shared: &Shared, registry: &Registry, session: &mut Session, next: &RenderRequest) {
+    let stop = |_: &dyn Fn() -> Option<String>| {
+        let state = lock(&shared.state);
+        state.ends
+            || !state.reads_ahead
+            || state.picture.as_ref().is_some_and(|now| !Change::between(next, now).moves)
+    };
+    let following = Following::new(shared, &stop, false);
+    let read = || next.graph(registry, 1).and_then(|graph| session.read_ahead(&graph, &following));
+    drop(catch_unwind(AssertUnwindSafe(read)));
+}
+
 /// Progress is shown no more often than a screen does.
 const BETWEEN: Duration = Duration::from_millis(50);
 
@@ -185,6 +220,10 @@ pub(super) struct Shared {
 pub(super) struct SharedState {
     /// The newest request, until it is worked at.
     pub picture: Option<RenderRequest>,
+    /// The one that will be requested after it, as far as is known.
+    pub next: Option<RenderRequest>,
+    /// False once nobody waits for the data of the next one any more.
+    pub reads_ahead: bool,
     pub output: WorkerOutput,
     /// True if something was requested since the thread waited.
     pub has_news: bool,

@@ -1,7 +1,7 @@
 //! `voltet edit`: the node editor.
 
 use super::shared::{DONE, Outcome, with_bar};
-use super::{start, study as measured};
+use super::{run::film_of, start, study as measured};
 use crate::cli::arguments::{Edit, Start};
 use crate::core::Result;
 use crate::core::progress::Progress;
@@ -10,14 +10,17 @@ use crate::graph::{NodeProgress, Observer, Registry};
 use crate::{Document, Source};
 use std::path::Path;
 use std::sync::Arc;
-use voltet_editor::{Studied, StudiedRow, StudyRequest};
+use voltet_editor::{FilmRequest, Services, Studied, StudiedRow, StudyRequest};
 use voltet_study::work_precision::{self as study, StudyOptions};
 
 pub fn edit(arguments: &Edit, registry: &Registry) -> Outcome {
-    let (own, of_start) = (registry.clone(), registry.clone());
-    let study_of = Arc::new(move |of: &StudyRequest, observer: &dyn Observer| studied(of, &own, observer));
-    let start = move |path: &Path, at: &Path| pipeline_for(path, at, &of_start);
-    voltet_editor::run(arguments.file.as_deref(), registry, Arc::new(start), study_of)?;
+    let [of_start, of_study, of_film] = [(); 3].map(|()| registry.clone());
+    let services = Services {
+        start: Arc::new(move |path: &Path, at: &Path| pipeline_for(path, at, &of_start)),
+        study: Arc::new(move |of: &StudyRequest, observer: &dyn Observer| studied(of, &of_study, observer)),
+        film: Arc::new(move |of: &FilmRequest, observer: &dyn Observer| film_of(of, &of_film, observer)),
+    };
+    voltet_editor::run(arguments.file.as_deref(), registry, services)?;
     Ok(DONE)
 }
 

@@ -85,7 +85,7 @@ pub(super) struct ShortOption {
 
 impl ShortOption {
     /// The option `node.param=value` that it stands for in a pipeline file.
-    fn spelled_out(&self, path: &Path, text: &str) -> Result<String> {
+    pub fn spelled_out(&self, path: &Path, text: &str) -> Result<String> {
         let ShortOption { name, node_type, parameter, value } = self;
         let nodes = Pipeline::parse(text).map_err(|error| locate(error, text, path))?.nodes;
         let names = nodes.iter().filter(|node| node.node_type.text() == Some(*node_type));

@@ -1,7 +1,6 @@
 //! Films of the pictures of frames: GIF and animated PNG by the program itself, others by the program ffmpeg.
 
 use crate::cli::arguments::Run;
-use crate::cli::process::command_line;
 use crate::core::picture::Picture;
 use crate::core::{Error, Result, counted};
 use crate::document::{Document, LocatedError};
@@ -131,19 +130,25 @@ pub(super) fn background(document: &Document) -> [f64; 3] {
     writer.and_then(|node| node.parameters.color("background").ok()).unwrap_or_default()
 }
 
+/// Settings of a film, and who follows its making.
+pub(super) struct Making<'a> {
+    /// Frames a second.
+    pub rate: f64,
+    /// The background of its pictures, linear.
+    pub background: [f64; 3],
+    /// The words of `voltet` by which it is made again, for an error.
+    pub command: Vec<String>,
+    pub observer: &'a dyn Observer,
+}
+
 /// Writes the film of pictures; gives a line about it.
 ///
 /// # Errors
 /// - pictures that cannot be read, or are of different sizes;
 /// - ffmpeg that is not there, or fails;
 /// - the run was stopped: what was there under the name of the film stays.
-pub(super) fn write(
-    path: &Path,
-    pictures: &[DrawnFrame],
-    rate: f64,
-    background: [f64; 3],
-    observer: &dyn Observer,
-) -> Result<String> {
+pub(super) fn write(path: &Path, pictures: &[DrawnFrame], making: &Making) -> Result<String> {
+    let &Making { rate, background, observer, .. } = making;
     let size = film_frame(&pictures[0].path, background)?.size;
     let frame = |drawn: &DrawnFrame| {
         if observer.cancelled() {
@@ -172,7 +177,7 @@ pub(super) fn write(
                 );
             }
             let mut frames = pictures.iter().map(|drawn| Ok(padded(frame(drawn)?, even, background)));
-            encode(path, &mut frames, (even, rate, codec), observer)
+            encode(path, &mut frames, (even, codec), making)
         }
     };
     // Writers of films give the stop on as one of their own errors.
@@ -222,13 +227,13 @@ fn options(path: &Path, [width, height]: [u32; 2], rate: f64, codec: &[&str]) ->
 fn encode(
     path: &Path,
     frames: &mut dyn Iterator<Item = Result<FilmFrame>>,
-    (size, rate, codec): ([u32; 2], f64, &[&str]),
-    observer: &dyn Observer,
+    (size, codec): ([u32; 2], &[&str]),
+    making: &Making,
 ) -> Result<()> {
     let film = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
     let name = film.file_name().unwrap_or_default().to_string_lossy();
     let part = film.with_file_name(format!(".{}.{name}", std::process::id()));
-    let made = send(&part, frames, options(&part, size, rate, codec), (path, observer))
+    let made = send(&part, frames, options(&part, size, making.rate, codec), (path, making))
         .and_then(|()| std::fs::rename(&part, &film).map_err(|error| failed(path, &error.to_string())));
     if made.is_err() {
         // Where ffmpeg began no file there is none to remove.
@@ -242,14 +247,14 @@ fn send(
     part: &Path,
     frames: &mut dyn Iterator<Item = Result<FilmFrame>>,
     options: Vec<String>,
-    (film, observer): (&Path, &dyn Observer),
+    (film, making): (&Path, &Making),
 ) -> Result<()> {
     let child = Command::new("ffmpeg").args(&options).stdin(Stdio::piped()).stderr(Stdio::piped()).spawn();
-    let mut child = child.map_err(|error| missing(film, &error, &options))?;
+    let mut child = child.map_err(|error| missing(film, &error, &options, &making.command))?;
     let said = child.stderr.take().map(last_words);
     let sent = send_pixels(&mut child, frames);
     let status = match &sent {
-        Ok(_) => ended(&mut child, observer),
+        Ok(_) => ended(&mut child, making.observer),
         Err(_) => Ok(None),
     };
     if !matches!(status, Ok(Some(_))) {
@@ -319,12 +324,11 @@ fn failed(path: &Path, why: &str) -> Error {
 }
 
 /// The error where ffmpeg is not there, with the command that would be run, and the one that makes the film of the pictures.
-fn missing(path: &Path, error: &io::Error, options: &[String]) -> Error {
+fn missing(path: &Path, error: &io::Error, options: &[String], command: &[String]) -> Error {
     let line = |words: &mut dyn Iterator<Item = String>| {
         words.map(|word| quoted(&word)).collect::<Vec<String>>().join(" ")
     };
-    let given = command_line().iter().skip(1).map(|word| word.to_string_lossy().into_owned());
-    let mut given: Vec<String> = given.collect();
+    let mut given = command.to_vec();
     if !given.iter().any(|word| word == "--resume") {
         given.push("--resume".into());
     }

@@ -1,6 +1,6 @@
 //! Messages and the report of a call: what is said of its pictures, in their order.
 
-use super::film::{self, DrawnFrame};
+use super::film::{self, DrawnFrame, Making};
 use super::plan::Frames;
 use super::report::ReportSpool;
 use super::task::{Attempt, Task};
@@ -8,6 +8,7 @@ use super::{resume, sheet};
 use crate::cli::arguments::Run;
 use crate::cli::commands::shared::{FAILED, show, tell, warn};
 use crate::cli::present::{Bar, counted_figures, findings, name, say, summary, warnings};
+use crate::cli::process::command_line;
 use crate::core::error::ErrorKind;
 use crate::core::{Error, Result, counted};
 use crate::document::Document;
@@ -222,14 +223,16 @@ impl<'a> Messages<'a> {
     /// Makes the sheet and the film of the pictures; no film where `failed` of the frames are missing.
     fn join(&mut self, frames: &Frames, pictures: &[DrawnFrame], failed: usize, bar: &Bar) {
         let background = film::background(&frames.document);
+        let given = command_line().iter().skip(1).map(|word| word.to_string_lossy().into_owned());
+        let rate = self.arguments.frames.fps;
+        let making = Making { rate, background, command: given.collect(), observer: bar };
         let mut made = Vec::new();
         if let (Some(path), 2..) = (&frames.sheet, pictures.len()) {
             made.push(sheet::write(path, pictures, background));
         }
-        let rate = self.arguments.frames.fps;
         match self.arguments.frames.film.as_deref() {
             Some(path) if failed == 0 && !pictures.is_empty() => {
-                made.push(film::write(path, pictures, rate, background, bar));
+                made.push(film::write(path, pictures, &making));
             }
             Some(path) => say(&format!(
                 "the film is not made: {failed} of {} failed; when they can be drawn, the same command with --resume --film {} \

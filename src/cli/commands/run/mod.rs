@@ -1,5 +1,7 @@
 //! `voltet run`: runs pipeline files headless, each for one picture or for the frames of a series.
 
+#[cfg(feature = "editor")]
+mod edited;
 mod film;
 mod jobs;
 mod messages;
@@ -9,6 +11,9 @@ mod resume;
 mod runner;
 mod sheet;
 mod task;
+
+#[cfg(feature = "editor")]
+pub(super) use edited::film_of;
 
 use super::shared::{DONE, FAILED, Outcome, ShortOption, open_all, show};
 use crate::cli::arguments::Run;

@@ -24,8 +24,8 @@ pub(super) struct Runner<'a> {
     launch: &'a Launch,
 }
 
-/// An observer of one of several runs at a time, of which no bar is shown.
-struct OneOfSeveral<'a>(&'a Bar);
+/// An observer of one of several runs, of which no progress is shown.
+pub(super) struct OneOfSeveral<'a>(pub &'a dyn Observer);
 
 impl Observer for OneOfSeveral<'_> {
     fn cancelled(&self) -> bool {
@@ -112,6 +112,6 @@ impl<'a> Runner<'a> {
 
 /// True if memory is left for another step beside the one that is drawn: three times what all took so far, of which drawing may take one
 /// again. So a step that can be drawn alone is not refused for one that was read too early.
-fn has_room_ahead() -> bool {
+pub(super) fn has_room_ahead() -> bool {
     memory::available().zip(memory::peak()).is_some_and(|(left, most)| left / 3 >= most)
 }

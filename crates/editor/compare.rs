@@ -1,0 +1,253 @@
+//! Comparison of the picture with one that was remembered: of another step, integrator, camera or anything else that was changed since.
+//! Over each other with a line between them that is dragged, beside each other, or their difference.
+
+use crate::jobs::Job;
+use crate::scene::{Scene, milliseconds};
+use crate::textures::{WHOLE, color_image, set_texture};
+use crate::theme;
+use crate::worker::{Pixels, difference};
+use eframe::egui::{
+    Align, Align2, Button, Color32, ColorImage, CursorIcon, FontId, Layout, Rect, Sense, Stroke,
+    TextureHandle, TextureOptions, Ui, UiBuilder, WidgetInfo, WidgetType, pos2, vec2,
+};
+use std::sync::Arc;
+use voltet_core::picture::Picture;
+
+/// Way of showing both.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Mode {
+    Swipe,
+    Beside,
+    Difference,
+}
+
+/// Modes, with their names and what they show.
+const MODES: [(Mode, &str, &str); 3] = [
+    (Mode::Swipe, "swipe", "the remembered picture at the left of a line that is dragged"),
+    (Mode::Beside, "beside", "the remembered picture beside the present one"),
+    (Mode::Difference, "difference", "where they differ, ten times as bright"),
+];
+
+/// Factor of a difference that is shown.
+const GAIN: f32 = 10.0;
+
+/// Most width of the ways of showing both, points.
+const MODES_WIDTH: f32 = 280.0;
+
+/// Width within which the line is taken hold of, points.
+const GRIP: f32 = 10.0;
+
+/// The picture that was remembered.
+struct Remembered {
+    pixels: Pixels,
+    texture: TextureHandle,
+    seconds: Option<f64>,
+}
+
+/// Difference of the remembered picture and another, found on a thread of its own.
+struct Difference {
+    /// The other picture.
+    of: Arc<Picture>,
+    job: Option<Job<Comparison>>,
+    /// True if its image is found, too.
+    has_image: bool,
+    texture: Option<TextureHandle>,
+    /// Figures in words.
+    text: String,
+}
+
+/// Figures of the difference of two pictures of one size, and its image where that is shown.
+struct Comparison {
+    /// Largest difference of a premultiplied channel, and root of the mean square.
+    figures: [f64; 2],
+    image: Option<ColorImage>,
+}
+
+pub(crate) struct Compare {
+    remembered: Option<Remembered>,
+    found: Option<Difference>,
+    mode: Mode,
+    /// Place of the line, share of the picture's width.
+    line: f32,
+}
+
+impl Default for Compare {
+    fn default() -> Self {
+        Compare { remembered: None, found: None, mode: Mode::Swipe, line: 0.5 }
+    }
+}
+
+impl Compare {
+    /// Button that remembers the picture.
+    pub fn button(&mut self, ui: &mut Ui, scene: &Scene) {
+        let present = scene.pixels.as_ref().filter(|pixels| pixels.is_full());
+        let help =
+            "keeps this picture, which later ones are compared with: of another step, integrator or camera";
+        let button = ui.add_enabled(present.is_some(), Button::new("remember").small());
+        if let (true, Some(pixels)) = (button.on_hover_text(help).clicked(), present) {
+            let texture = ui.ctx().load_texture("remembered", color_image(pixels), TextureOptions::LINEAR);
+            self.remembered = Some(Remembered { pixels: pixels.clone(), texture, seconds: scene.seconds });
+            self.found = None;
+        }
+    }
+
+    /// Ways of showing both, in the lower right corner of a place: there they leave the picture its size.
+    fn modes(&mut self, ui: &mut Ui, place: Rect) {
+        let size = vec2(MODES_WIDTH.min(place.width()), 24.0);
+        let corner = Align2::RIGHT_BOTTOM.anchor_size(place.right_bottom() - vec2(8.0, 6.0), size);
+        let layout = Layout::right_to_left(Align::Center);
+        ui.scope_builder(UiBuilder::new().max_rect(corner).layout(layout), |ui| {
+            ui.visuals_mut().override_text_color = Some(Color32::from_gray(230));
+            if theme::button(ui, "✖", "forget the remembered picture", "no comparison any more").clicked() {
+                *self = Compare::default();
+            }
+            for (mode, name, help) in MODES.into_iter().rev() {
+                if ui.add(Button::selectable(self.mode == mode, name)).on_hover_text(help).clicked() {
+                    self.mode = mode;
+                }
+            }
+        });
+    }
+
+    /// Part of the room for the picture that the present one has.
+    pub fn room(&self, whole: Rect) -> Rect {
+        match self.remembered.is_some() && self.mode == Mode::Beside {
+            true => whole.split_left_right_at_fraction(0.5).1,
+            false => whole,
+        }
+    }
+
+    /// Shows the remembered picture with the present one, which lies in `picture`, part of `room`.
+    pub fn over(&mut self, ui: &mut Ui, scene: &Scene, whole: Rect, picture: Rect) {
+        let (Some(remembered), Some(present)) = (&self.remembered, &scene.pixels) else { return };
+        let has_image = self.mode == Mode::Difference;
+        if let Some(found) = &mut self.found {
+            found.take(ui);
+        }
+        let is_found = |found: &Difference| {
+            let is_it = Arc::ptr_eq(&found.of, &present.picture) && (found.has_image || !has_image);
+            is_it || found.job.is_some()
+        };
+        if present.is_full() && !self.found.as_ref().is_some_and(is_found) {
+            let before = &remembered.pixels.picture;
+            self.found = Some(Difference::begin(ui, before, &present.picture, has_image));
+        }
+        match self.mode {
+            Mode::Swipe => self.swipe(ui, picture),
+            Mode::Beside => {
+                let place = remembered.within(picture.translate(vec2(-0.5 * whole.width(), 0.0)));
+                ui.painter().image(remembered.texture.id(), place, WHOLE, Color32::WHITE);
+            }
+            Mode::Difference => {
+                if let Some(texture) = self.found.as_ref().and_then(|found| found.texture.as_ref()) {
+                    ui.painter().image(texture.id(), picture, WHOLE, Color32::WHITE);
+                }
+            }
+        }
+        self.say(ui, scene, whole);
+        self.modes(ui, whole);
+    }
+
+    fn swipe(&mut self, ui: &mut Ui, picture: Rect) {
+        let Some(remembered) = &self.remembered else { return };
+        let x = picture.left() + self.line * picture.width();
+        let place = remembered.within(picture);
+        let share = ((x - place.left()) / place.width().max(1.0)).clamp(0.0, 1.0);
+        ui.painter().rect_filled(picture.with_max_x(x), 0.0, Color32::BLACK);
+        let left = place.with_max_x(place.left() + share * place.width());
+        ui.painter().image(remembered.texture.id(), left, WHOLE.with_max_x(share), Color32::WHITE);
+        let line = Stroke::new(2.0, theme::accent(true));
+        ui.painter().line_segment([pos2(x, picture.top()), pos2(x, picture.bottom())], line);
+        let grip = Rect::from_center_size(pos2(x, picture.center().y), vec2(GRIP, picture.height()));
+        let response = ui.interact(grip, ui.id().with("line of comparison"), Sense::drag());
+        response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, "line of comparison"));
+        if response.dragged() {
+            let x = response.interact_pointer_pos().map_or(x, |at| at.x);
+            self.line = ((x - picture.left()) / picture.width().max(1.0)).clamp(0.0, 1.0);
+        }
+        response.on_hover_cursor(CursorIcon::ResizeHorizontal);
+    }
+
+    /// Figures of the difference, and the time of both, in the upper right corner.
+    fn say(&self, ui: &Ui, scene: &Scene, whole: Rect) {
+        let Some(found) = &self.found else { return };
+        let time = |seconds: Option<f64>| seconds.map_or("?".into(), milliseconds);
+        let before = self.remembered.as_ref().and_then(|remembered| remembered.seconds);
+        let text = format!("{}; {} then, {} now", found.text, time(before), time(scene.seconds));
+        let galley = ui.painter().layout_no_wrap(text, FontId::proportional(12.0), Color32::from_gray(230));
+        let place = Align2::RIGHT_TOP.anchor_size(whole.right_top() + vec2(-10.0, 8.0), galley.size());
+        ui.painter().rect_filled(place.expand(4.0), 4.0, Color32::from_black_alpha(200));
+        ui.painter().galley(place.min, galley, Color32::WHITE);
+    }
+}
+
+impl Remembered {
+    /// Its place within one, in its own shape.
+    fn within(&self, place: Rect) -> Rect {
+        let [width, height] = self.pixels.size().map(|side| side as f32);
+        let scale = (place.width() / width).min(place.height() / height);
+        Rect::from_center_size(place.center(), vec2(width, height) * scale)
+    }
+}
+
+impl Difference {
+    fn begin(ui: &Ui, before: &Arc<Picture>, now: &Arc<Picture>, has_image: bool) -> Difference {
+        let known = |text: String, job| Difference { of: now.clone(), job, has_image, texture: None, text };
+        if [before.width, before.height] != [now.width, now.height] {
+            return known("not compared, for the sizes differ".into(), None);
+        }
+        let (a, b) = (before.clone(), now.clone());
+        match Job::start("comparison", ui.ctx(), move |_| Ok(differ(&a, &b, has_image))) {
+            Ok(job) => known("is being compared".into(), Some(job)),
+            Err(error) => known(error.to_string(), None),
+        }
+    }
+
+    /// Takes over what was found meanwhile.
+    fn take(&mut self, ui: &Ui) {
+        let Some(found) = self.job.as_ref().and_then(Job::result) else { return };
+        self.job = None;
+        match found {
+            Ok(Comparison { figures: [most, rms], image }) => {
+                self.text = format!("largest difference {most:.1e}, root mean square {rms:.1e}");
+                if let Some(image) = image {
+                    set_texture(&mut self.texture, ui, "difference", image, TextureOptions::LINEAR);
+                }
+            }
+            Err(error) => self.text = error.to_string(),
+        }
+    }
+}
+
+/// The difference of two pictures of one size.
+fn differ(before: &Picture, now: &Picture, has_image: bool) -> Comparison {
+    let of_pixel = |(a, b): (&[f32; 4], &[f32; 4])| {
+        let [r, g, b] = [0, 1, 2].map(|k| {
+            // Opacity that differs counts as light of white.
+            let by = (a[k] - b[k]).abs().max((a[3] - b[3]).abs());
+            (255.0 * (GAIN * by).min(1.0)) as u8
+        });
+        Color32::from_rgb(r, g, b)
+    };
+    let pixels = || before.rgba.iter().zip(&now.rgba).map(of_pixel).collect();
+    let image = has_image.then(|| ColorImage::new([now.width, now.height], pixels()));
+    Comparison { figures: difference(before, now), image }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_difference_has_its_figures_and_its_image() {
+        let of = |rgba: Vec<[f32; 4]>| Picture { width: 2, height: 1, rgba };
+        let before = of(vec![[0.5, 0.25, 0.0, 1.0]; 2]);
+        let now = of(vec![[0.5, 0.25, 0.0, 1.0], [0.5, 0.375, 0.03125, 1.0]]);
+        let found = differ(&before, &now, true);
+        assert_eq!(found.figures[0], 0.125);
+        assert!(found.figures[1] > 0.0 && found.figures[1] < 0.125);
+        let image = found.image.unwrap();
+        assert_eq!(image.pixels, [Color32::BLACK, Color32::from_rgb(0, 255, 79)]);
+        assert!(differ(&before, &now, false).image.is_none());
+    }
+}

@@ -1,0 +1,237 @@
+//! Films: a sheet that chooses the frames, their rate and size, and the file; made in the background as `voltet run --film` makes them.
+
+use crate::jobs::Job;
+use crate::scene::{Action, FilePurpose, Scene};
+use crate::theme;
+use eframe::egui::{
+    Button, Context, DragValue, Grid, ProgressBar, Rect, RichText, TextEdit, Ui, Widget, Window,
+};
+use std::path::PathBuf;
+use std::sync::Arc;
+use voltet_core::error::ErrorKind;
+use voltet_core::{Error, Result};
+use voltet_graph::Observer;
+
+/// Request for a film.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FilmRequest {
+    /// The pipeline, saved or not.
+    pub text: String,
+    /// Its file, which paths are relative to.
+    pub path: PathBuf,
+    /// Time steps, as `voltet run --steps` takes them; `None`: a way of the camera past data that stand still.
+    pub steps: Option<String>,
+    /// Pictures of that way.
+    pub frames: Option<usize>,
+    /// Frames a second.
+    pub rate: f64,
+    /// Width and height in pixels; `None`: as the camera says.
+    pub size: Option<[u32; 2]>,
+    /// The file: .mp4, .webm, .gif or .png.
+    pub film: PathBuf,
+}
+
+/// Makes a film and gives a line about it; called on a thread of its own. Errors: those of `voltet run`; a stop.
+pub type Film = Arc<dyn Fn(&FilmRequest, &dyn Observer) -> Result<String> + Send + Sync>;
+
+/// Most frames a second.
+const MAX_RATE: f64 = 1000.0;
+
+/// Most pixels of a side.
+const MAX_SIDE: u32 = 32_768;
+
+pub(crate) struct FilmPanel {
+    pub is_open: bool,
+    /// Function that makes films, where the program has one.
+    pub make: Option<Film>,
+    /// Place of the slider of the frames in the window.
+    pub rail: Rect,
+    made: Option<Job<String>>,
+    found: Option<std::result::Result<String, String>>,
+    /// First and last frame, and the way from one to the next; `None`: all of them.
+    range: Option<[usize; 3]>,
+    rate: f64,
+    size: Option<[u32; 2]>,
+    /// Path of the file, as typed.
+    pub path: Option<String>,
+}
+
+impl Default for FilmPanel {
+    fn default() -> Self {
+        FilmPanel {
+            is_open: false,
+            make: None,
+            rail: Rect::NOTHING,
+            made: None,
+            found: None,
+            range: None,
+            rate: 25.0,
+            size: None,
+            path: None,
+        }
+    }
+}
+
+impl FilmPanel {
+    /// The sheet of another document; a film in progress is stopped.
+    pub fn emptied(self) -> FilmPanel {
+        FilmPanel { is_open: self.is_open, make: self.make, ..FilmPanel::default() }
+    }
+
+    /// Stops a film in progress, and waits until its file is as it was.
+    pub fn end(&mut self) {
+        if let Some(made) = self.made.take() {
+            made.end();
+        }
+    }
+
+    /// Progress of a film, in words; `None` where none is being made.
+    pub fn progress(&self) -> Option<String> {
+        let (stage, fraction) = self.made.as_ref()?.progress();
+        Some(format!("film: {stage} {:.0} %", 100.0 * fraction))
+    }
+
+    /// Shows the sheet. `steps`: those of the time series; `frames`: those of the camera's way without one; `fault`: why there is no
+    /// series.
+    pub fn show(
+        &mut self,
+        ctx: &Context,
+        scene: &Scene,
+        (steps, frames): (usize, usize),
+        fault: Option<&Error>,
+    ) {
+        self.take_found();
+        let mut is_open = self.is_open;
+        let window = Window::new("Film").open(&mut is_open).resizable(false).default_pos([60.0, 90.0]);
+        window.default_width(380.0).show(ctx, |ui| {
+            if let Some(made) = &self.made {
+                let (stage, fraction) = made.progress();
+                ui.horizontal(|ui| {
+                    if ui
+                        .button("Stop")
+                        .on_hover_text("pictures that are drawn stay for the next film")
+                        .clicked()
+                    {
+                        made.cancel();
+                    }
+                    ui.add(ProgressBar::new(fraction as f32).desired_width(180.0).show_percentage());
+                    ui.label(stage);
+                });
+            } else {
+                self.form(ui, scene, steps, frames, fault);
+            }
+            match &self.found {
+                Some(Ok(line)) => drop(ui.label(line.trim_end())),
+                Some(Err(error)) => {
+                    ui.label(RichText::new(error).color(theme::wrong(ui.visuals().dark_mode)));
+                }
+                None => {}
+            }
+        });
+        self.is_open = is_open;
+    }
+
+    fn form(&mut self, ui: &mut Ui, scene: &Scene, steps: usize, frames: usize, fault: Option<&Error>) {
+        let has_steps = steps > 1;
+        if !has_steps && frames == 0 {
+            let none =
+                || "there is no frame: no reader has time steps, and the camera has no way (orbit or keys)";
+            ui.label(fault.map_or_else(|| none().to_string(), Error::to_string));
+            return;
+        }
+        let last = steps.saturating_sub(1);
+        let [mut from, mut to, mut by] = self.range.unwrap_or([0, last, 1]);
+        (from, to) = (from.min(last), to.min(last));
+        let own = scene.picture_size.unwrap_or([1024, 768]);
+        let mut size = self.size.unwrap_or(own);
+        let path = self.path.get_or_insert_with(|| proposed(scene));
+        Grid::new("film").num_columns(2).show(ui, |ui| {
+            if has_steps {
+                ui.label("steps").on_hover_text("as --steps of `voltet run`: from, to and by");
+                ui.horizontal(|ui| {
+                    named(ui, "first step", DragValue::new(&mut from).range(0..=to));
+                    ui.label("to");
+                    named(ui, "last step", DragValue::new(&mut to).range(from..=last));
+                    ui.label("by");
+                    named(ui, "step width", DragValue::new(&mut by).range(1..=last.max(1)));
+                });
+            } else {
+                ui.label("frames").on_hover_text("as --frames of `voltet run`: along the camera's way");
+                ui.label(frames.to_string());
+            }
+            ui.end_row();
+            ui.label("rate");
+            let rate = DragValue::new(&mut self.rate).range(0.1..=MAX_RATE).suffix(" frames a second");
+            named(ui, "frames a second", rate);
+            ui.end_row();
+            ui.label("size");
+            ui.horizontal(|ui| {
+                let [width, height] = &mut size;
+                named(ui, "width of the film", DragValue::new(width).range(1..=MAX_SIDE));
+                ui.label("×");
+                named(ui, "height of the film", DragValue::new(height).range(1..=MAX_SIDE));
+                ui.label("pixels");
+            });
+            ui.end_row();
+            ui.label("file").on_hover_text(".gif and .png (animated); .mp4 and .webm by the program ffmpeg");
+            ui.horizontal(|ui| {
+                named(ui, "file of the film", TextEdit::singleline(path).desired_width(240.0));
+                if ui.button("…").on_hover_text("choose a file").clicked() {
+                    let at = scene.document.folder().join(&*path);
+                    scene.actions.push(Action::ChooseFile(FilePurpose::Film, Some(at)));
+                }
+            });
+            ui.end_row();
+        });
+        // While the steps are looked for the choice of them stays.
+        if has_steps {
+            self.range = Some([from, to, by]).filter(|range| *range != [0, last, 1]);
+        }
+        self.size = Some(size).filter(|size| *size != own);
+        let can = self.make.is_some() && scene.document.path().is_some();
+        let begins = ui.add_enabled(can, Button::new("Make the film"));
+        let begins = begins
+            .on_disabled_hover_text("save the pipeline first: paths of the film are relative to its file");
+        ui.label("The pictures of the frames are written as the pipeline names them; those that are there already, as they would be drawn, stay.");
+        let Some(file) = scene.document.path().filter(|_| begins.clicked()) else { return };
+        let request = FilmRequest {
+            text: scene.document.text().to_string(),
+            path: file.to_path_buf(),
+            steps: has_steps.then(|| format!("{from}:{to}:{by}")),
+            frames: (!has_steps).then_some(frames),
+            rate: self.rate,
+            size: self.size,
+            film: scene.document.folder().join(self.path.as_deref().unwrap_or_default()),
+        };
+        self.begin(request, ui.ctx());
+    }
+
+    fn begin(&mut self, of: FilmRequest, ctx: &Context) {
+        let Some(make) = self.make.clone() else { return };
+        match Job::start("film", ctx, move |observer| make(&of, observer)) {
+            Ok(made) => (self.made, self.found) = (Some(made), None),
+            Err(error) => self.found = Some(Err(error.to_string())),
+        }
+    }
+
+    fn take_found(&mut self) {
+        let Some(found) = self.made.as_ref().and_then(Job::result) else { return };
+        self.made = None;
+        self.found = match found {
+            Err(error) if error.kind == ErrorKind::Cancelled => Some(Err("stopped".into())),
+            found => Some(found.map_err(|error| error.to_string())),
+        };
+    }
+}
+
+/// A field under a name.
+fn named(ui: &mut Ui, name: &str, field: impl Widget) {
+    let response = ui.add(field);
+    ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
+}
+
+/// Name of a film of the document, beside it.
+fn proposed(scene: &Scene) -> String {
+    let stem = scene.document.path().and_then(|path| path.file_stem());
+    format!("{}.mp4", stem.map_or("film".into(), |stem| stem.to_string_lossy()))
+}

@@ -1,0 +1,33 @@
+use super::*;
+
+#[test]
+fn a_picture_is_remembered_and_later_ones_are_compared_with_it() {
+    let mut hand = Hand::new(TEXT);
+    assert!(!hand.sees("line of comparison") && hand.texts("swipe").is_empty());
+    hand.click_on("remember");
+    let is_none = |hand: &Hand| !hand.shown_beginning("largest difference 0.0e0").is_empty();
+    until(&mut hand, "it is the same picture", is_none);
+    let line = hand.rect("line of comparison");
+    let steps = hand.steps();
+    // The line is dragged, and the camera stays where it is.
+    hand.drag(line.center(), line.center() + vec2(-80.0, 30.0));
+    let moved = hand.rect("line of comparison").center();
+    assert!((moved.x - (line.center().x - 80.0)).abs() < 1.5, "{moved} after {line}");
+    assert_eq!(hand.steps(), steps);
+    hand.key(Key::X, Modifiers::NONE);
+    hand.settle();
+    let said = |hand: &Hand| !hand.shown_beginning("largest difference").is_empty();
+    until(&mut hand, "it is another picture", |hand| said(hand) && !is_none(hand));
+    let whole = hand.editor.panels.picture.rect.unwrap();
+    hand.click_on("beside");
+    hand.settle();
+    let half = hand.editor.panels.picture.rect.unwrap();
+    assert!(half.width() < whole.width() + 1.0 && half.left() > whole.center().x - 1.0, "{half} of {whole}");
+    // Beside each other both are as large as they were drawn, and compared as before.
+    until(&mut hand, "they differ beside each other", |hand| said(hand) && !is_none(hand));
+    hand.click_on("difference");
+    until(&mut hand, "they differ", |hand| said(hand) && !is_none(hand));
+    assert!(!hand.sees("line of comparison"));
+    hand.click_on("forget the remembered picture");
+    assert!(!said(&hand) && hand.texts("swipe").is_empty());
+}

@@ -1,0 +1,122 @@
+use super::*;
+
+/// A calculator over arrays of a file.
+const CALCULATOR: &str = "[pipeline]\nformat = 1\n\n[nodes.grid]\ntype = \"reader\"\npath = \"data.vtk\"\n\n[nodes.sum]\ntype = \"calculator\"\n\
+                          expression = \"T\"\nname = \"sum\"\ninputs = { grid = \"grid\" }\n";
+
+/// A grid with a scalar and a vector.
+const DATA: &str = "# vtk DataFile Version 3.0\ntest\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n0 0 0 1 0 0 0 1 0 0 0 1\n\
+                    CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\nPOINT_DATA 4\nSCALARS T double 1\nLOOKUP_TABLE default\n1 2 3 4\n\
+                    VECTORS Velocity double\n1 0 0 0 1 0 0 0 1 1 1 1\n";
+
+/// Before the field, with the cursor at its end.
+fn in_field() -> Hand {
+    let mut hand = Hand::with_file(CALCULATOR, "data.vtk", DATA);
+    hand.editor.selection = ["sum".to_string()].into();
+    hand.frames(3);
+    until(&mut hand, "the arrays are found", |hand| {
+        let document = hand.editor.document();
+        let registry = voltet_nodes::registry().unwrap();
+        !hand.editor.arrays.feeding(&hand.ctx, document, &registry, "sum").choices.is_empty()
+    });
+    hand.click_on("sum.expression");
+    hand.key(Key::End, Modifiers::NONE);
+    hand
+}
+
+fn stated(hand: &Hand) -> String {
+    let nodes = &hand.editor.document().pipeline().nodes;
+    let node = nodes.iter().find(|node| node.name == "sum").unwrap();
+    node.setting("expression").unwrap().text().unwrap().to_string()
+}
+
+#[test]
+fn names_and_functions_are_completed_by_keys_and_by_the_mouse() {
+    let mut hand = in_field();
+    hand.typed("*ma");
+    hand.frames(2);
+    // "max(a, b)" comes before "mag(V)".
+    assert!(!hand.shown_beginning("max(a, b)").is_empty() && !hand.shown_beginning("mag(V)").is_empty());
+    hand.key(Key::ArrowDown, Modifiers::NONE);
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.typed("vel");
+    hand.frames(2);
+    assert!(hand.shown_beginning("Velocity:magnitude").is_empty(), "the function takes the vector");
+    assert!(!hand.texts("Velocity").is_empty());
+    hand.key(Key::Tab, Modifiers::NONE);
+    hand.frames(2);
+    assert!(hand.texts("Velocity").is_empty(), "the list is closed");
+    hand.typed(") + sq");
+    hand.frames(2);
+    let offer = hand.shown_beginning("sqrt(a)")[0];
+    hand.click(offer);
+    hand.frames(2);
+    hand.typed("T)");
+    hand.frames(2);
+    assert_eq!(stated(&hand), "T", "it is still being typed");
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(2);
+    assert_eq!(stated(&hand), "T*mag(Velocity) + sqrt(T)");
+    assert_eq!(hand.steps(), 1);
+}
+
+#[test]
+fn keys_that_leave_the_field_change_nothing_where_nothing_was_typed() {
+    let mut hand = Hand::with_file(&CALCULATOR.replace("\"T\"", "\"mag(Velocity)\""), "data.vtk", DATA);
+    hand.editor.selection = ["sum".to_string()].into();
+    hand.frames(3);
+    hand.click_on("sum.expression");
+    hand.key(Key::End, Modifiers::NONE);
+    for _ in 0..4 {
+        hand.key(Key::ArrowLeft, Modifiers::NONE);
+    }
+    hand.frames(2);
+    hand.key(Key::Tab, Modifiers::NONE);
+    hand.frames(2);
+    assert_eq!((stated(&hand).as_str(), hand.steps()), ("mag(Velocity)", 0));
+    // Escape closes the list that something typed opens, and Enter then takes what stands there.
+    let mut hand = in_field();
+    hand.typed(" + Ve");
+    hand.frames(2);
+    assert!(!hand.shown_beginning("Velocity:").is_empty());
+    hand.key(Key::Escape, Modifiers::NONE);
+    hand.frames(2);
+    assert!(hand.shown_beginning("Velocity:").is_empty());
+    hand.typed("locity:0");
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(2);
+    assert_eq!(stated(&hand), "T + Velocity:0");
+}
+
+#[test]
+fn a_fault_is_pointed_at_where_it_is() {
+    let mut hand = in_field();
+    hand.typed(" + (T");
+    hand.frames(2);
+    assert!(hand.texts("^").is_empty(), "the end may come");
+    hand.typed("] * 2");
+    hand.frames(2);
+    let field = hand.rect("sum.expression");
+    let [caret] = hand.texts("^")[..] else { panic!("one caret") };
+    assert!(field.x_range().contains(caret.x) && caret.y > field.center().y, "{caret} {field}");
+    assert!(!hand.shown_beginning("the expression cannot be read: found ']' at character 7").is_empty());
+    for _ in 0.."] * 2".len() {
+        hand.key(Key::Backspace, Modifiers::NONE);
+    }
+    hand.typed(")");
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(2);
+    assert_eq!((stated(&hand).as_str(), hand.texts("^").len()), ("T + (T)", 0));
+}
+
+#[test]
+fn a_function_under_the_pointer_shows_its_signature() {
+    let mut hand = Hand::with_file(&CALCULATOR.replace("\"T\"", "\"atan2(T, T)\""), "data.vtk", DATA);
+    hand.editor.selection = ["sum".to_string()].into();
+    hand.frames(3);
+    let field = hand.rect("sum.expression");
+    hand.move_to(field.left_center() + vec2(16.0, 0.0), Modifiers::NONE);
+    hand.pause = 2.0;
+    hand.frames(4);
+    assert!(!hand.shown_beginning("atan2(y, x): angle").is_empty());
+}
