@@ -229,7 +229,7 @@ fn draw_each(
 ) -> Result<(VolumetricDepthImage, PartTally)> {
     let camera = *call.camera("camera")?;
     let size = camera.size.map(|n| n as usize);
-    let mut image = VolumetricDepthImage::empty(size, camera.sample_offsets().len());
+    let mut image: Option<VolumetricDepthImage> = None;
     let mut tally = PartTally::default();
     call.each_part(&mut |call| {
         let manner = options(call);
@@ -258,13 +258,20 @@ fn draw_each(
         call.notes.add(drawn.notes);
         note(call, &drawn.counts);
         let own = drawn.part.ok_or_else(|| Error::run("the engine drew no volumetric depth image"))?;
-        // Both and what they become.
-        let bytes = 2 * (image.stretch_count() + own.stretch_count()) * STRETCH_BYTES;
-        refuse_beyond_memory(call.progress(), || "the stretches of rays in parts of the grid".into(), bytes)?;
-        image = call.stage("merge", |_| image.merged(&own, events))?;
+        image = Some(match image.take() {
+            None => own,
+            Some(image) => {
+                // Both and what they become.
+                let bytes = 2 * (image.stretch_count() + own.stretch_count()) * STRETCH_BYTES;
+                let what = || "the stretches of rays in parts of the grid".into();
+                refuse_beyond_memory(call.progress(), what, bytes)?;
+                call.stage("merge", |_| image.merged(&own, events))?
+            }
+        });
         check_boundary(call, &tally)
     })?;
-    Ok((image, tally))
+    let none = || VolumetricDepthImage::empty(size, camera.sample_offsets().len());
+    Ok((image.unwrap_or_else(none), tally))
 }
 
 /// The extent of the scene's whole grid.
