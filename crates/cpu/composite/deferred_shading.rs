@@ -180,7 +180,7 @@ impl DeferredShading {
 #[derive(Default)]
 pub(crate) struct DeferredFragments {
     columns: [Vec<f32>; 4],
-    /// Depths of entries, infinite of those that are none, and of exits, where stretches of rays are recorded.
+    /// Depths of entries, infinite of those that are none, and of exits, as the recorder takes them, where stretches of rays are recorded.
     depths: [Vec<f32>; 2],
     /// Deferred rows, each with the index of its first segment; a row may come again.
     rows: Vec<(usize, usize)>,
@@ -229,7 +229,7 @@ impl DeferredFragments {
         if frame.records_stretches {
             let [entries, exits] = &mut self.depths;
             put(entries, &batch.entry[..], f32::INFINITY);
-            put(exits, &batch.exit[..], f32::INFINITY);
+            exits.extend_from_slice(&batch.exit[..count]);
         }
         first
     }

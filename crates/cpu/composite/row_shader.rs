@@ -9,7 +9,7 @@ use crate::composite::frame::{FrameContext, SegmentSource};
 use crate::composite::illumination::illuminate;
 use crate::composite::segment_parts::SegmentCutter;
 use crate::composite::straight_pieces::straighten;
-use crate::composite::stretches::{RowSegments, StretchRecorder};
+use crate::composite::stretches::{RowSegments, StretchRecorder, WAS_CUT};
 use crate::counts::Counts;
 use crate::fragments::batch::{BATCH, Batch, DepthLimits, MAX_LANES, clip_to_depth};
 use crate::fragments::crossing::CellPacket;
@@ -203,12 +203,12 @@ impl RowShader {
         }
     }
 
-    /// Puts the colours of segments that were cut into their slots; where stretches are recorded, the parts of these segments are by
-    /// themselves, and hide what is behind.
+    /// Puts the colours of segments that were cut into their slots, which have no length; where stretches are recorded, they stay without: the
+    /// parts of these segments are by themselves, end the run before them, and hide what is behind.
     fn put_colors(&mut self, row: usize, cut: &[(usize, [f32; 4])], pixels: &mut TileAccumulator) {
         for (k, rgba) in cut {
             if self.recorder.is_some() {
-                self.batch.length[*k] = 0.0;
+                self.batch.exit[*k] = WAS_CUT;
                 pixels.hide(row * TILE + k % TILE, rgba[3]);
                 continue;
             }

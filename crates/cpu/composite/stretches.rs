@@ -29,18 +29,23 @@ impl TileStretches {
 }
 
 /// Segments of a ray that came one after the other, each where the one before ends.
-struct Run {
-    entry: f32,
-    exit: f32,
-    rgba: [f32; 4],
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Run {
+    pub entry: f32,
+    pub exit: f32,
+    pub rgba: [f32; 4],
 }
 
-/// Slices of a row after which open runs are taken out and go on as others: sums of thousands of segments in 32 bits are off by more than
-/// their layers, which are joined in 64.
-const MAX_SLICES: usize = 128;
+/// Slices of a row after which open runs are taken out and go on as others, which are joined in 64 bits: a sum of n numbers below 1 in 32
+/// bits is off by up to n·2⁻²⁵, here 9.5e-7.
+pub(crate) const MAX_SLICES: usize = 32;
 
 /// Exit of a pixel's run where none is open: no segment begins there.
 const NONE_OPEN: f32 = f32::NAN;
+
+/// Exit of a slot without a segment, because the segment was cut and its parts are by themselves: the run before it ends, however thin it
+/// was.
+pub(crate) const WAS_CUT: f32 = f32::NAN;
 
 /// Recorder of a tile's shaded segments. Those of a pixel that follow each other without a gap are composited as in any picture, in the
 /// accumulator; where a segment begins elsewhere, what is there is taken out as a run.
@@ -52,6 +57,8 @@ pub(crate) struct StretchRecorder {
     exit: [f32; PIXELS],
     /// Slices of each row since its runs were taken out.
     slices: [usize; TILE],
+    /// Pixels of each row (bits) whose open runs end although the next segment begins there.
+    ended: [u32; TILE],
     /// Pixel of the tile that each of the accumulator's is: its own, or that of a packet's ray.
     pixel_of: [u8; PIXELS],
     /// True if segments are joined: no surface lies between any.
@@ -65,7 +72,7 @@ pub(crate) struct RowSegments<'a> {
     pub lengths: Option<&'a [f32]>,
     /// Premultiplied colours and opacities.
     pub columns: [&'a [f32]; 4],
-    /// Depths of entries and exits.
+    /// Depths of entries and exits; [`WAS_CUT`] stands among these.
     pub depths: [&'a [f32]; 2],
 }
 
@@ -78,6 +85,7 @@ impl StretchRecorder {
             entry: [0.0; PIXELS],
             exit: [NONE_OPEN; PIXELS],
             slices: [0; TILE],
+            ended: [0; TILE],
             pixel_of: std::array::from_fn(|slot| pixel_of(slot) as u8),
             joins: !has_events,
         }
@@ -85,7 +93,7 @@ impl StretchRecorder {
 
     pub fn clear(&mut self) {
         self.pixels.iter_mut().for_each(Vec::clear);
-        (self.exit, self.slices) = ([NONE_OPEN; PIXELS], [0; TILE]);
+        (self.exit, self.slices, self.ended) = ([NONE_OPEN; PIXELS], [0; TILE], [0; TILE]);
     }
 
     /// Takes a segment of a pixel by itself.
@@ -93,7 +101,7 @@ impl StretchRecorder {
         self.pixels[pixel].push(Run { entry, exit, rgba });
     }
 
-    /// Blends segments into a row of the accumulator.
+    /// Blends segments, whole slices, into a row of the accumulator.
     pub fn blend(
         &mut self,
         lanes: LaneSet,
@@ -103,28 +111,31 @@ impl StretchRecorder {
     ) {
         let RowSegments { lengths, columns, depths } = segments;
         let (first, count) = (row * TILE, depths[0].len());
+        debug_assert!(count.is_multiple_of(TILE), "whole slices");
         let (mut from, mut begun) = (0, 0);
         while from < count {
-            let end = count.min(from + MAX_SLICES * TILE);
+            let end = count.min(from + (MAX_SLICES - self.slices[row]) * TILE);
             let follow = FollowRuns {
                 exits: &mut self.exit[first..first + TILE],
                 lengths: lengths.map(|column| &column[from..end]),
                 depths: depths.map(|column| &column[from..end]),
                 begun,
+                ended: self.ended[row],
                 joins: self.joins,
             };
             let followed = dispatch(lanes, follow);
             let to = from + followed.slices * TILE;
             let lengths = lengths.map(|column| &column[from..to]);
             pixels.blend(lanes, row, lengths, columns.map(|column| &column[from..to]));
+            for lane in (0..TILE).filter(|lane| followed.beginning >> lane & 1 != 0) {
+                self.close(first + lane, pixels);
+                self.entry[first + lane] = depths[0][to + lane];
+            }
+            self.ended[row] = followed.ended & !followed.beginning;
             self.slices[row] += followed.slices;
             if self.slices[row] >= MAX_SLICES {
                 self.slices[row] = 0;
                 (first..first + TILE).for_each(|slot| self.divide(slot, pixels));
-            }
-            for lane in (0..TILE).filter(|lane| followed.beginning >> lane & 1 != 0) {
-                self.close(first + lane, pixels);
-                self.entry[first + lane] = depths[0][to + lane];
             }
             (from, begun) = (to, followed.beginning);
         }
@@ -135,20 +146,32 @@ impl StretchRecorder {
         let (entry, exit) = (self.entry[slot], std::mem::replace(&mut self.exit[slot], NONE_OPEN));
         if !exit.is_nan() {
             let rgba = pixels.take_out(slot);
+            if entry == exit && rgba == [0.0; 4] {
+                // It was divided, and nothing came since.
+                return;
+            }
             self.pixels[usize::from(self.pixel_of[slot])].push(Run { entry, exit, rgba });
         }
     }
 
-    /// Ends the open run of one of the accumulator's pixels, and begins another at its end.
+    /// Ends the open run of one of the accumulator's pixels, and begins another at its end; nothing where none is open.
     fn divide(&mut self, slot: usize, pixels: &mut TileAccumulator) {
         let exit = self.exit[slot];
-        self.close(slot, pixels);
-        (self.entry[slot], self.exit[slot]) = (exit, exit);
+        if !exit.is_nan() {
+            self.close(slot, pixels);
+            (self.entry[slot], self.exit[slot]) = (exit, exit);
+        }
     }
 
     /// Ends all open runs.
     pub fn close_all(&mut self, pixels: &mut TileAccumulator) {
         (0..PIXELS).for_each(|slot| self.close(slot, pixels));
+    }
+
+    /// Runs of each pixel that have ended.
+    #[cfg(test)]
+    pub fn runs(&self) -> &[Vec<Run>] {
+        &self.pixels
     }
 
     /// The stretches of a tile that is drawn; its picture serves where all has one colour, and the order does not matter.
@@ -193,19 +216,22 @@ struct FollowRuns<'a> {
     depths: [&'a [f32]; 2],
     /// Lanes (bits) whose runs begin in the first slice.
     begun: u32,
+    /// Lanes (bits) whose runs end although the next segment begins there.
+    ended: u32,
     joins: bool,
 }
 
-/// Slices through which runs were followed, and the lanes (bits) whose runs begin in the next one.
+/// Slices through which runs were followed, the lanes (bits) whose runs begin in the next one, and those whose runs end there in any case.
 struct FollowedRuns {
     slices: usize,
     beginning: u32,
+    ended: u32,
 }
 
 impl Kernel<FollowedRuns> for FollowRuns<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) -> FollowedRuns {
-        let FollowRuns { exits, lengths, depths: [entries, ends], mut begun, joins } = self;
+        let FollowRuns { exits, lengths, depths: [entries, ends], mut begun, mut ended, joins } = self;
         let (zero, infinity, rounding) =
             (L::F::splat(0.0), L::F::splat(f32::INFINITY), L::F::splat(ROUNDING));
         let is_segment = inlined!(|at: usize| match lengths {
@@ -219,17 +245,20 @@ impl Kernel<FollowedRuns> for FollowRuns<'_> {
                 let (entry, exit) = (L::F::load(&entries[first + half..]), L::F::load(&exits[half..]));
                 let follows = (entry - exit).abs().le(rounding * exit.abs());
                 let follows = if joins { follows.bits() } else { 0 };
-                beginning |= (is_segment(first + half).bits() & !follows) << half;
+                beginning |= (is_segment(first + half).bits() & (!follows | ended >> half)) << half;
             }
             if beginning & !begun != 0 {
-                return FollowedRuns { slices: slice, beginning: beginning & !begun };
+                return FollowedRuns { slices: slice, beginning: beginning & !begun, ended };
             }
             for half in (0..TILE).step_by(L::WIDTH) {
                 let (exit, end) = (L::F::load(&exits[half..]), L::F::load(&ends[first + half..]));
-                L::F::select(is_segment(first + half), end, exit).store(&mut exits[half..]);
+                let is_segment = is_segment(first + half);
+                L::F::select(is_segment, end, exit).store(&mut exits[half..]);
+                // No number equals WAS_CUT, nor does it itself.
+                ended |= is_segment.not().and(end.le(end).not()).bits() << half;
             }
             begun = 0;
         }
-        FollowedRuns { slices, beginning: 0 }
+        FollowedRuns { slices, beginning: 0, ended }
     }
 }
