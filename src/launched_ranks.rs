@@ -1,10 +1,14 @@
 //! The processes that a launcher has started: MPI starts on a thread of its own, which takes a quarter of a second of waiting, while the
 //! first pieces are read.
+//!
+//! While it starts MPI adds variables to the environment, and the C library does not guard readers against that. So whoever starts it reads
+//! before what is needed of the environment, and nothing else may read there until MPI has started ([`Ranks::wait_for_start`]).
 
 use crate::core::{Error, Result};
 use crate::graph::ranks::Ranks;
 use crate::mpi_ranks::{self, MpiRanks};
 use mpi::environment::Universe;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -40,7 +44,8 @@ impl LaunchedRanks {
         Ok(LaunchedRanks { rank, count, tasks: Mutex::new(Some(tasks)), thread: Some(thread) })
     }
 
-    /// Result of a call of MPI, on its thread, once MPI has started.
+    /// Result of a call of MPI, on its thread, once MPI has started. Errors: MPI does not start; the call panics, which the thread survives,
+    /// so that other processes can still be told.
     fn call<T: Send + 'static>(
         &self,
         call: impl FnOnce(&MpiRanks) -> Result<T> + Send + 'static,
@@ -48,7 +53,10 @@ impl LaunchedRanks {
         let (answer, answered) = channel();
         let on_thread = move |started: &Result<(MpiRanks, Universe)>| {
             let result = match started {
-                Ok((ranks, _)) => call(ranks),
+                Ok((ranks, _)) => {
+                    let called = catch_unwind(AssertUnwindSafe(|| call(ranks)));
+                    called.unwrap_or_else(|_| Err(Error::run("a call of MPI panicked")))
+                }
                 Err(error) => Err(error.clone()),
             };
             // Whoever called waits for it.
@@ -60,13 +68,13 @@ impl LaunchedRanks {
         if is_sent { answered.recv().map_err(|_| ended())? } else { Err(ended()) }
     }
 
-    /// Name of this machine.
+    /// Name of this machine, once MPI has started; `None` where it does not.
     pub fn machine(&self) -> Option<String> {
         self.call(|_| mpi::environment::processor_name().map_err(|error| Error::run("no name").got(error)))
             .ok()
     }
 
-    /// Ends all processes; where MPI did not start, returns.
+    /// Ends all processes, once MPI has started; where it does not, returns.
     pub fn abort(&self, exit_code: u8) {
         _ = self.call::<()>(move |_| mpi_ranks::abort(exit_code));
     }
@@ -94,6 +102,10 @@ impl Ranks for LaunchedRanks {
     fn exchange(&self, to_each: Vec<Vec<u8>>) -> Result<Vec<Vec<u8>>> {
         self.call(move |ranks| ranks.exchange(to_each))
     }
+
+    fn wait_for_start(&self) -> Result<()> {
+        self.call(|_| Ok(()))
+    }
 }
 
 /// Runs tasks until there are no more.
@@ -115,4 +127,20 @@ fn started(launched: [usize; 2]) -> Result<(MpiRanks, Universe)> {
     let said = |[rank, count]: [usize; 2]| format!("rank {rank} of {count}");
     let found = format!("{}, which MPI says is {}", said(launched), said(found));
     Err(error.got(found).expected("mpirun of the same MPI as mpicc when it was built, or --part for each"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// MPI starts once in a process, so this is the only test that starts it. Without a launcher the process is one of one.
+    #[test]
+    fn a_call_that_panics_is_an_error_and_others_follow() {
+        let ranks = LaunchedRanks::start(0, 1).unwrap();
+        ranks.wait_for_start().unwrap();
+        let failed = ranks.call::<()>(|_| panic!("a defect")).unwrap_err();
+        assert!(failed.to_string().contains("panicked"), "{failed}");
+        assert!(ranks.machine().is_some_and(|name| !name.is_empty()));
+        assert_eq!(ranks.exchange(vec![vec![3]]).unwrap(), [[3]]);
+    }
 }

@@ -1,9 +1,13 @@
 //! Processes of one run that an MPI launcher has started, `mpirun -n 4 voltet run scene.toml`: each reads and draws its own pieces of the
 //! grid, the first one writes.
 
+#[cfg(feature = "mpi")]
+use crate::cli::present;
 use crate::cli::present::{hold_back, say};
 use crate::core::{Error, Result};
 use crate::graph::ranks::{OneRank, Ranks};
+#[cfg(feature = "mpi")]
+use crate::lanes::LaneSet;
 #[cfg(feature = "mpi")]
 use crate::launched_ranks::LaunchedRanks;
 use crate::launcher::launched_count;
@@ -55,6 +59,10 @@ impl Launch {
     fn of_several(count: usize) -> Result<Launch> {
         let error = || Error::run("the launcher does not tell a process which of several it is").got(count);
         let rank = launched_rank().ok_or_else(|| error().expected("mpirun, or srun"))?;
+        // While MPI starts the environment is not read: what comes of it is found before.
+        LaneSet::detect()?;
+        rayon::current_num_threads();
+        present::is_plain();
         let several = Arc::new(LaunchedRanks::start(rank, count)?);
         Ok(Launch { ranks: several.clone(), is_announced: Cell::new(false), several: Some(several) })
     }
@@ -63,15 +71,16 @@ impl Launch {
     pub fn announce_failure(&self) {
         let (rank, count) = (self.ranks.rank(), self.ranks.count());
         if count > 1 && !self.is_announced.replace(true) {
-            // As long as a launcher takes to end them.
-            let patience = if rank == 0 { 0 } else { 2000 + 300 * rank.min(10) as u64 };
+            // As long as a launcher takes to end them; where MPI does not start, none ends another.
+            let is_waiting = rank > 0 && self.ranks.wait_for_start().is_ok();
+            let patience = if is_waiting { 2000 + 300 * rank.min(10) as u64 } else { 0 };
             std::thread::sleep(std::time::Duration::from_millis(patience));
             hold_back(false);
             say(&format!("rank {rank} of {count}{} fails:\n", self.machine()));
         }
     }
 
-    /// Ends all processes where there are several: the others wait for this one.
+    /// Ends all processes where there are several: the others wait for this one. Where MPI does not start, returns.
     pub fn end_all(&self, _exit_code: u8) {
         #[cfg(feature = "mpi")]
         if let Some(several) = &self.several {

@@ -62,12 +62,17 @@ fn a_launcher_of_another_mpi_is_refused() {
     let is_mpich = std::env::var("MPIRUN").is_ok_and(|name| name.contains("mpich"));
     let [count, rank] =
         if is_mpich { ["OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"] } else { ["PMI_SIZE", "PMI_RANK"] };
-    let mut command = folder.command(&["run", "scene.toml", "--output", "all.exr"]);
-    let ran = command.env(count, "2").env(rank, "0").output().unwrap();
-    let said = String::from_utf8_lossy(&ran.stderr);
-    assert!(!ran.status.success() && !folder.join("all.exr").exists(), "{said}");
-    for words in ["rank 0 of 2", "another MPI", "rank 0 of 1", "mpicc"] {
-        assert!(said.contains(words), "{words}: {said}");
+    // Of a grid in one piece processes exchange nothing.
+    write_pieces(folder.path(), "whole", 1, |_| 0);
+    folder.write("whole.toml", &SCENE.replace("grid.pvtu", "whole.pvtu"));
+    for (scene, number) in [("scene.toml", "0"), ("whole.toml", "0"), ("whole.toml", "1")] {
+        let mut command = folder.command(&["run", scene, "--output", "all.exr"]);
+        let ran = command.env(count, "2").env(rank, number).output().unwrap();
+        let said = String::from_utf8_lossy(&ran.stderr);
+        assert!(!ran.status.success() && !folder.join("all.exr").exists(), "{scene}: {said}");
+        for words in [&format!("rank {number} of 2"), "another MPI", "rank 0 of 1", "mpicc"] {
+            assert!(said.contains(words), "{scene}, {words}: {said}");
+        }
     }
 }
 
