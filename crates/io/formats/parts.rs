@@ -1,8 +1,9 @@
 //! Parts of a grid: some pieces of a file at a time, with cells of the other pieces around them as ghosts. Each part has at its own cells
 //! what the grid of all pieces has there (docs/src/explanation/optics.md, section 2).
 //!
-//! [`borders`] finds the keys of points that may be shared, then the cells near those that are, where gradients or means look at them. It reads the pieces of the part that comes
-//! first, all that fit into memory, once, and keeps them for that part; the others one after the other, for the keys and for the
+//! [`borders`] finds the keys of points that may be shared, then the cells near those that are, where gradients, means, ghost flags or
+//! curved cells need them, and with global ids the values at those points of the piece whose values count. It reads the pieces of the part
+//! that comes first, all that fit into memory, once, and keeps them for that part; the others one after the other, for the keys and for the
 //! cells. Of several processes each reads its own, finds with the others which keys are shared ([`PointKeys::retain_shared`]), sends
 //! all others these, and each the cells that lie near the pieces of that one. In memory are, beside the pieces that are kept and one
 //! other, at first 49 bytes a point of the own pieces with global ids, or 60 a point in the box of another piece where there are none (its
