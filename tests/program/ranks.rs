@@ -64,7 +64,7 @@ fn a_launcher_of_another_mpi_is_refused() {
         if is_mpich { ["OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"] } else { ["PMI_SIZE", "PMI_RANK"] };
     // Of a grid in one piece processes exchange nothing.
     write_pieces(folder.path(), "whole", 1, |_| 0);
-    folder.write("whole.toml", &SCENE.replace("grid.pvtu", "whole.pvtu"));
+    folder.write("whole.toml", SCENE.replace("grid.pvtu", "whole.pvtu"));
     for (scene, number) in [("scene.toml", "0"), ("whole.toml", "0"), ("whole.toml", "1")] {
         let mut command = folder.command(&["run", scene, "--output", "all.exr"]);
         let ran = command.env(count, "2").env(rank, number).output().unwrap();
