@@ -53,6 +53,8 @@
 mod cli;
 mod document;
 mod facade;
+#[cfg(all(feature = "cli", feature = "mpi"))]
+mod launched_ranks;
 pub mod launcher;
 #[cfg(feature = "mpi")]
 pub mod mpi_ranks;

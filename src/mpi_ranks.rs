@@ -105,8 +105,8 @@ impl Ranks for MpiRanks {
             let share = |length: usize| length.saturating_sub(from).min(most);
             let parts = to_each.iter().map(|bytes| &bytes[from.min(bytes.len())..][..share(bytes.len())]);
             // The address of no bytes is 1 in Rust, and in MPI the sign of a transfer in place.
-            let mut out: Vec<u8> = parts.flatten().copied().collect();
-            out.push(0);
+            let end = &[0][..];
+            let out = parts.chain([end]).collect::<Vec<_>>().concat();
             let counts: Vec<i32> = to_each.iter().map(|bytes| share(bytes.len()) as i32).collect();
             let own: Vec<i32> = incoming.iter().map(|&length| share(length as usize) as i32).collect();
             let mut buffer = vec![0_u8; own.iter().map(|&count| count as usize).sum::<usize>() + 1];

@@ -340,7 +340,7 @@ pub fn sort_and_join(stretches: &mut Vec<Supersegment>, events: &[RayEvent], res
 }
 
 /// Composites a layer, premultiplied, behind others.
-pub fn composite_behind(sum: &mut [f64; 4], rgba: [f32; 4]) {
+fn composite_behind(sum: &mut [f64; 4], rgba: [f32; 4]) {
     let transmittance = 1.0 - sum[3];
     sum.iter_mut().zip(rgba).for_each(|(sum, value)| *sum += transmittance * f64::from(value));
 }

@@ -276,7 +276,7 @@ impl Compositor {
 /// A picture and what it took.
 #[derive(Debug, Clone)]
 pub struct RenderOutput {
-    /// The picture.
+    /// The picture; of a part it is transparent, see `part`.
     pub picture: Picture,
     /// Counts.
     pub counts: RenderStats,

@@ -6,7 +6,8 @@
 
 Needs numpy, mpirun (`MPIRUN` names another one), and pvbatch with an X server (scripts/install-paraview.sh), which ends with
 its first program without -noreset. Writes 6·side³ tetrahedra as a .pvtu of eight blocks, with --ids with global ids of the points. All runs have as many threads in all as there are processes in the row of several. They
-take turns. Medians of wall seconds with start and reading, files in the page cache; the largest memory (maximum resident set) of a process.
+take turns. Medians of wall seconds with start and reading, files in the page cache; of processor seconds of all processes together, in which a process of
+MPI that waits counts, too; the largest memory (maximum resident set) of a process.
 """
 
 import argparse
@@ -137,8 +138,8 @@ def write_piece(path, points, cells, values, ids):
 
 
 def measured(folder, command, count, threads):
-    """Wall seconds, and the largest memory of each process (MB). `count`: processes by MPI; None: without it."""
-    for file in folder.glob("memory_*"):
+    """Wall seconds, processor seconds, and the largest memory of each process (MB). `count`: processes by MPI; None: without it."""
+    for file in folder.glob("usage_*"):
         file.unlink()
     probe = [sys.executable, __file__, "--measure", *map(str, command)]
     # Of voltet, of VTK's filters and of Mesa, which draws for ParaView.
@@ -152,14 +153,15 @@ def measured(folder, command, count, threads):
     seconds = time.perf_counter() - start
     if ran.returncode != 0:
         sys.exit(f"{' '.join(launcher + probe)} failed:\n{ran.stdout[-2000:]}{ran.stderr[-2000:]}")
-    return seconds, sorted((int(file.read_text()) / 1000 for file in folder.glob("memory_*")), reverse=True)
+    usages = [json.loads(file.read_text()) for file in folder.glob("usage_*")]
+    return seconds, sum(usage[0] for usage in usages), sorted((usage[1] / 1000 for usage in usages), reverse=True)
 
 
 def measure(command):
-    """Runs a command, and writes its largest memory (kB) to a file of its process."""
+    """Runs a command, and writes its processor seconds and largest memory (kB) to a file of its process."""
     child = os.spawnvp(os.P_NOWAIT, command[0], command)
     _, status, usage = os.wait4(child, 0)
-    Path(f"memory_{os.getpid()}").write_text(str(usage.ru_maxrss))
+    Path(f"usage_{os.getpid()}").write_text(json.dumps([usage.ru_utime + usage.ru_stime, usage.ru_maxrss]))
     sys.exit(os.waitstatus_to_exitcode(status))
 
 
@@ -193,11 +195,11 @@ def main():
     for _ in range(options.rounds):
         for name, row in rows.items():
             results[name].append(measured(folder, *row))
-    print("| program | threads each | seconds | memory of a process |\n| --- | ---: | ---: | ---: |")
+    print("| program | threads each | seconds | processor seconds | memory of a process |\n| --- | ---: | ---: | ---: | ---: |")
     for name, runs in results.items():
-        seconds = statistics.median(run[0] for run in runs)
-        memory = [statistics.median(run[1][place] for run in runs) for place in range(len(runs[0][1]))]
-        print(f"| {name} | {rows[name][2]} | {seconds:.2f} | {', '.join(f'{own:.0f}' for own in memory)} MB |")
+        wall, processor = (statistics.median(run[place] for run in runs) for place in range(2))
+        memory = [statistics.median(run[2][place] for run in runs) for place in range(len(runs[0][2]))]
+        print(f"| {name} | {rows[name][2]} | {wall:.2f} | {processor:.2f} | {', '.join(f'{own:.0f}' for own in memory)} MB |")
 
 
 if __name__ == "__main__":

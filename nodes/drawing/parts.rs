@@ -220,6 +220,11 @@ fn check_boundary(call: &RunContext, tally: &PartTally) -> Result<()> {
     refuse_beyond_memory(call.progress(), || "the boundaries of parts of the grid".into(), bytes)
 }
 
+/// Refuses stretches of rays that do not fit into memory. `bytes`: what they take in all their copies.
+fn check_stretches(call: &RunContext, bytes: u64) -> Result<()> {
+    refuse_beyond_memory(call.progress(), || "the stretches of rays in parts of the grid".into(), bytes)
+}
+
 /// Draws each part by itself: their image, and figures of their cells, as far as these were not tallied before.
 fn draw_each(
     call: &mut RunContext,
@@ -229,7 +234,7 @@ fn draw_each(
 ) -> Result<(VolumetricDepthImage, PartTally)> {
     let camera = *call.camera("camera")?;
     let size = camera.size.map(|n| n as usize);
-    let mut image = VolumetricDepthImage::empty(size, camera.sample_offsets().len());
+    let mut image: Option<VolumetricDepthImage> = None;
     let mut tally = PartTally::default();
     call.each_part(&mut |call| {
         let manner = options(call);
@@ -258,13 +263,18 @@ fn draw_each(
         call.notes.add(drawn.notes);
         note(call, &drawn.counts);
         let own = drawn.part.ok_or_else(|| Error::run("the engine drew no volumetric depth image"))?;
-        // Both and what they become.
-        let bytes = 2 * (image.stretch_count() + own.stretch_count()) * STRETCH_BYTES;
-        refuse_beyond_memory(call.progress(), || "the stretches of rays in parts of the grid".into(), bytes)?;
-        image = call.stage("merge", |_| image.merged(&own, events))?;
+        image = Some(match image.take() {
+            None => own,
+            Some(image) => {
+                // Both and what they become.
+                check_stretches(call, 2 * (image.stretch_count() + own.stretch_count()) * STRETCH_BYTES)?;
+                call.stage("merge", |_| image.merged(&own, events))?
+            }
+        });
         check_boundary(call, &tally)
     })?;
-    Ok((image, tally))
+    let none = || VolumetricDepthImage::empty(size, camera.sample_offsets().len());
+    Ok((image.unwrap_or_else(none), tally))
 }
 
 /// The extent of the scene's whole grid.
@@ -349,9 +359,17 @@ fn picture_of_all(
         true => Ok(Vec::new()),
         false => Ok(image.rows(rows(rank))?.to_bytes()),
     };
+    // All rows, as they are sent or kept.
+    check_stretches(call, image.stretch_count() * STRETCH_BYTES)?;
     let to_each = (0..count).map(message).collect::<Result<Vec<_>>>()?;
-    let mut sent = to_each.iter().map(|bytes| bytes.len() as u64).fold(sent, u64::saturating_add);
     let mut own = image.rows(rows(own_rank))?;
+    let lengths: Vec<f64> = to_each.iter().map(|bytes| bytes.len() as f64).collect();
+    let coming =
+        call.gather(&lengths)?.iter().filter_map(|of_rank| of_rank.get(own_rank)).sum::<f64>() as u64;
+    let going = lengths.iter().sum::<f64>() as u64;
+    // A copy of what goes, and two of what comes, on the way; then that with the own rows, and what they become.
+    check_stretches(call, going + 2 * coming + 2 * (coming + own.stretch_count() * STRETCH_BYTES))?;
+    let mut sent = sent.saturating_add(going);
     for (rank, bytes) in call.ranks().exchange(to_each)?.iter().enumerate() {
         if rank != own_rank {
             own = own.merged(&VolumetricDepthImage::from_bytes(bytes)?, events)?;

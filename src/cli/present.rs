@@ -12,7 +12,7 @@ use annotate_snippets::{AnnotationKind, Group, Renderer, Snippet};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 use voltet_plugins::EndRequest;
 
@@ -31,11 +31,16 @@ pub fn shown(error: &Error, text: Option<&str>, level: Level) -> String {
         report = report.element(Level::HELP.message(format!("expected {}", printable(accepted))));
     }
     let terminal = std::io::stderr().is_terminal();
-    let plain = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty());
-    let renderer = if terminal && !plain { Renderer::styled() } else { Renderer::plain() };
+    let renderer = if terminal && !is_plain() { Renderer::styled() } else { Renderer::plain() };
     let decor = if terminal { DecorStyle::Unicode } else { DecorStyle::Ascii };
     // Lines stay whole, so that they can be searched; a terminal breaks them.
     renderer.decor_style(decor).term_width(10_000).render(&[report])
+}
+
+/// True if the environment asks for messages without colours, when this is first called.
+pub fn is_plain() -> bool {
+    static PLAIN: OnceLock<bool> = OnceLock::new();
+    *PLAIN.get_or_init(|| std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty()))
 }
 
 /// Title of the message: what is wrong, what was found, and where unless a caret shows it.

@@ -55,6 +55,27 @@ fn processes_draw_the_picture_of_one() {
     }
 }
 
+/// The launcher of one MPI, told by its variables, and a program of another: each process is alone there.
+#[test]
+fn a_launcher_of_another_mpi_is_refused() {
+    let folder = folder();
+    let is_mpich = std::env::var("MPIRUN").is_ok_and(|name| name.contains("mpich"));
+    let [count, rank] =
+        if is_mpich { ["OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"] } else { ["PMI_SIZE", "PMI_RANK"] };
+    // Of a grid in one piece processes exchange nothing.
+    write_pieces(folder.path(), "whole", 1, |_| 0);
+    folder.write("whole.toml", SCENE.replace("grid.pvtu", "whole.pvtu"));
+    for (scene, number) in [("scene.toml", "0"), ("whole.toml", "0"), ("whole.toml", "1")] {
+        let mut command = folder.command(&["run", scene, "--output", "all.exr"]);
+        let ran = command.env(count, "2").env(rank, number).output().unwrap();
+        let said = String::from_utf8_lossy(&ran.stderr);
+        assert!(!ran.status.success() && !folder.join("all.exr").exists(), "{scene}: {said}");
+        for words in [&format!("rank {number} of 2"), "another MPI", "rank 0 of 1", "mpicc"] {
+            assert!(said.contains(words), "{scene}, {words}: {said}");
+        }
+    }
+}
+
 #[test]
 fn a_process_that_fails_ends_all_and_says_why() {
     let folder = folder();

@@ -7,7 +7,7 @@ use super::cell_types::{CellType, code, describe_counts};
 use super::overlap::{faces, within};
 use super::parts::{
     Association, CellValues, Cells, FileCells, HangingPoint, Options, RawGrid, UNUSED, as_given, is_ghost,
-    number,
+    is_left_out, is_neighbour, number,
 };
 use super::source::{CellStatus, Source};
 use super::unsplit::unsplit;
@@ -58,7 +58,7 @@ fn try_build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
     };
     source.prepare(&parts.points, options.subdivision as usize)?;
     let plain = matches!(source.cells, Cells::Tetrahedra(_))
-        && source.ghost.is_none()
+        && source.ghost.is_none_or(|flags| !flags.iter().any(|&flags| is_left_out(flags)))
         && source.point_not_finite.is_none()
         && source.cell_not_finite.is_none();
     let tally = if plain { tally_plain(&source)? } else { tally(&source, progress)? };
@@ -192,26 +192,30 @@ fn renumbered(hanging: Vec<HangingPoint>, numbers: Option<&[u32]>) -> Vec<Hangin
 
 /// Takes the ghost cells from among those that are drawn, and gives each point its new number: those that ghosts alone use come last.
 fn set_ghosts_apart(grid: &mut Grid, flags: &[u8]) -> Vec<u32> {
-    let (ghosts, drawn): (Vec<usize>, Vec<usize>) =
-        (0..grid.tetrahedra.len()).partition(|&i| is_ghost(flags[grid.source_cell(i)]));
-    let mut is_drawn = vec![false; grid.points.len()];
-    drawn.iter().flat_map(|&i| grid.tetrahedra[i]).for_each(|p| is_drawn[p as usize] = true);
-    let (first, last): (Vec<u32>, Vec<u32>) =
-        (0..grid.points.len() as u32).partition(|&p| is_drawn[p as usize]);
-    let drawn_points = first.len();
-    let old: Vec<u32> = first.into_iter().chain(last).collect();
+    let cells = (0..grid.tetrahedra.len() as u32).into_par_iter().with_min_len(VALUE_CHUNK);
+    let (ghosts, drawn): (Vec<u32>, Vec<u32>) =
+        cells.partition(|&cell| is_ghost(flags[grid.source_cell(cell as usize)]));
+    let corners = |&cell: &u32| grid.tetrahedra[cell as usize];
+    let is_drawn = used_points(grid.points.len(), drawn.par_iter().map(corners));
+    let points = (0..grid.points.len() as u32).into_par_iter().with_min_len(VALUE_CHUNK);
+    let (mut old, last): (Vec<u32>, Vec<u32>) = points.partition(|&point| is_drawn[point as usize]);
+    let drawn_points = old.len();
+    old.extend(last);
     let mut order = vec![0; old.len()];
     old.iter().zip(0..).for_each(|(&old, new)| order[old as usize] = new);
 
-    let renumbered = |i: &usize| {
-        let mut corners = grid.tetrahedra[*i].map(|p| order[p as usize]);
+    let renumbered = |cell: &u32| corners(cell).map(|p| order[p as usize]);
+    let sorted = |cell: &u32| {
+        let mut corners = renumbered(cell);
         corners.sort_unstable();
         corners
     };
-    let tetrahedra: Vec<[u32; 4]> = drawn.iter().map(renumbered).collect();
+    // Points of drawn cells keep their order.
+    let tetrahedra: Vec<[u32; 4]> = drawn.par_iter().with_min_len(VALUE_CHUNK).map(renumbered).collect();
     grid.ghosts =
-        Some(Arc::new(GhostCells { tetrahedra: ghosts.iter().map(renumbered).collect(), drawn_points }));
-    grid.source_cells = Some(Arc::new(drawn.iter().map(|&i| grid.source_cell(i) as u32).collect()));
+        Some(Arc::new(GhostCells { tetrahedra: ghosts.iter().map(sorted).collect(), drawn_points }));
+    let source_cells = drawn.par_iter().map(|&cell| grid.source_cell(cell as usize) as u32).collect();
+    grid.source_cells = Some(Arc::new(source_cells));
     grid.tetrahedra = tetrahedra.into();
     grid.points = old.iter().map(|&p| grid.points[p as usize]).collect();
     let values = |values: &SharedSlice<f64>, n| SharedSlice::from(cell_values::gather(values, n, &old));
@@ -417,7 +421,7 @@ fn tally(source: &Source, progress: &dyn Progress) -> Result<CellCounts> {
     Ok(sum)
 }
 
-/// Counts tetrahedra all of which are drawn: only the point numbers are checked.
+/// Counts tetrahedra none of which is left out: only the point numbers are checked.
 fn tally_plain(source: &Source) -> Result<CellCounts> {
     let Cells::Tetrahedra(tetrahedra) = source.cells else { return Ok(CellCounts::default()) };
     let point_count = source.point_count;
@@ -427,12 +431,18 @@ fn tally_plain(source: &Source) -> Result<CellCounts> {
         // The first of them, in a slow pass that makes the message.
         return tally(source, &crate::progress::NoProgress);
     }
-    let mut by_type = BTreeMap::new();
-    if !tetrahedra.is_empty() {
-        by_type.insert(code::TETRA, tetrahedra.len() as u64);
-    }
-    let (chunk_tetrahedra, drawn) = (vec![tetrahedra.len()], tetrahedra.len() as u64);
-    Ok(CellCounts { by_type, chunk_tetrahedra, drawn, ..CellCounts::default() })
+    let with =
+        |is: fn(u8) -> bool| source.ghost.map_or(0, |all| all.iter().filter(|&&own| is(own)).count() as u64);
+    let (ghosts, neighbours) = (with(is_ghost), with(is_neighbour));
+    let own = tetrahedra.len() as u64 - neighbours;
+    Ok(CellCounts {
+        by_type: [(code::TETRA, own)].into_iter().filter(|(_, count)| *count > 0).collect(),
+        chunk_tetrahedra: vec![tetrahedra.len()],
+        without_owner: ghosts - neighbours,
+        neighbours,
+        drawn: tetrahedra.len() as u64 - ghosts,
+        ..CellCounts::default()
+    })
 }
 
 /// Goes over all cells again and writes the tetrahedra where the counts have made room for them.
@@ -497,6 +507,20 @@ fn not_finite(parts: &RawGrid, association: Association) -> Option<Vec<bool>> {
     marks
 }
 
+/// For each point true if a tetrahedron uses it.
+fn used_points(point_count: usize, tetrahedra: impl ParallelIterator<Item = [u32; 4]>) -> Vec<bool> {
+    let used: Vec<AtomicBool> = (0..point_count).map(|_| AtomicBool::new(false)).collect();
+    tetrahedra.for_each(|t| {
+        for p in t {
+            // Looking first keeps cache lines shared between cores that meet at the same points.
+            if !used[p as usize].load(Ordering::Relaxed) {
+                used[p as usize].store(true, Ordering::Relaxed);
+            }
+        }
+    });
+    used.into_iter().map(AtomicBool::into_inner).collect()
+}
+
 /// Drops the points that no tetrahedron uses, with their values; keeps the order of the others, so that ascending
 /// point numbers stay ascending. Gives each point's new number, [`UNUSED`] for those that are dropped; `None` where all stay.
 fn drop_unused_points(
@@ -504,16 +528,7 @@ fn drop_unused_points(
     tetrahedra: &mut SharedSlice<[u32; 4]>,
 ) -> Result<Option<Vec<u32>>> {
     let point_count = parts.points.len();
-    let used: Vec<AtomicBool> = (0..point_count).map(|_| AtomicBool::new(false)).collect();
-    tetrahedra.par_iter().with_min_len(VALUE_CHUNK).for_each(|t| {
-        for &p in t {
-            // Looking first keeps cache lines shared between cores that meet at the same points.
-            if !used[p as usize].load(Ordering::Relaxed) {
-                used[p as usize].store(true, Ordering::Relaxed);
-            }
-        }
-    });
-    let used: Vec<bool> = used.into_iter().map(AtomicBool::into_inner).collect();
+    let used = used_points(point_count, tetrahedra.par_iter().with_min_len(VALUE_CHUNK).copied());
     let used_count = used.iter().filter(|&&u| u).count();
     if used_count == point_count {
         return Ok(None);

@@ -179,7 +179,7 @@ pub(crate) struct Mesh {
     /// that lies on the other side.
     pub neighbours: Vec<u32>,
     pub(super) sides: Vec<Side>,
-    /// The longest edge of all cells, and of those that are thin, world units.
+    /// The longest edge of all cells of the whole grid, and of those that are thin, world units.
     pub longest: [f64; 2],
 }
 
@@ -187,7 +187,8 @@ pub(crate) struct Mesh {
 pub(super) const NO_FACE: u32 = u32::MAX;
 
 impl Mesh {
-    pub fn new(grid: &Grid) -> Mesh {
+    /// `longest`: the longest edges, where they are known.
+    pub fn new(grid: &Grid, longest: Option<[f64; 2]>) -> Mesh {
         let corners = |cell: &[u32; 4]| cell.map(|p| grid.points[p as usize]);
         let measure = |cell: &[u32; 4]| {
             let [a, b, c, d] = corners(cell);
@@ -200,10 +201,11 @@ impl Mesh {
             } else {
                 Side::Negative
             };
-            (side, extent::longest_edges_of_cell([a, b, c, d]))
+            let of_cell = || extent::longest_edges_of_cell([a, b, c, d]);
+            (side, longest.map_or_else(of_cell, |_| [0.0; 2]))
         };
         let max = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].max(b[1])];
-        let parts: Vec<(Vec<Side>, [f64; 2])> = grid
+        let found: Vec<(Vec<Side>, [f64; 2])> = grid
             .tetrahedra
             .par_chunks(MESH_CHUNK)
             .map(|cells| {
@@ -217,8 +219,9 @@ impl Mesh {
                 (sides, longest)
             })
             .collect();
-        let longest = parts.iter().fold([0.0; 2], |longest, (_, of_part)| max(longest, *of_part));
-        let sides = parts.into_iter().map(|(sides, _)| sides).collect::<Vec<_>>().concat();
+        let of_all = || found.iter().fold([0.0; 2], |longest, (_, of_chunk)| max(longest, *of_chunk));
+        let longest = longest.unwrap_or_else(of_all);
+        let sides = found.into_iter().map(|(sides, _)| sides).collect::<Vec<_>>().concat();
         let mut neighbours = cells_of_faces(grid);
         // Cells without a volume are passed by: no ray comes in, and what lies beside them is at a boundary. Cells on one side of the face
         // that they share overlap.
@@ -275,9 +278,9 @@ impl FaceCache {
         if mesh.is_some() { 0 } else { BYTES_PER_CELL }
     }
 
-    /// Faces of the volume.
-    pub fn mesh(&self, grid: &Grid) -> Arc<Mesh> {
-        get_or_compute(&self.faces.mesh, |_| true, || Mesh::new(grid))
+    /// Faces of the volume, with the longest edges of the whole grid where they are known.
+    pub fn mesh(&self, grid: &Grid, longest: Option<[f64; 2]>) -> Arc<Mesh> {
+        get_or_compute(&self.faces.mesh, |_| true, || Mesh::new(grid, longest))
     }
 
     /// Half-faces of some cells, ascending.

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher};
 use std::sync::Arc;
 use voltet_core::transfer::TransferFunction;
-use voltet_optics::scene_parts::{PartTally, SceneExtent};
+use voltet_optics::scene_parts::PartTally;
 use voltet_optics::shading::Ordering;
 use voltet_simd::{Float, Kernel, LaneSet, Lanes, Mask, Unsigned, array, dispatch, inlined, mask_of};
 
@@ -55,12 +55,11 @@ impl RayCaster {
         }
         // Faces are found last: of a volume that takes longer than a frame.
         let grid = &cells.volume.grid;
-        let mesh = faces.mesh(grid);
-        let longest_edges = cells.whole.as_ref().map_or(mesh.longest, |whole| whole.longest_edges);
-        if are_thin_cells_dense(cells, longest_edges, max_optical_depth) {
+        let mesh = faces.mesh(grid, longest_of_whole(cells));
+        if are_thin_cells_dense(cells, mesh.longest, max_optical_depth) {
             return None;
         }
-        let longest = longest_edges[0] / cells.length;
+        let longest = mesh.longest[0] / cells.length;
         let half_faces = faces.half_faces(&mesh, grid, drawn);
         let allows_boundary = policy.allows_boundary(half_faces.boundary.len() as f64, drawn.len() as f64);
         if !cells.casts_rays && !allows_boundary {
@@ -92,6 +91,11 @@ fn serves(cells: &CellSelection, drawn: &[u32], attribute_count: usize) -> bool 
         && drawn.len() <= MAX_CELLS
 }
 
+/// The longest edges of the whole grid that the cells are a part of: of all cells and of thin ones, world units.
+fn longest_of_whole(cells: &CellSelection) -> Option<[f64; 2]> {
+    cells.whole.as_ref().map(|whole| whole.longest_edges)
+}
+
 /// True if thin cells are optically thick: they are projected. `longest_edges`: of all cells and of thin ones, world units.
 fn are_thin_cells_dense(cells: &CellSelection, [_, longest_thin]: [f64; 2], max_optical_depth: f64) -> bool {
     MAX_THIN_CELL_DEPTH < max_optical_depth * (longest_thin / cells.length)
@@ -110,16 +114,15 @@ pub(crate) fn tally(
     let grid = &cells.volume.grid;
     let drawn = faces.map_or(&cells.ids, |faces| drawn(cells, faces, view, extent));
     let covered_pixels = covered_pixels(view, screen_vertices, &grid.tetrahedra, &cells.ids);
-    let is_dense =
-        |whole: &Arc<SceneExtent>| are_thin_cells_dense(cells, whole.longest_edges, max_optical_depth);
-    let possible = faces
-        .filter(|_| serves(cells, drawn, attribute_count) && !cells.whole.as_ref().is_some_and(is_dense));
+    let longest = longest_of_whole(cells);
+    let is_dense = longest.is_some_and(|longest| are_thin_cells_dense(cells, longest, max_optical_depth));
+    let possible = faces.filter(|_| serves(cells, drawn, attribute_count) && !is_dense);
     let is_in_view = !cells.ids.is_empty();
     let could_be_cast = caster.is_none() && possible.is_some();
     // Where rays are not cast for the boundary alone, or for the view alone, it is found.
     let pays = policy.pays(covered_pixels / drawn.len().max(1) as f64);
     let is_found = finds_boundary || caster.is_some() || pays || !is_in_view;
-    let mesh = possible.filter(|_| is_found).map(|faces| faces.mesh(grid));
+    let mesh = possible.filter(|_| is_found).map(|faces| faces.mesh(grid, longest));
     let half_faces = match (caster, faces, &mesh) {
         (Some(caster), ..) => Some(caster.half_faces.clone()),
         (None, Some(faces), Some(mesh)) => Some(faces.half_faces(mesh, grid, drawn)),

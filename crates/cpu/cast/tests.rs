@@ -17,7 +17,7 @@ fn corners(grid: &Grid, mesh: &Mesh, cells: &[u32], half_face: u32) -> [u32; 3] 
 
 /// Whatever face a ray goes out by, it comes in by one of the same corners, rotation as the record says, or is out.
 fn leads_on(grid: &Grid, cells: &Arc<Vec<u32>>) -> usize {
-    let mesh = Mesh::new(grid);
+    let mesh = Mesh::new(grid, None);
     let half_faces = HalfFaces::new(&mesh, &grid.tetrahedra, cells);
     let mut out = 0;
     for (number, record) in half_faces.records[..4 * cells.len()].iter().enumerate() {
@@ -64,14 +64,14 @@ fn cells_on_one_side_of_a_face_share_none() {
     // Folded over: the middle of three layers of points lies behind the last.
     let folded =
         moved(&cube([2, 1, 1], 0.0), |p| glam::DVec3::new([0.0, 1.0, 0.4][(2.0 * p.x) as usize], p.y, p.z));
-    let mesh = Mesh::new(&folded);
+    let mesh = Mesh::new(&folded, None);
     for (half_face, &there) in mesh.neighbours.iter().enumerate().filter(|(_, there)| **there != NO_FACE) {
         assert_eq!(mesh.neighbours[there as usize], half_face as u32);
         let layer = |half_face: usize| half_face / 4 / (folded.tetrahedra.len() / 2);
         assert_eq!(layer(half_face), layer(there as usize), "across the fold");
     }
     let flat = moved(&cube([2, 1, 1], 0.0), |p| glam::DVec3::new(p.x.min(0.5), p.y, p.z));
-    let mesh = Mesh::new(&flat);
+    let mesh = Mesh::new(&flat, None);
     assert!(mesh.sides.contains(&Side::Flat));
     let of_flat = |half_face: usize| mesh.sides[half_face / 4] == Side::Flat;
     assert!((0..mesh.neighbours.len()).all(|k| !of_flat(k) || mesh.neighbours[k] == NO_FACE));

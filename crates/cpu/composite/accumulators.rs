@@ -16,11 +16,18 @@ pub(crate) struct TileAccumulator {
     transmittance: [f32; PIXELS],
     /// Error of the transmittances by rounding: the product of thousands of numbers just below 1 is off by that much.
     rest: [f32; PIXELS],
+    /// Transmittance of what was taken out.
+    before: [f32; PIXELS],
 }
 
 impl TileAccumulator {
     pub fn new() -> TileAccumulator {
-        TileAccumulator { rgba: [[0.0; PIXELS]; 4], transmittance: [1.0; PIXELS], rest: [0.0; PIXELS] }
+        TileAccumulator {
+            rgba: [[0.0; PIXELS]; 4],
+            transmittance: [1.0; PIXELS],
+            rest: [0.0; PIXELS],
+            before: [1.0; PIXELS],
+        }
     }
 
     /// Stores colour and opacity of all pixels.
@@ -31,9 +38,24 @@ impl TileAccumulator {
         }
     }
 
+    /// Takes out colour and opacity of a pixel: what is blended further comes behind.
+    pub fn take_out(&mut self, pixel: usize) -> [f32; 4] {
+        self.before[pixel] *= std::mem::replace(&mut self.transmittance[pixel], 1.0);
+        self.rest[pixel] = 0.0;
+        let [r, g, b, a] = self.rgba.each_mut().map(|column| std::mem::take(&mut column[pixel]));
+        [r, g, b, a.min(1.0)]
+    }
+
+    /// Notes that what is blended further into a pixel lies behind something of an opacity.
+    pub fn hide(&mut self, pixel: usize, opacity: f32) {
+        self.before[pixel] *= 1.0 - opacity;
+    }
+
     /// Transmittance of each pixel in a row; values below [`MIN_TRANSMITTANCE`] are not meaningful.
-    pub fn transmittance(&self, row: usize) -> &[f32; TILE] {
-        self.transmittance[row * TILE..].first_chunk().expect("a tile's row")
+    pub fn transmittance(&self, row: usize) -> [f32; TILE] {
+        std::array::from_fn(|column| {
+            self.before[row * TILE + column] * self.transmittance[row * TILE + column]
+        })
     }
 
     /// True if no further segment changes any pixel of a row.
@@ -41,16 +63,9 @@ impl TileAccumulator {
         self.transmittance(row).iter().all(|transmittance| *transmittance <= MIN_TRANSMITTANCE)
     }
 
-    /// Blends the first `count` segments of a batch, slices of a row, into it.
-    pub fn take(&mut self, lanes: LaneSet, row: usize, batch: &Batch, shaded: &ShadedBatch, count: usize) {
-        let lengths = Some(&batch.length[..count]);
-        let columns = [0, 1, 2, 3].map(|c: usize| &shaded.rgba[c][..count]);
+    /// Blends colours and opacities, slice by slice, into a row; with `lengths` those of no length are none.
+    pub fn blend(&mut self, lanes: LaneSet, row: usize, lengths: Option<&[f32]>, columns: [&[f32]; 4]) {
         dispatch(lanes, Over { pixels: self, row, lengths, columns });
-    }
-
-    /// Blends colours and opacities, slice by slice, into a row.
-    pub fn blend(&mut self, lanes: LaneSet, row: usize, columns: [&[f32]; 4]) {
-        dispatch(lanes, Over { pixels: self, row, lengths: None, columns });
     }
 }
 

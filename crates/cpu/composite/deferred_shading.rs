@@ -3,6 +3,7 @@
 
 use crate::composite::accumulators::TileAccumulator;
 use crate::composite::frame::FrameContext;
+use crate::composite::stretches::{RowSegments, StretchRecorder};
 use crate::fragments::batch::{BATCH, Batch, Column};
 use crate::shade::shaded_batch::{KINDS, ShadedBatch};
 use crate::shade::shader::finish;
@@ -61,8 +62,8 @@ impl DeferredShading {
     }
 
     /// Begins a row whose pixels have a transmittance.
-    pub fn begin(&mut self, row: usize, transmittance: &[f32; TILE]) {
-        self.transmittance[row] = *transmittance;
+    pub fn begin(&mut self, row: usize, transmittance: [f32; TILE]) {
+        self.transmittance[row] = transmittance;
     }
 
     /// True if no further segment of a deferred row is visible.
@@ -91,7 +92,7 @@ impl DeferredShading {
         deferred: &mut DeferredFragments,
     ) {
         self.find_visibility(row, batch, shaded, count);
-        let first = deferred.take(row, batch, shaded, count);
+        let first = deferred.take(frame, (row, batch), shaded, count);
         let rgba = &shaded.rgba;
         for (number, which) in shaded.left_over().into_iter().enumerate() {
             for &k in which {
@@ -179,6 +180,8 @@ impl DeferredShading {
 #[derive(Default)]
 pub(crate) struct DeferredFragments {
     columns: [Vec<f32>; 4],
+    /// Depths of entries, infinite of those that are none, and of exits, as the recorder takes them, where stretches of rays are recorded.
+    depths: [Vec<f32>; 2],
     /// Deferred rows, each with the index of its first segment; a row may come again.
     rows: Vec<(usize, usize)>,
 }
@@ -204,14 +207,29 @@ impl DeferredFragments {
     }
 
     /// Takes the first `count` segments of a batch, slices of a row; those of no length are clear. Returns the index of the first.
-    pub fn take(&mut self, row: usize, batch: &Batch, shaded: &ShadedBatch, count: usize) -> usize {
+    pub fn take(
+        &mut self,
+        frame: &FrameContext<'_>,
+        (row, batch): (usize, &Batch),
+        shaded: &ShadedBatch,
+        count: usize,
+    ) -> usize {
         let first = self.columns[0].len();
         if self.rows.last().is_none_or(|(last, _)| *last != row) {
             self.rows.push((row, first));
         }
+        let lengths = &batch.length[..count];
+        let put = |column: &mut Vec<f32>, values: &[f32], none: f32| {
+            let of_segment = |(value, length): (&f32, &f32)| if *length > 0.0 { *value } else { none };
+            column.extend(values[..count].iter().zip(lengths).map(of_segment));
+        };
         for (column, values) in self.columns.iter_mut().zip(&shaded.rgba) {
-            let of_segment = |(value, length): (&f32, &f32)| if *length > 0.0 { *value } else { 0.0 };
-            column.extend(values[..count].iter().zip(&batch.length[..count]).map(of_segment));
+            put(column, &values[..], 0.0);
+        }
+        if frame.records_stretches {
+            let [entries, exits] = &mut self.depths;
+            put(entries, &batch.entry[..], f32::INFINITY);
+            exits.extend_from_slice(&batch.exit[..count]);
         }
         first
     }
@@ -221,15 +239,27 @@ impl DeferredFragments {
         self.columns.iter_mut().zip(rgba).for_each(|(column, value)| column[index] = value);
     }
 
-    /// Blends all segments into their rows; none remains.
-    pub fn end(&mut self, lanes: LaneSet, pixels: &mut TileAccumulator) {
+    /// Blends all segments into their rows; none remains. `recorder`: that of stretches of rays, where they are recorded.
+    pub fn end(
+        &mut self,
+        lanes: LaneSet,
+        pixels: &mut TileAccumulator,
+        mut recorder: Option<&mut StretchRecorder>,
+    ) {
         debug_assert!(self.columns[0].len().is_multiple_of(TILE), "whole slices");
         let last = self.columns[0].len();
         for (k, &(row, first)) in self.rows.iter().enumerate() {
             let end = self.rows.get(k + 1).map_or(last, |(_, next)| *next);
-            pixels.blend(lanes, row, self.columns.each_ref().map(|column| &column[first..end]));
+            let columns = self.columns.each_ref().map(|column| &column[first..end]);
+            match &mut recorder {
+                None => pixels.blend(lanes, row, None, columns),
+                Some(recorder) => {
+                    let depths = self.depths.each_ref().map(|column| &column[first..end]);
+                    recorder.blend(lanes, row, RowSegments { lengths: None, columns, depths }, pixels);
+                }
+            }
         }
         self.rows.clear();
-        self.columns.iter_mut().for_each(Vec::clear);
+        self.columns.iter_mut().chain(&mut self.depths).for_each(Vec::clear);
     }
 }

@@ -13,5 +13,7 @@ pub(crate) mod row_shader;
 pub(crate) mod segment_parts;
 mod straight_pieces;
 pub(crate) mod stretches;
+#[cfg(test)]
+mod stretches_tests;
 mod tile;
 pub(crate) mod worker;

@@ -5,11 +5,11 @@ use crate::cast::ray_caster::BoundaryHits;
 use crate::composite::accumulators::{TileAccumulator, TilePixels};
 use crate::composite::deferred_shading::{DeferredFragments, DeferredShading};
 use crate::composite::fragment_lists::{Arrange, Fill, FragmentLists};
-use crate::composite::frame::FrameContext;
+use crate::composite::frame::{FrameContext, SegmentSource};
 use crate::composite::illumination::illuminate;
 use crate::composite::segment_parts::SegmentCutter;
 use crate::composite::straight_pieces::straighten;
-use crate::composite::stretches::StretchRecorder;
+use crate::composite::stretches::{RowSegments, StretchRecorder, WAS_CUT};
 use crate::counts::Counts;
 use crate::fragments::batch::{BATCH, Batch, DepthLimits, MAX_LANES, clip_to_depth};
 use crate::fragments::crossing::CellPacket;
@@ -82,7 +82,10 @@ impl RowShader {
             cutter: (frame.events.is_some() || frame.axes.is_some())
                 .then(|| Box::new(SegmentCutter::new(frame))),
             values: frame.axes.map(|_| Box::new(Batch::new(frame.attribute_count(), frame.scalar_count))),
-            recorder: frame.records_stretches.then(|| StretchRecorder::new(frame.events.is_some())),
+            recorder: frame.records_stretches.then(|| {
+                let is_cast = matches!(frame.source, SegmentSource::RayCast(_));
+                StretchRecorder::new(frame.events.is_some(), is_cast)
+            }),
         }
     }
 
@@ -174,7 +177,7 @@ impl RowShader {
             }
         };
         let is_deferred = deferred.holds(row);
-        if !frame.shader.pools() || self.recorder.is_some() {
+        if !frame.shader.pools() {
             finish(frame.shader, frame.lanes, batch, shaded);
         } else if is_deferred || shaded.left_over().iter().any(|which| !which.is_empty()) {
             if !is_deferred {
@@ -182,23 +185,45 @@ impl RowShader {
             }
             deferred_shading.mark_deferred(shaded);
             self.light(frame, count);
-            self.put_colors(cut);
+            self.put_colors(row, cut, pixels);
             let RowShader { batch, shaded, deferred_shading, deferred, .. } = self;
             return deferred_shading.take(frame, (row, batch), shaded, count, deferred);
         }
         self.light(frame, count);
-        if let Some(recorder) = &mut self.recorder {
-            recorder.take(&self.batch, &self.shaded, count, cut);
+        self.put_colors(row, cut, pixels);
+        let RowShader { batch, shaded, recorder, .. } = self;
+        let lengths = Some(&batch.length[..count]);
+        let columns = shaded.rgba.each_ref().map(|column| &column[..count]);
+        match recorder {
+            None => pixels.blend(frame.lanes, row, lengths, columns),
+            Some(recorder) => {
+                let depths = [&batch.entry[..count], &batch.exit[..count]];
+                recorder.blend(frame.lanes, row, RowSegments { lengths, columns, depths }, pixels);
+            }
         }
-        self.put_colors(cut);
-        pixels.take(frame.lanes, row, &self.batch, &self.shaded, count);
     }
 
-    fn put_colors(&mut self, cut: &[(usize, [f32; 4])]) {
+    /// Puts the colours of segments that were cut into their slots, which have no length; where stretches are recorded, they stay without: the
+    /// parts of these segments are by themselves, end the run before them, and hide what is behind.
+    fn put_colors(&mut self, row: usize, cut: &[(usize, [f32; 4])], pixels: &mut TileAccumulator) {
         for (k, rgba) in cut {
+            if self.recorder.is_some() {
+                self.batch.exit[*k] = WAS_CUT;
+                pixels.hide(row * TILE + k % TILE, rgba[3]);
+                continue;
+            }
             self.batch.length[*k] = 1.0;
             self.shaded.rgba.iter_mut().zip(rgba).for_each(|(column, value)| column[*k] = *value);
         }
+    }
+
+    /// Blends what is deferred, and stores the pixels of a tile.
+    pub fn store(&mut self, frame: &FrameContext<'_>, mut pixels: TilePixels, picture: &mut TilePicture) {
+        self.end(frame, &mut pixels);
+        if let (TilePixels::Colors(pixels), Some(recorder)) = (&mut pixels, &mut self.recorder) {
+            recorder.close_all(pixels);
+        }
+        pixels.store(picture);
     }
 
     /// Composites the surfaces behind the last segments of a tile's pixels.
@@ -212,7 +237,7 @@ impl RowShader {
     pub fn end(&mut self, frame: &FrameContext<'_>, pixels: &mut TilePixels) {
         if let TilePixels::Colors(pixels) = pixels {
             self.deferred_shading.finish(frame, &mut self.deferred);
-            self.deferred.end(frame.lanes, pixels);
+            self.deferred.end(frame.lanes, pixels, self.recorder.as_mut());
         }
     }
 
@@ -243,7 +268,8 @@ pub(crate) fn blend_by_numbers(
                 let of_segment = rgba.get(batch.front[0][k].to_bits() as usize).copied().unwrap_or_default();
                 shaded.rgba.iter_mut().zip(of_segment).for_each(|(column, value)| column[k] = value);
             }
-            pixels.take(lanes, row, &batch, &shaded, count);
+            let lengths = Some(&batch.length[..count]);
+            pixels.blend(lanes, row, lengths, shaded.rgba.each_ref().map(|column| &column[..count]));
         }
     }
     disordered

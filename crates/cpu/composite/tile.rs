@@ -78,8 +78,7 @@ pub(crate) fn draw_cached(
             scratch.counts.segments += slices.segments;
         }
     }
-    scratch.row_shader.end(frame, &mut pixels);
-    pixels.store(picture);
+    scratch.row_shader.store(frame, pixels, picture);
 }
 
 /// Draws a tile by rays from cell to cell. Returns false if a ray was mistracked on the way.
@@ -138,11 +137,10 @@ pub(crate) fn draw_cast(
             row_shader.end(frame, &mut pixels);
         }
     }
-    row_shader.end(frame, &mut pixels);
+    let mut by_packet = [[0.0; 4]; PIXELS];
+    row_shader.store(frame, pixels, &mut by_packet);
     counts.segments += packets.iter().map(|packet| packet.segments).sum::<u64>();
     counts.tiles_stopped += u64::from(entered > 0 && terminated == entered);
-    let mut by_packet = [[0.0; 4]; PIXELS];
-    pixels.store(&mut by_packet);
     for (slot, pixel) in by_packet.iter().enumerate() {
         picture[pixel_of(slot / TILE, slot % TILE)] = *pixel;
     }
@@ -174,8 +172,7 @@ fn draw_in_lists(
         let mut next = |batch: &mut Batch| slices.next(frame.lanes, frame.needs_depths(), batch);
         scratch.row_shader.blend(frame, row, &mut next, &mut pixels);
     }
-    scratch.row_shader.end(frame, &mut pixels);
-    pixels.store(picture);
+    scratch.row_shader.store(frame, pixels, picture);
     Ok(())
 }
 

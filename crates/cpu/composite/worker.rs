@@ -32,13 +32,15 @@ pub(crate) struct WorkerOutput {
 }
 
 impl WorkerOutput {
-    /// Puts a tile that was drawn, with its stretches.
+    /// Puts a tile that was drawn, or its stretches.
     fn put(&mut self, frame: &FrameContext<'_>, tile: u32, picture: Box<TilePicture>, scratch: &mut Scratch) {
-        if let Some(recorder) = &mut scratch.row_shader.recorder {
-            let rect = TileRect::new(tile as usize, frame.view.size);
-            self.stretches.push((tile, recorder.finish(frame, rect, &picture)));
+        match &mut scratch.row_shader.recorder {
+            None => self.tiles.push((tile, picture)),
+            Some(recorder) => {
+                let rect = TileRect::new(tile as usize, frame.view.size);
+                self.stretches.push((tile, recorder.finish(frame, rect, &picture)));
+            }
         }
-        self.tiles.push((tile, picture));
     }
 }
 

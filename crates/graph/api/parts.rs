@@ -10,7 +10,7 @@ pub const PIECES_READ: &str = "pieces_read";
 pub struct GridPart {
     /// Numbers of the pieces in the file.
     pub pieces: Vec<usize>,
-    /// Rings of cells of other pieces around them that nodes may look at.
+    /// Rings of cells of other pieces around them that filters of nodes may look at.
     pub layers: usize,
 }
 
@@ -21,7 +21,7 @@ pub struct SweptParts {
     pub bounds: Option<[DVec3; 2]>,
 }
 
-/// Rings of cells around a part that means of cell values look at.
+/// Further rings of cells around a part, where values on cells become means at points.
 pub const MEAN_LAYERS: usize = 1;
 
 /// Further rings that the filter of each node with gradients may look at: those of the neighbours of neighbours.

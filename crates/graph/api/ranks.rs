@@ -16,6 +16,14 @@ pub trait Ranks: Send + Sync + Debug {
     /// # Errors
     /// - another process ended, or the network failed.
     fn exchange(&self, to_each: Vec<Vec<u8>>) -> Result<Vec<Vec<u8>>>;
+
+    /// Waits until this process can send to the others; sends nothing. A run whose processes exchange nothing asks it before it works.
+    ///
+    /// # Errors
+    /// - it never can.
+    fn wait_for_start(&self) -> Result<()> {
+        Ok(())
+    }
 }
 
 /// The only process of a run.

@@ -5,7 +5,7 @@ use super::plan::Done;
 use crate::api::context::{Make, Preparation, RetainedValue};
 use crate::api::demand::Demand;
 use crate::api::node::PartWork;
-use crate::api::parts::{GRADIENT_LAYERS, GridPart, MEAN_LAYERS, SweptParts};
+use crate::api::parts::{GRADIENT_LAYERS, GridPart, SweptParts};
 use crate::api::ranks::Ranks;
 use crate::api::value::{Edge, PortType, Revision, Value};
 use crate::build::graph::Graph;
@@ -70,7 +70,7 @@ impl Division {
         let groups = grouped(&sizes, own_pieces(&sizes, ranks), memory);
         let mut is_mapped = vec![false; graph.nodes.len()];
         let mut is_cut = vec![false; graph.nodes.len()];
-        let mut layers = MEAN_LAYERS;
+        let mut layers = 0;
         for &place in &graph.order {
             let node = &graph.nodes[place];
             let is_fed = node.inputs.iter().any(|edge| is_mapped[edge.node]);

@@ -170,6 +170,9 @@ impl Session {
             (node.node.prepare)(&preparation).map_err(|error| node.locate(error))?;
         }
         let division = Division::new(graph, self.memory, &*self.ranks)?;
+        if division.is_none() {
+            self.ranks.wait_for_start()?;
+        }
         let part_runs = division.as_ref().map(|division| PartRuns::new(&plan.demands, division));
         let (all_done, mut report) =
             self.work_through(graph, &plan, &graph.order, part_runs.as_ref(), observer)?;
@@ -259,8 +262,12 @@ impl Session {
                 all_done[i] = Some(in_parts(outputs, || self.outputs.next_revision()));
                 continue;
             }
-            if node.node.outputs.is_empty() && self.ranks.rank() > 0 {
-                continue;
+            if node.node.outputs.is_empty() {
+                if self.ranks.rank() > 0 {
+                    continue;
+                }
+                // Before anything is written.
+                self.ranks.wait_for_start()?;
             }
             observer.started(&node.name, place, order.len());
             let mut done = match &plan.early[i] {

@@ -126,7 +126,7 @@ pub fn piece_sizes(path: &Path, request: &Request) -> Result<Vec<PieceSize>> {
 }
 
 /// Borders between a file's pieces, for [`read_part`] with the same request. `layers` of cells around a part serve it as ghosts: for
-/// gradients of point values as many as the filter looks at rings of neighbours; for means of cell values at points one more. `first`: the
+/// gradients as many as the filter looks at rings of neighbours; where values on cells become means at points, there is one more. `first`: the
 /// pieces that are read first, together, which are kept until then; where they are all of this process, it reads them in no other
 /// way. Of the others, read one after the other, what is near the borders is kept. `share`: the pieces that this process reads, of
 /// the several that call this together, and the others, which it exchanges the borders with; `None`: it reads all pieces.

@@ -1,8 +1,9 @@
 //! Parts of a grid: some pieces of a file at a time, with cells of the other pieces around them as ghosts. Each part has at its own cells
 //! what the grid of all pieces has there (docs/src/explanation/optics.md, section 2).
 //!
-//! [`borders`] finds the keys of points that may be shared, then the cells near those that are. It reads the pieces of the part that comes
-//! first, all that fit into memory, once, and keeps them for that part; the others one after the other, for the keys and for the
+//! [`borders`] finds the keys of points that may be shared, then the cells near those that are, where gradients, means, ghost flags or
+//! curved cells need them, and with global ids the values at those points of the piece whose values count. It reads the pieces of the part
+//! that comes first, all that fit into memory, once, and keeps them for that part; the others one after the other, for the keys and for the
 //! cells. Of several processes each reads its own, finds with the others which keys are shared ([`PointKeys::retain_shared`]), sends
 //! all others these, and each the cells that lie near the pieces of that one. In memory are, beside the pieces that are kept and one
 //! other, at first 49 bytes a point of the own pieces with global ids, or 60 a point in the box of another piece where there are none (its
@@ -25,6 +26,7 @@ use voltet_core::grid::{
 };
 use voltet_core::progress::{Progress, refuse_beyond_memory};
 use voltet_core::{Error, Result, SharedSlice, counted};
+use voltet_graph::MEAN_LAYERS;
 
 /// Size of a piece of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -94,12 +96,13 @@ pub(super) fn borders(
     let choices = &choices(dataset, request)?;
     let mut own = OwnPieces { dataset, request, choices, meter: &meter, kept: BTreeMap::new(), reads: 0 };
     let pieces = drawn_pieces(&mut own, share)?;
+    let has_means = is_averaged(request, choices);
     let mut found = PieceBorders {
         is_drawn: vec![false; dataset.pieces.len()],
         shared: SharedPoints::default(),
         halos: vec![None; dataset.pieces.len()],
         first_cells: vec![0; dataset.pieces.len()],
-        is_adaptive: is_averaged(request, choices)
+        is_adaptive: has_means
             && pieces.iter().any(|piece| matches!(piece.1.geometry, Geometry::Adaptive(_))),
         kept: Mutex::default(),
         reads: 0,
@@ -115,7 +118,7 @@ pub(super) fn borders(
     }
     // A ghost cell is without owner only where no other piece has its original.
     let has_ghosts = pieces.iter().any(|piece| has_ghost_flags(piece.1));
-    let layers = layers.max(usize::from(has_ghosts));
+    let layers = (layers + if has_means { MEAN_LAYERS } else { 0 }).max(usize::from(has_ghosts));
     let numbered: Vec<NumberedPiece> = pieces.iter().copied().filter(|piece| share.has(piece.0)).collect();
     own.keep(numbered.iter().copied().filter(|piece| first.contains(&piece.0)).collect())?;
     let own_keys = match global_ids(dataset) {

@@ -2,9 +2,10 @@
 
 use super::graph;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 use voltet_core::Result;
 use voltet_core::picture::Picture;
-use voltet_graph::{NoObserver, RunReport, Session};
+use voltet_graph::{NoObserver, Observer, RunReport, Session};
 use voltet_nodes::session;
 use voltet_testing::files::pieces::{SIDE, write_pieces};
 use voltet_testing::thread_ranks::on_ranks;
@@ -205,6 +206,31 @@ fn processes_choose_with_the_whole_boundary() {
         }
         assert!(has_revised, "no size at which the choice was made in {rounds} rounds");
     }
+}
+
+/// Memory that ends once cells are composited.
+#[derive(Default)]
+struct EndingMemory(AtomicBool);
+
+impl Observer for EndingMemory {
+    fn progress(&self, _node: &str, stage: &str, _fraction: f64) {
+        self.0.fetch_or(stage == "composite", Ordering::Relaxed);
+    }
+
+    fn memory_left(&self) -> Option<u64> {
+        self.0.load(Ordering::Relaxed).then_some(1000)
+    }
+}
+
+#[test]
+fn stretches_beyond_memory_are_refused_before_they_are_sent() {
+    let folder = folder();
+    let drawn = on_ranks(2, |ranks| {
+        let graph = graph(PIPELINE, folder.path()).unwrap();
+        session().with_ranks(ranks).run(&graph, &EndingMemory::default())
+    });
+    let errors: Vec<String> = drawn.into_iter().map(|report| report.unwrap_err().to_string()).collect();
+    assert!(errors.iter().any(|error| error.contains("the stretches of rays")), "{errors:?}");
 }
 
 /// The pipeline with nodes between the gradient and what looks at it.

@@ -53,13 +53,12 @@ fn parts(path: &Path, request: &Request, layers: usize, groups: usize) -> Vec<Gr
 /// Compares the parts of a file with all of it; gives the number of parts with something to draw.
 fn assert_parts_are_the_file(path: &Path, request: &Request) -> usize {
     let whole = read(path, request, &NoProgress).unwrap();
-    let of_cells = !whole.origin.arrays_of_cells.is_empty() || request.association == Some(Association::Cell);
     let count = piece_sizes(path, request).unwrap().len();
     let mut most = 0;
     for groups in [count, 2] {
         let filters: [&[&dyn GradientFilter]; 3] = [&[], &[&LeastSquares], &[&QuadraticFit]];
         for (rings, filters) in filters.into_iter().enumerate() {
-            let parts = parts(path, request, rings + usize::from(of_cells), groups);
+            let parts = parts(path, request, rings, groups);
             let what = format!("{}, {:?}, {groups} groups, {rings} rings", path.display(), request.scalar);
             let expected = drawn(&whole, filters);
             let mut found: Vec<Tetrahedron> = parts.iter().flat_map(|part| drawn(part, filters)).collect();
@@ -231,6 +230,25 @@ fn pieces_that_are_not_there_are_errors() {
     let other = file(&folder, "other.vtu", box_in_pieces(|_| 0, false, false).as_bytes());
     let error = read_part(&other, &request, &[1], &borders, &NoProgress).unwrap_err().to_string();
     assert!(error.contains("borders are those of another file") && error.contains("2 pieces"), "{error}");
+}
+
+/// Values at points need no cells of other pieces; gradients and means of cell values do.
+#[test]
+fn cells_near_the_borders_are_kept_where_values_look_at_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(&folder, "box.vtu", box_in_pieces(|[i, _, _]| i / 2, false, false).as_bytes());
+    let bytes = |scalar: &str, layers: usize| {
+        let request = Request { scalar: Some(scalar.into()), ..Request::default() };
+        let borders = piece_borders(&path, &request, layers, &[], None, &NoProgress).unwrap();
+        let part = read_part(&path, &request, &[1], &borders, &NoProgress).unwrap().unwrap();
+        (borders.byte_count(), part.ghosts.is_some())
+    };
+    let (plain, has_ghosts) = bytes("p", 0);
+    assert!(!has_ghosts);
+    for (scalar, layers) in [("p", 1), ("c", 0)] {
+        let (with_cells, has_ghosts) = bytes(scalar, layers);
+        assert!(has_ghosts && with_cells > plain, "{scalar}, {layers} layers: {with_cells} bytes");
+    }
 }
 
 #[test]
