@@ -8,13 +8,13 @@
 use super::contents::{Encoding, Gather, Stored};
 use super::hdf5_chunks::ChunkRows;
 pub(super) use super::hdf5_chunks::Extent;
+use super::hdf5_heaps::HeapStorage;
 use super::numbers::{ByteOrder, NumberType};
 use super::source::Source;
 use super::xml::{beside, open_named};
 use hdf5_reader::messages::{HdfMessage, layout::DataLayout};
 use hdf5_reader::{
-    Datatype, Hdf5File, OpenOptions, RangeRequestStorage, SliceInfo, SliceInfoElem, Storage, StringSize,
-    VarLenKind,
+    Datatype, Hdf5File, OpenOptions, SliceInfo, SliceInfoElem, Storage, StringSize, VarLenKind,
 };
 use std::ops::Range;
 use std::path::PathBuf;
@@ -88,11 +88,7 @@ fn open_file(source: &Arc<Source>, linked: &Arc<LinkedFiles>) -> Result<Hdf5File
         .with_max_object_header_bytes(usize::try_from(source.len()).unwrap_or(usize::MAX))
         .with_chunk_cache_bytes(CHUNK_CACHE)
         .with_external_link_resolver(Arc::new(links));
-    let read = source.clone();
-    let read = move |at: u64, len: usize| {
-        read.read(at, len as u64).map_err(|error| hdf5_reader::error::Error::Other(error.to_string()))
-    };
-    Hdf5File::from_storage_with_options(Arc::new(RangeRequestStorage::new(source.len(), read)), options)
+    Hdf5File::from_storage_with_options(Arc::new(HeapStorage::new(source.clone())), options)
         .map_err(|error| damaged("/", &error))
 }
 

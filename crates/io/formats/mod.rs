@@ -50,6 +50,7 @@ mod foam;
 mod gmsh;
 mod hdf5;
 mod hdf5_chunks;
+mod hdf5_heaps;
 mod hexahedra;
 mod hyper_tree;
 mod inspect;
