@@ -188,6 +188,15 @@ impl Group {
 
     /// The groups in this one, in the order of their names or of their making, whichever the file keeps.
     pub fn groups(&self) -> Result<Vec<Group>> {
+        // All at once, for to find one by its name takes as long as to list a few hundred. That opens the arrays, too, of which some may
+        // be of kinds that are not read.
+        if let Ok(groups) = self.group.groups() {
+            let named = |group: hdf5_reader::group::Group| {
+                let path = self.below(group.name());
+                Group { file: self.file.clone(), group, path }
+            };
+            return Ok(groups.into_iter().map(named).collect());
+        }
         let (names, _) = self.group.member_names().map_err(|error| damaged(self.path(), &error))?;
         names.iter().map(|name| self.required_group(name)).collect()
     }

@@ -54,6 +54,7 @@ mod hdf5_heaps;
 mod hexahedra;
 mod hyper_tree;
 mod inspect;
+mod large_pages;
 mod lattice;
 mod lazy;
 mod legacy;

@@ -63,6 +63,9 @@ pub(super) const BY_MAGIC: &[UnsupportedFormat] = &[
     ("a grid function of MFEM", GRID_FUNCTION, |file| {
         file.begins(&["FiniteElementSpace\n", "FiniteElementSpace\r", "MFEM FiniteElementSpace v"])
     }),
+    ("a mesh of Medit (.mesh)", MESHIO, |file| {
+        file.has_line(|line| line.trim_start().starts_with("MeshVersionFormatted"))
+    }),
     ("a mesh of FEniCS (XML)", MESHIO, |file| file.has_tag("dolfin")),
     ("a surface (PLY)", SURFACE, |file| file.begins(&["ply\n", "ply\r"])),
     ("a surface (STL)", SURFACE, |file| file.is_stl()),
