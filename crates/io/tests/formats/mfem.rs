@@ -303,7 +303,7 @@ fn mistakes_say_what_and_where() {
 }
 
 /// A mesh of one tetrahedron without fields, of one process of several.
-const ONE: &str = "MFEM mesh v1.2\n\ndimension\n3\n\nelements\n1\n1 4 0 1 2 3\n\nboundary\n0\n\nvertices\n4\n3\n0 0 0\n\
+pub const ONE: &str = "MFEM mesh v1.2\n\ndimension\n3\n\nelements\n1\n1 4 0 1 2 3\n\nboundary\n0\n\nvertices\n4\n3\n0 0 0\n\
     1 0 0\n0 1 0\n0 0 1\n\nmfem_serial_mesh_end\n\ncommunication_groups\n";
 
 #[test]

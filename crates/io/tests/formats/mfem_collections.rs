@@ -1,8 +1,8 @@
 //! Files of several processes and collections of MFEM: text that the tests write, and the files of `tests/files/make_mfem.py`.
 
-use super::mfem::{TWO, bent, field, folder_of, grid, linear, message, places, request, root};
+use super::mfem::{ONE, TWO, bent, field, folder_of, grid, linear, message, places, request, root};
 use voltet_core::progress::NoProgress;
-use voltet_io::formats::{Request, TimeStep, files_beside, files_read_beside, inspect, outline, read, steps};
+use voltet_io::formats::{Request, TimeStep, files_beside, files_read_beside, inspect, outline, steps};
 
 #[test]
 fn collections_of_several_cycles_are_a_series_by_a_file_that_names_them() {
