@@ -28,6 +28,8 @@ const DEFLATE: u64 = 1032;
 const CHUNK_CACHE: usize = 16 << 20;
 /// Most files that external links of one file lead to.
 const MAX_FILES: usize = 4096;
+/// Most groups in one that are found by their names.
+const FEW_GROUPS: usize = 16;
 
 /// Files that links led to.
 #[derive(Default)]
@@ -88,7 +90,8 @@ fn open_file(source: &Arc<Source>, linked: &Arc<LinkedFiles>) -> Result<Hdf5File
         .with_max_object_header_bytes(usize::try_from(source.len()).unwrap_or(usize::MAX))
         .with_chunk_cache_bytes(CHUNK_CACHE)
         .with_external_link_resolver(Arc::new(links));
-    Hdf5File::from_storage_with_options(Arc::new(HeapStorage::new(source.clone())), options)
+    HeapStorage::new(source.clone())
+        .and_then(|storage| Hdf5File::from_storage_with_options(Arc::new(storage), options))
         .map_err(|error| damaged("/", &error))
 }
 
@@ -188,16 +191,18 @@ impl Group {
 
     /// The groups in this one, in the order of their names or of their making, whichever the file keeps.
     pub fn groups(&self) -> Result<Vec<Group>> {
-        // All at once, for to find one by its name takes as long as to list a few hundred. That opens the arrays, too, of which some may
-        // be of kinds that are not read.
-        if let Ok(groups) = self.group.groups() {
+        let (names, _) = self.group.member_names().map_err(|error| damaged(self.path(), &error))?;
+        // Many are opened together: finding one by name costs as much as listing a few hundred. This opens the arrays too, some of which
+        // may be of types that are not read.
+        if names.len() > FEW_GROUPS
+            && let Ok(groups) = self.group.groups()
+        {
             let named = |group: hdf5_reader::group::Group| {
                 let path = self.below(group.name());
                 Group { file: self.file.clone(), group, path }
             };
             return Ok(groups.into_iter().map(named).collect());
         }
-        let (names, _) = self.group.member_names().map_err(|error| damaged(self.path(), &error))?;
         names.iter().map(|name| self.required_group(name)).collect()
     }
 

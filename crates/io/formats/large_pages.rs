@@ -16,7 +16,10 @@ pub(super) fn zeros<T: Zeroable + Clone>(count: usize) -> Vec<T> {
     numbers
 }
 
-/// Asks for large pages for the whole ones within a buffer that was not written yet.
+/// Asks for large pages for the whole ones within a buffer.
+///
+/// It serves what was not written yet: the allocator takes buffers of more than 32 MiB from the system, and smaller ones, too, until the
+/// program has freed some of their size. Memory that it uses again was written before; for that the advice changes nothing.
 #[cfg(target_os = "linux")]
 fn advise<T>(buffer: &mut [T]) {
     let bytes = size_of_val(buffer);
@@ -43,5 +46,25 @@ mod tests {
             let numbers: Vec<f64> = zeros(count);
             assert!(numbers.len() == count && numbers.iter().all(|&number| number == 0.0));
         }
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn large_pages_are_asked_for() {
+        if !std::path::Path::new("/sys/kernel/mm/transparent_hugepage").exists() {
+            eprintln!("skipped: this Linux has no transparent large pages");
+            return;
+        }
+        let numbers: Vec<f64> = zeros(32 * LARGE_PAGE / 8);
+        let middle = numbers[numbers.len() / 2..].as_ptr().addr();
+        let maps = std::fs::read_to_string("/proc/self/smaps").unwrap();
+        let range = |line: &str| {
+            let (begin, end) = line.split_once(' ')?.0.split_once('-')?;
+            let address = |text| usize::from_str_radix(text, 16).ok();
+            Some(address(begin)?..address(end)?)
+        };
+        let own = maps.lines().skip_while(|line| !range(line).is_some_and(|range| range.contains(&middle)));
+        let flags = own.skip(1).find(|line| line.starts_with("VmFlags:")).unwrap();
+        assert!(flags.split_whitespace().any(|flag| flag == "hg"), "{flags}");
     }
 }
