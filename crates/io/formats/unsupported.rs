@@ -63,7 +63,10 @@ pub(super) const BY_MAGIC: &[UnsupportedFormat] = &[
     ("a grid function of MFEM", GRID_FUNCTION, |file| {
         file.begins(&["FiniteElementSpace\n", "FiniteElementSpace\r", "MFEM FiniteElementSpace v"])
     }),
-    ("a mesh of Medit (.mesh)", MESHIO, |file| file.begins_after_comments("MeshVersionFormatted")),
+    ("a mesh of Medit (.mesh)", MESHIO, |file| {
+        // The first line of a legacy VTK file looks like a comment, and the second is free.
+        !file.begins(&["# vtk DataFile"]) && file.begins_after_comments("MeshVersionFormatted")
+    }),
     ("a mesh of FEniCS (XML)", MESHIO, |file| file.has_tag("dolfin")),
     ("a surface (PLY)", SURFACE, |file| file.begins(&["ply\n", "ply\r"])),
     ("a surface (STL)", SURFACE, |file| file.is_stl()),
