@@ -32,6 +32,7 @@ fn formats_are_told_by_content_and_named_with_a_remedy() {
         ("a.geo", bytes("C Binary"), "a geometry file of EnSight", ".case file beside it"),
         ("points", bytes("/*---*\\\nFoamFile\n{\n"), "a file of OpenFOAM", "its folder"),
         ("a.xml", bytes("<dolfin>"), "a mesh of FEniCS", "meshio"),
+        ("a.mesh", bytes("# a\n\n MeshVersionFormatted 2\nDimension 3\n"), "a mesh of Medit", "meshio"),
         ("text.stl", bytes("solid a\n facet normal 0 0 1\n"), "a surface (STL)", surface),
         ("binary.stl", stl, "a surface (STL)", surface),
         ("a.ply", bytes("ply\nformat ascii 1.0\n"), "a surface (PLY)", surface),

@@ -58,6 +58,9 @@ pub(super) fn take(parts: &mut RawGrid) -> CellArrays {
     }
 }
 
+/// A power of two by which sums of the greatest numbers come into the number range.
+const TINY: f64 = f64::from_bits((1023 - 512) << 52);
+
 /// Gives every point the mean over the cells of the file that use it, weighted by their volume (the sum of their
 /// tetrahedra's); where all these volumes are zero, the plain mean. In an adaptive grid the weight is one over the size of the cell,
 /// and hanging points have what is interpolated in the larger cell: both is exact for linear fields
@@ -77,7 +80,7 @@ pub(super) fn average(grid: &mut Grid, cells: CellArrays) {
         let n = component_count.max(1);
         let mut means = vec![0.0; grid.points.len() * n];
         means.par_chunks_exact_mut(n).with_min_len(1024).enumerate().for_each(|(p, mean)| {
-            let mut sum = |weight: &dyn Fn(usize) -> f64| {
+            let mut sum = |weight: &dyn Fn(usize) -> f64, scale: f64| {
                 mean.fill(0.0);
                 let mut total = 0.0;
                 let mut last = None;
@@ -90,19 +93,28 @@ pub(super) fn average(grid: &mut Grid, cells: CellArrays) {
                     last = Some(cell);
                     let w = weight(cell);
                     total += w;
-                    mean.iter_mut().zip(&values[cell * n..]).for_each(|(m, v)| *m += w * v);
+                    mean.iter_mut().zip(&values[cell * n..]).for_each(|(m, v)| *m += w * (v * scale));
                 }
-                mean.iter_mut().for_each(|m| *m /= total);
-                total > 0.0
+                mean.iter_mut().for_each(|m| *m = (*m / total / scale).clamp(f64::MIN, f64::MAX));
+                (total > 0.0, mean.iter().all(|m| m.abs() < f64::MAX))
             };
-            if !sum(&weight_of) {
-                sum(&|_| 1.0);
+            let weights: [&dyn Fn(usize) -> f64; 2] = [&weight_of, &|_| 1.0];
+            for weight in weights {
+                let (has_weight, is_within) = sum(weight, 1.0);
+                if !has_weight {
+                    continue;
+                }
+                // The mean of numbers is one, even where their sum leaves the range.
+                if !is_within {
+                    sum(weight, TINY);
+                }
+                break;
             }
         });
         for own in grid.hanging.iter().flat_map(|hanging| hanging.iter()) {
             for k in 0..n {
                 let terms = own.corners.iter().zip(own.weights).map(|(&p, w)| w * means[p as usize * n + k]);
-                means[own.point as usize * n + k] = terms.sum();
+                means[own.point as usize * n + k] = terms.sum::<f64>().clamp(f64::MIN, f64::MAX);
             }
         }
         if let Some(boundary) = boundary {

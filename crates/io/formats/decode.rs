@@ -6,6 +6,7 @@
 use super::codec::{Base64Text, Codec};
 use super::contents::{Compute, Encoding, Meter, Stored, tuples};
 use super::hdf5_chunks::{ChunkBuffers, ChunkRows};
+use super::large_pages::zeros;
 use super::numbers::{ByteOrder, NumberType, Target, convert};
 use super::source::Source;
 use super::text::{TextRange, is_space};
@@ -78,7 +79,7 @@ impl Stored {
     fn load_found<T: Target>(&self, found: Decodable, meter: &Meter) -> Result<Vec<T>> {
         let promised = self.promised()?;
         if let Some((count, part_len)) = self.parts(&found)? {
-            let mut values = vec![T::default(); count];
+            let mut values = zeros(count);
             values
                 .par_chunks_mut(part_len)
                 .enumerate()
@@ -99,13 +100,13 @@ impl Stored {
             }
             Decodable::Computed(values) => T::all_from(values),
             Decodable::Chunks(chunks) => {
-                let mut values = vec![T::default(); self.count(0, promised)?];
+                let mut values = zeros(self.count(0, promised)?);
                 self.decode_chunks(&chunks, &mut values, meter)?;
                 values
             }
             // Values lie across the blocks, whose bytes are put side by side.
             blocks @ Decodable::Blocks { size, total, .. } => {
-                let mut bytes = vec![0; total as usize];
+                let mut bytes: Vec<u8> = zeros(total as usize);
                 let parts = bytes.chunks_mut((size as usize).max(1)).enumerate();
                 let mut buffers = Buffers::default();
                 for (index, to) in parts {
@@ -268,7 +269,7 @@ pub(super) fn join<T: Target>(planes: &[Stored], meter: &Meter) -> Result<Vec<T>
         if columns.iter().any(|column| column.len() != count) {
             return Err(misfit());
         }
-        let mut joined = vec![T::default(); count * n];
+        let mut joined = zeros(count * n);
         joined.par_chunks_mut(PART * n).enumerate().for_each(|(part, to)| {
             for (component, column) in columns.iter().enumerate() {
                 put(&column[part * PART..], to, component, n);
@@ -280,7 +281,7 @@ pub(super) fn join<T: Target>(planes: &[Stored], meter: &Meter) -> Result<Vec<T>
     if counts.iter().any(|own| *own != count) {
         return Err(misfit());
     }
-    let mut joined = vec![T::default(); count * n];
+    let mut joined = zeros(count * n);
     let of_part = |(buffers, column): &mut (Buffers, Vec<T>), (part, to): (usize, &mut [T])| {
         for (component, (plane, found)) in planes.iter().zip(&found).enumerate() {
             column.resize(to.len() / n, T::default());

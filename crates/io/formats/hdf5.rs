@@ -8,13 +8,13 @@
 use super::contents::{Encoding, Gather, Stored};
 use super::hdf5_chunks::ChunkRows;
 pub(super) use super::hdf5_chunks::Extent;
+use super::hdf5_heaps::HeapStorage;
 use super::numbers::{ByteOrder, NumberType};
 use super::source::Source;
 use super::xml::{beside, open_named};
 use hdf5_reader::messages::{HdfMessage, layout::DataLayout};
 use hdf5_reader::{
-    Datatype, Hdf5File, OpenOptions, RangeRequestStorage, SliceInfo, SliceInfoElem, Storage, StringSize,
-    VarLenKind,
+    Datatype, Hdf5File, OpenOptions, SliceInfo, SliceInfoElem, Storage, StringSize, VarLenKind,
 };
 use std::ops::Range;
 use std::path::PathBuf;
@@ -28,6 +28,8 @@ const DEFLATE: u64 = 1032;
 const CHUNK_CACHE: usize = 16 << 20;
 /// Most files that external links of one file lead to.
 const MAX_FILES: usize = 4096;
+/// Most groups in one that are found by their names.
+const FEW_GROUPS: usize = 16;
 
 /// Files that links led to.
 #[derive(Default)]
@@ -88,11 +90,8 @@ fn open_file(source: &Arc<Source>, linked: &Arc<LinkedFiles>) -> Result<Hdf5File
         .with_max_object_header_bytes(usize::try_from(source.len()).unwrap_or(usize::MAX))
         .with_chunk_cache_bytes(CHUNK_CACHE)
         .with_external_link_resolver(Arc::new(links));
-    let read = source.clone();
-    let read = move |at: u64, len: usize| {
-        read.read(at, len as u64).map_err(|error| hdf5_reader::error::Error::Other(error.to_string()))
-    };
-    Hdf5File::from_storage_with_options(Arc::new(RangeRequestStorage::new(source.len(), read)), options)
+    HeapStorage::new(source.clone())
+        .and_then(|storage| Hdf5File::from_storage_with_options(Arc::new(storage), options))
         .map_err(|error| damaged("/", &error))
 }
 
@@ -193,6 +192,17 @@ impl Group {
     /// The groups in this one, in the order of their names or of their making, whichever the file keeps.
     pub fn groups(&self) -> Result<Vec<Group>> {
         let (names, _) = self.group.member_names().map_err(|error| damaged(self.path(), &error))?;
+        // Many are opened together: finding one by name costs as much as listing a few hundred. This opens the arrays too, some of which
+        // may be of types that are not read.
+        if names.len() > FEW_GROUPS
+            && let Ok(groups) = self.group.groups()
+        {
+            let named = |group: hdf5_reader::group::Group| {
+                let path = self.below(group.name());
+                Group { file: self.file.clone(), group, path }
+            };
+            return Ok(groups.into_iter().map(named).collect());
+        }
         names.iter().map(|name| self.required_group(name)).collect()
     }
 

@@ -63,6 +63,10 @@ pub(super) const BY_MAGIC: &[UnsupportedFormat] = &[
     ("a grid function of MFEM", GRID_FUNCTION, |file| {
         file.begins(&["FiniteElementSpace\n", "FiniteElementSpace\r", "MFEM FiniteElementSpace v"])
     }),
+    ("a mesh of Medit (.mesh)", MESHIO, |file| {
+        // The first line of a legacy VTK file looks like a comment, and the second is free.
+        !file.begins(&["# vtk DataFile"]) && file.begins_after_comments("MeshVersionFormatted")
+    }),
     ("a mesh of FEniCS (XML)", MESHIO, |file| file.has_tag("dolfin")),
     ("a surface (PLY)", SURFACE, |file| file.begins(&["ply\n", "ply\r"])),
     ("a surface (STL)", SURFACE, |file| file.is_stl()),
@@ -166,6 +170,13 @@ impl FileStart {
     /// True if the text begins in one of these ways.
     fn begins(&self, words: &[&str]) -> bool {
         words.iter().any(|word| self.text().starts_with(word.as_bytes()))
+    }
+
+    /// True if the first line that is neither empty nor a comment begins so.
+    fn begins_after_comments(&self, word: &str) -> bool {
+        let is_read = |line: &&[u8]| !line.is_empty() && !line.starts_with(b"#");
+        let mut lines = self.text().split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii_start);
+        lines.find(is_read).is_some_and(|line| line.starts_with(word.as_bytes()))
     }
 
     /// True if it is XML with this element.

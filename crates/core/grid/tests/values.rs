@@ -74,6 +74,15 @@ fn two_sizes(cells: std::ops::Range<usize>) -> RawGrid {
     on_cells(RawGrid { hanging: Some(hanging), ..RawGrid::new(points, Cells::Mixed(set)) }, values)
 }
 
+#[test]
+fn means_of_the_greatest_numbers_are_numbers() {
+    for value in [f64::MAX, f64::MIN, f64::MIN_POSITIVE] {
+        let grid = built(on_cells(two_sizes(0..5), vec![value; 5])).unwrap();
+        let scalar = grid.scalar.as_ref().unwrap();
+        assert!(scalar.iter().all(|own| (own / value - 1.0).abs() < 1e-15), "{value}");
+    }
+}
+
 /// The field x at the centres of cells of two sizes: with weights of one over the edge it is exact between them.
 #[test]
 fn cell_values_of_an_adaptive_grid_are_exact_between_levels() {

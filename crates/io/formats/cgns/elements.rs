@@ -197,14 +197,22 @@ fn uniform(section: &Section, element: &ElementType, cells: &mut GatheredCells, 
         return Ok(());
     }
     for nodes in nodes(section, element, meter)?.chunks_exact(element.node_count) {
-        push(section, element, nodes, cells)?;
+        push(section, element, nodes, &[], cells)?;
     }
     Ok(())
 }
 
 /// Adds an element with a volume.
-fn push(section: &Section, element: &ElementType, nodes: &[u32], cells: &mut GatheredCells) -> Result<()> {
-    let nodes = element.order.iter().map(|&place| nodes[place as usize]);
+///
+/// `further`: nodes that VTK's cell lacks; once the grid is built they are left out with a warning.
+fn push(
+    section: &Section,
+    element: &ElementType,
+    nodes: &[u32],
+    further: &[u32],
+    cells: &mut GatheredCells,
+) -> Result<()> {
+    let nodes = element.order.iter().map(|&place| nodes[place as usize]).chain(further.iter().copied());
     for node in nodes.clone() {
         point(section, node)?;
     }
@@ -222,7 +230,9 @@ fn mixed(section: &Section, cells: &mut GatheredCells, meter: &Meter) -> Result<
         let element = known(section, i64::from(kind))?;
         let (nodes, after) = after.split_at_checked(element.node_count).ok_or_else(ends)?;
         if element.dimension == 3 {
-            push(section, element, nodes, cells)?;
+            // The types of a mixed section are known only here.
+            let further = nodes.get(element.order.len()..).filter(|_| element.number == PYRA_14);
+            push(section, element, nodes, further.unwrap_or(&[]), cells)?;
         }
         rest = after;
     }
@@ -310,7 +320,31 @@ fn polyhedra(section: &Section, faces: &[Polygons], cells: &mut GatheredCells, m
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::formats::contents::Encoding;
+    use std::sync::Arc;
     use voltet_core::grid::CellType;
+    use voltet_core::progress::NoProgress;
+
+    #[test]
+    fn a_pyramid_of_14_nodes_in_a_mixed_section_keeps_13_with_a_warning() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a");
+        std::fs::write(&path, "a").unwrap();
+        let source = crate::formats::source::Source::open(&path).unwrap();
+        let numbers: Vec<f64> = [13.0].into_iter().chain((1..=14).map(f64::from)).collect();
+        let compute = Arc::new(move |_: &Meter| Ok(numbers.clone()));
+        let connectivity = Stored::of_f64(&source, "a", 1, 15, Encoding::Computed(compute));
+        let section = Section { kind: MIXED, range: [1, 1], connectivity, offsets: None };
+        let mut own = cells(&[section], 1, &Meter::new(&NoProgress, 1)).unwrap();
+        let warning = crate::formats::cells::leave_out_further_points(&mut own);
+        assert_eq!(
+            warning.unwrap(),
+            "The points of 1 cell beyond those that their type of cell has are left out."
+        );
+        let Cells::Mixed(own) = own else { panic!("of one type") };
+        assert_eq!((own.types, own.offsets), (vec![code::QUADRATIC_PYRAMID], vec![0, 13]));
+        assert_eq!(own.connectivity, (0..13).collect::<Vec<_>>());
+    }
 
     #[test]
     fn each_order_names_nodes_once_and_as_many_as_the_cell_has_points() {

@@ -4,7 +4,7 @@
 use super::packed::{field, follow, grid, grid_at, path, request, same_files};
 use voltet_core::grid::Association;
 use voltet_core::progress::NoProgress;
-use voltet_io::formats::{Request, files_read_beside, inspect, steps};
+use voltet_io::formats::{Request, files_read_beside, inspect, read, steps};
 
 #[test]
 fn every_element_type_is_that_of_the_xml_file() {
@@ -17,6 +17,34 @@ fn every_element_type_is_that_of_the_xml_file() {
     for name in ["polyhedra", "polyhedra_old"] {
         same_files(&format!("cgns_{name}.cgns"), "polyhedra.vtu");
     }
+}
+
+#[test]
+fn a_pyramid_of_14_nodes_among_others_loses_one_with_a_warning() {
+    let mut bytes = std::fs::read(path("cgns_mixed_old.cgns")).unwrap();
+    let numbers = |own: &[i64]| own.iter().flat_map(|number| number.to_le_bytes()).collect::<Vec<_>>();
+    // PENTA_15 with its first nodes; PENTA_18 and PYRA_13 follow.
+    let first = numbers(&[15, 81, 82, 83]);
+    let begin = bytes.windows(first.len()).position(|own| *own == first).unwrap();
+    let number = |place: usize| i64::from_le_bytes(*bytes[begin + 8 * place..].first_chunk().unwrap());
+    let mut nodes = Vec::new();
+    for (place, kind, count) in [(0, 15, 15), (16, 16, 18), (35, 21, 13)] {
+        assert_eq!(number(place), kind);
+        nodes.extend((1..=count).map(|node| number(place + node)));
+    }
+    // The same nodes as PYRA_14, HEXA_27 and PYRA_5.
+    let mut elements = Vec::new();
+    for (kind, count) in [(13, 14), (19, 27), (12, 5)] {
+        elements.push(kind);
+        elements.extend(nodes.drain(..count));
+    }
+    bytes[begin..begin + 8 * elements.len()].copy_from_slice(&numbers(&elements));
+    let folder = tempfile::tempdir().unwrap();
+    let own = folder.path().join("pyramid.cgns");
+    std::fs::write(&own, bytes).unwrap();
+    let own = read(&own, &request("s"), &NoProgress).unwrap();
+    let is_said = |warning: &String| warning.starts_with("The points of 1 cell beyond those that their type");
+    assert!(own.origin.warnings.iter().any(is_said), "{:?}", own.origin.warnings);
 }
 
 #[test]

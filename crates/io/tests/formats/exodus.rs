@@ -1,10 +1,10 @@
 //! Exodus II files as netCDF4 writes them (`files/make_exodus.py`), against formulas: every element type, every form of the file, steps,
 //! blocks and the files of several processes.
 
-use super::packed::{follow, grid, grid_at, path, request};
+use super::packed::{MemoryLeft, follow, grid, grid_at, path, request};
 use std::path::Path;
 use voltet_core::grid::{Grid, tetrahedron_volume};
-use voltet_core::progress::{NoProgress, Progress};
+use voltet_core::progress::NoProgress;
 use voltet_io::formats::{Association, BLOCK, Request, files_beside, files_read_beside, inspect, read};
 
 const TIMES: [f64; 2] = [0.5, 1.5];
@@ -204,17 +204,6 @@ fn netcdf_of_other_kinds_is_refused() {
     std::fs::write(&path, b"CDF\x01\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0").unwrap();
     let error = read(&path, &request("T"), &NoProgress).unwrap_err().to_string();
     assert!(error.contains("no Exodus file") && error.contains("ParaView"), "{error}");
-}
-
-/// Progress of a process that may take so many bytes.
-struct MemoryLeft(u64);
-
-impl Progress for MemoryLeft {
-    fn report(&self, _stage: &str, _fraction: f64) {}
-
-    fn memory_left(&self) -> Option<u64> {
-        Some(self.0)
-    }
 }
 
 #[test]

@@ -47,6 +47,19 @@ fn unstructured_grids_of_all_versions_read_the_same() {
 }
 
 #[test]
+fn a_title_that_begins_another_format_is_a_title() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = String::from_utf8(unstructured("3.0", false)).unwrap();
+    let title = text.lines().nth(1).unwrap();
+    let titled = text.replacen(&format!("\n{title}\n"), "\nMeshVersionFormatted 2\n", 1);
+    assert_ne!(titled, text);
+    assert_eq!(grid(&file(&folder, "a.vtk", titled.as_bytes()), "double").tetrahedra.len(), 13);
+    let medit = file(&folder, "a.mesh", b"# a\r\n\r\n MeshVersionFormatted 2\nDimension 3\n");
+    let error = inspect(&medit, &Request::default(), &NoProgress).unwrap_err().to_string();
+    assert!(error.contains("a mesh of Medit") && error.contains("meshio"), "{error}");
+}
+
+#[test]
 fn structured_kinds_read_the_same() {
     let folder = tempfile::tempdir().unwrap();
     for kind in ["STRUCTURED_GRID", "RECTILINEAR_GRID", "STRUCTURED_POINTS"] {

@@ -12,6 +12,7 @@ mod gmsh;
 mod legacy;
 mod meshes;
 mod mfem;
+mod mfem_collections;
 mod openfoam;
 mod openfoam_parts;
 mod packed;

@@ -5,7 +5,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use voltet_core::grid::{Association, Grid};
-use voltet_core::progress::NoProgress;
+use voltet_core::progress::{NoProgress, Progress};
 use voltet_io::formats::{Request, TimeStep, read};
 
 /// A folder of all files, those that are packed without their ending `.gz`.
@@ -24,6 +24,17 @@ static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
     }
     folder
 });
+
+/// Progress of a process that may take so many bytes.
+pub struct MemoryLeft(pub u64);
+
+impl Progress for MemoryLeft {
+    fn report(&self, _stage: &str, _fraction: f64) {}
+
+    fn memory_left(&self) -> Option<u64> {
+        Some(self.0)
+    }
+}
 
 pub fn path(name: &str) -> PathBuf {
     FOLDER.path().join(name)

@@ -1,11 +1,11 @@
 //! Parts of the grids of files: what is drawn of all parts is what is drawn of the file, with its values and gradients.
 
-use super::packed;
+use super::packed::{self, MemoryLeft};
 use std::path::{Path, PathBuf};
 use voltet_core::field::{GradientFilter, LeastSquares, QuadraticFit};
 use voltet_core::grid::Grid;
 use voltet_core::parameters::Parameters;
-use voltet_core::progress::{NoProgress, Progress};
+use voltet_core::progress::NoProgress;
 use voltet_io::formats::{
     Association, CellValues, Options, Request, TimeStep, arrays, piece_borders, piece_sizes, read, read_part,
 };
@@ -268,17 +268,6 @@ fn ids_that_are_not_one_a_point_are_an_error() {
             let error = parts.map(drop).unwrap_err().to_string();
             assert!(error.contains("box.vtu"), "{error}");
         }
-    }
-}
-
-/// Progress of a process that may take so many bytes.
-struct MemoryLeft(u64);
-
-impl Progress for MemoryLeft {
-    fn report(&self, _stage: &str, _fraction: f64) {}
-
-    fn memory_left(&self) -> Option<u64> {
-        Some(self.0)
     }
 }
 
