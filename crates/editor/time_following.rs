@@ -108,6 +108,7 @@ impl Editor {
                     size: None,
                     background: [0.0; 3],
                     coarse_first: false,
+                    grip_moves: false,
                 };
                 let registry = self.registry.clone();
                 Job::start("time steps", ctx, move |_| wanted.series(&registry)).ok()

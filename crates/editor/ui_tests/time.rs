@@ -1,5 +1,6 @@
 use super::*;
 use crate::film::FilmRequest;
+use crate::scene::ProbePurpose;
 use std::sync::Mutex;
 use voltet_document::Edit;
 use voltet_graph::Observer;
@@ -181,7 +182,7 @@ fn a_probe_is_of_the_frame_that_is_shown() {
     let mut hand = before_series(&text_of_two("", "time_step = 3"), [1280.0, 720.0]);
     hand.key(Key::End, Modifiers::NONE);
     hand.settle();
-    hand.editor.probe(vec![[0.0, 0.0]], false);
+    hand.editor.probe(vec![[0.0, 0.0]], ProbePurpose::Values);
     let source = hand.editor.worker().shown(|shown| shown.probe.asked().unwrap().source.clone());
     let grid = source.nodes.iter().find(|node| node.name == "grid").unwrap();
     assert_eq!(grid.setting("time_step").unwrap().number(), Some(4.0));
