@@ -126,7 +126,7 @@ impl Source {
         Ok(whole?.map(|whole| HostGrid { source: Some(self), ..whole.into() }))
     }
 
-    /// The same with these arrays alone.
+    /// Source of these arrays alone.
     fn only(&self, names: &BTreeSet<String>) -> Source {
         let mut source = self.clone();
         source.raw.point_arrays.retain(|name, _| names.contains(name));
