@@ -60,7 +60,7 @@ fn give(call: &mut RunContext, grid: &HostGrid) -> Result<Outputs> {
         return Ok(Vec::new());
     };
     let mut grid = Grid::clone(&given);
-    if let Some(name) = call.parameters.optional(SCALAR.name).and_then(|setting| setting.text()) {
+    if let Some(name) = scalar {
         set_scalar(&mut grid, name).map_err(|error| call.parameters.locate(SCALAR.name, error))?;
     }
     let asked = &call.demand.arrays;

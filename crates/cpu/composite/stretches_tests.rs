@@ -58,7 +58,7 @@ impl Slices {
     }
 }
 
-/// What each lane set finds, by both signs of a segment, in batches of several sizes.
+/// Findings of each lane set, by both signs of a segment, in batches of several sizes.
 fn each_way(slices: &Slices, check: impl Fn(&[Vec<Run>])) {
     for lanes in LaneSet::ALL.into_iter().filter(|lanes| lanes.is_supported()) {
         for with_lengths in [true, false] {

@@ -275,7 +275,7 @@ fn what_is_not_for_a_grip_is_for_the_picture_below_it() {
     }
 }
 
-/// What half of all steps of a series is, only a run finds.
+/// Shares of all steps of a series are found by a run alone.
 #[test]
 fn a_slice_by_shares_of_a_series_has_no_grips() {
     let of_series = with_slice().replace("type = \"slice\"", "type = \"slice\"\nrelative_to = \"series\"");

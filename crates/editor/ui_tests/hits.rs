@@ -1,4 +1,4 @@
-//! What is seen first under the pointer, the cell that a click picks, and lengths.
+//! Tests of the first hit under the pointer, of the cell that a click picks, and of lengths.
 
 use super::handles::with_slice;
 use super::*;
@@ -114,7 +114,7 @@ fn two_clicks_measure_a_length() {
     assert!(hand.editor.scene().probed.is_none() && hand.text() == TEXT);
 }
 
-/// What the pointer met is not shown as what it meets elsewhere.
+/// Values of an earlier place are not shown as those of a later one.
 #[test]
 fn values_of_an_earlier_place_are_gone_while_the_pointer_moves() {
     let mut hand = Hand::new(TEXT);
@@ -206,7 +206,7 @@ fn what_lies_behind_a_surface_is_not_probed_and_the_surface_is_a_centre() {
     });
 }
 
-/// Of one ray only the cells near it are made ready, of several all are: the values are the same.
+/// One ray makes only the cells near it ready, several make all: the values are the same.
 #[test]
 fn one_ray_meets_what_it_meets_among_several() {
     let mut hand = Hand::new(&TEXT.replace("extinction = 4.0", "extinction = 0.05"));

@@ -96,7 +96,7 @@ static SLOW_VOLUME: Node = Node {
     ..Node::BLANK
 };
 
-/// What is found for an earlier place is of no use: it is stopped, not waited for.
+/// A search for an earlier place is of no use: it is stopped, not waited for.
 #[test]
 fn a_newer_place_under_the_pointer_stops_the_search_for_the_one_before() {
     let mut registry = voltet_nodes::registry().unwrap();
@@ -256,7 +256,7 @@ fn a_steady_drag_shows_pictures() {
     assert!(seen.len() >= 5, "{seen:?}");
 }
 
-/// What a hand asks for does not wait for data that nobody will draw.
+/// A query by hand does not wait for data that nobody will draw.
 #[test]
 fn reading_ahead_ends_once_nobody_waits_for_it() {
     let worker = worker_with_own();

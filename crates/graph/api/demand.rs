@@ -65,9 +65,8 @@ impl Arrays {
 
     /// True if both request the same arrays, wherever their names are written.
     pub(crate) fn are_those_of(&self, other: &Arrays) -> bool {
-        let requests =
-            |arrays: &Arrays| (arrays.named.clone(), arrays.optional.clone(), arrays.and_all_others);
-        requests(self) == requests(other)
+        (&self.named, &self.optional, self.and_all_others)
+            == (&other.named, &other.optional, other.and_all_others)
     }
 
     fn join(&mut self, other: &Arrays) {
