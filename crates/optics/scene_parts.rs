@@ -46,19 +46,19 @@ impl SceneExtent {
         let frame = camera.frame()?;
         let in_perspective = matches!(camera.projection, Projection::Perspective { .. });
         let position = |chunk: &[glam::DVec3]| {
-            chunk.iter().fold([NOTHING; 3], |mut all, point| {
+            let [right, down, depths] = &mut [NOTHING; 3];
+            for point in chunk {
                 let from_eye = *point - camera.eye;
                 let depth = from_eye.dot(frame.forward);
-                all[2] = wider(all[2], [depth; 2]);
+                *depths = wider(*depths, [depth; 2]);
                 // What lies behind the eye has no position.
                 if !in_perspective || depth > 0.0 {
                     let side = if in_perspective { depth * frame.pixel } else { frame.pixel };
-                    for (all, axis) in all.iter_mut().zip([frame.right, -frame.up]) {
-                        *all = wider(*all, [from_eye.dot(axis) / side; 2]);
-                    }
+                    *right = wider(*right, [from_eye.dot(frame.right) / side; 2]);
+                    *down = wider(*down, [from_eye.dot(-frame.up) / side; 2]);
                 }
-                all
-            })
+            }
+            [*right, *down, *depths]
         };
         let joined = |a: [[f64; 2]; 3], b: [[f64; 2]; 3]| [0, 1, 2].map(|k: usize| wider(a[k], b[k]));
         let range = |name: &&str| {

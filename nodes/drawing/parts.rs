@@ -377,7 +377,7 @@ fn picture_of_all(
     }
     let mut to_each = vec![Vec::new(); count];
     let pixels = own.picture(events).rgba;
-    to_each[0] = pixels.as_flattened().iter().flat_map(|value| value.to_le_bytes()).collect();
+    to_each[0] = bytemuck::cast_slice(&pixels).to_vec();
     // Colour and opacity of each pixel that a process touches must leave it somehow.
     let pixel_bytes = size_of::<[f32; 4]>() as u64;
     let mut least = 0;
@@ -390,15 +390,12 @@ fn picture_of_all(
     let sum = |k: usize| figures.iter().filter_map(|own| own.get(k)).sum::<f64>();
     let mut picture = Picture::transparent(width, height);
     for (rank, bytes) in call.ranks().exchange(to_each)?.iter().enumerate().filter(|_| own_rank == 0) {
-        let (pixels, rest) = bytes.as_chunks::<16>();
         let own = &mut picture.rgba[width * rows(rank).start..width * rows(rank).end];
-        if pixels.len() != own.len() || !rest.is_empty() {
+        let own: &mut [u8] = bytemuck::cast_slice_mut(own);
+        if bytes.len() != own.len() {
             return Err(Error::run("another process sent a broken part of the picture").got(bytes.len()));
         }
-        for (pixel, bytes) in own.iter_mut().zip(pixels) {
-            let (values, _) = bytes.as_chunks::<4>();
-            *pixel = [0, 1, 2, 3].map(|k: usize| f32::from_le_bytes(values[k]));
-        }
+        own.copy_from_slice(bytes);
     }
     if own_rank == 0 {
         let a_pixel = [1, 2].map(|k| (sum(k) / (width * height) as f64 * 10.0).round() / 10.0);

@@ -12,8 +12,13 @@ const CHUNK: usize = 1 << 14;
 pub fn bounds(points: &[DVec3]) -> Option<[DVec3; 2]> {
     let none = || [DVec3::INFINITY, DVec3::NEG_INFINITY];
     let join = |a: [DVec3; 2], b: [DVec3; 2]| [a[0].min(b[0]), a[1].max(b[1])];
-    let of =
-        |chunk: &[DVec3]| chunk.iter().filter(|p| p.is_finite()).fold(none(), |all, &p| join(all, [p, p]));
+    let of = |chunk: &[DVec3]| {
+        let [mut low, mut high] = none();
+        for &point in chunk.iter().filter(|point| point.is_finite()) {
+            (low, high) = (low.min(point), high.max(point));
+        }
+        [low, high]
+    };
     let found = points.par_chunks(CHUNK).map(of).reduce(none, join);
     (found[0].x <= found[1].x).then_some(found)
 }
@@ -72,11 +77,23 @@ pub fn range(values: &[f64]) -> Option<[f64; 2]> {
 /// Height of a tetrahedron over each of its faces by its longest edge below which it is thin.
 const THIN_CELL: f64 = 1e-3;
 
+/// Positions of the four corners of a tetrahedron: one by one, since a closure over an array is not always inlined.
+#[inline]
+pub fn corners_of(points: &[DVec3], [a, b, c, d]: [u32; 4]) -> [DVec3; 4] {
+    [points[a as usize], points[b as usize], points[c as usize], points[d as usize]]
+}
+
 /// The longest edge of all tetrahedra, and of those that are thin; 0 of none.
 pub fn longest_edges(points: &[DVec3], tetrahedra: &[[u32; 4]]) -> [f64; 2] {
-    let of_cell = |cell: &[u32; 4]| longest_edges_of_cell(cell.map(|p| points[p as usize]));
     let max = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].max(b[1])];
-    tetrahedra.par_iter().with_min_len(CHUNK).map(of_cell).reduce(|| [0.0; 2], max)
+    let of = |cells: &[[u32; 4]]| {
+        let mut longest = [0.0; 2];
+        for &cell in cells {
+            longest = max(longest, longest_edges_of_cell(corners_of(points, cell)));
+        }
+        longest
+    };
+    tetrahedra.par_chunks(CHUNK).map(of).reduce(|| [0.0; 2], max)
 }
 
 /// The longest edge of a tetrahedron as one of all, and as one of those that are thin, 0 where it is not; see [`longest_edges`].
@@ -85,11 +102,14 @@ pub fn longest_edges_of_cell(corners: [DVec3; 4]) -> [f64; 2] {
     let [a, b, c, d] = corners;
     let [e, f, g] = [b - a, c - a, d - a];
     let longest = longest_edge_squared(corners).sqrt();
-    // Twice the largest face.
+    let thin_volume = e.dot(f.cross(g)).abs() / (THIN_CELL * longest);
+    // Twice the largest face is at most the square of the longest edge: few cells need more than that.
+    if thin_volume >= longest * longest {
+        return [longest, 0.0];
+    }
     let area = [e.cross(f), e.cross(g), f.cross(g), (c - b).cross(d - b)];
     let area = area.into_iter().map(|normal| normal.length_squared()).fold(0.0, f64::max).sqrt();
-    let is_thin = e.dot(f.cross(g)).abs() < THIN_CELL * longest * area;
-    [longest, if is_thin { longest } else { 0.0 }]
+    [longest, if thin_volume < area { longest } else { 0.0 }]
 }
 
 /// Square of the longest edge of a tetrahedron.

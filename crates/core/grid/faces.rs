@@ -86,7 +86,8 @@ fn faces_at(p: u32, around: &[u32], corners: &impl Fn(u32) -> [u32; 4], faces: &
             faces.push([c, d, cell, a]);
         }
     }
-    faces.sort_unstable();
+    // As one number: compared without a branch for each of the four.
+    faces.sort_unstable_by_key(|face| face.iter().fold(0, |key, &word| key << 32 | u128::from(word)));
 }
 
 /// Start of each point's cells; one more entry than points.

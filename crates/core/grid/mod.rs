@@ -48,7 +48,7 @@ pub use parts::{
 pub use pieces::{check_cells, into_set, join};
 pub use point_keys::{Exchange, PointKeys, boxes_of_others};
 pub use polygon::triangles_of_polygon;
-pub use shared_points::SharedPoints;
+pub use shared_points::{SharedPoints, values_part_points};
 pub use subset::{Subset, cells_above, cells_by_points, whole_cells};
 pub use tetrahedra::{GhostCells, Grid, tetrahedron_volume};
 

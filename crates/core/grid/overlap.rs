@@ -45,10 +45,17 @@ fn look_at(points: &[DVec3], p: u32, shared: &[Face], found: &mut BoundaryFaces)
         found.boundary.push([cell, opposite]);
         return;
     }
-    let [origin, q, r] = [p, shared[0][0], shared[0][1]].map(|point| points[point as usize]);
+    let [q, r, ..] = shared[0];
+    let [origin, q, r] = [points[p as usize], points[q as usize], points[r as usize]];
     let normal = (q - origin).cross(r - origin);
+    let side_of = |face: &Face| side(normal, points[face[3] as usize] - origin);
+    if let [one, other] = shared
+        && side_of(one) != side_of(other)
+    {
+        return;
+    }
     for which in [-1.0, 1.0] {
-        let there = shared.iter().filter(|face| side(normal, points[face[3] as usize] - origin) == which);
+        let there = shared.iter().filter(|face| side_of(face) == which);
         if there.clone().count() > 1 {
             found.overlapping.extend(there.map(|face| face[2]));
         }

@@ -5,8 +5,9 @@
 //! diagonals.
 
 use super::extent;
-use super::parts::RawGrid;
+use super::parts::{Cells, RawGrid};
 use super::point_keys::{Keys, PointKeys, boxes_of_others};
+use crate::SharedSlice;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -300,6 +301,19 @@ fn merged(lists: &[Vec<SharedPoint>], mut counts: Vec<u32>) -> (Vec<u32>, bool) 
         ranks[point as usize] = next.next().unwrap_or(u32::MAX);
         going.extend(lists);
     }
+}
+
+/// True if values keep points of pieces apart that are at one position: which of them are one depends on the arrays that are there.
+pub fn values_part_points(pieces: &[RawGrid]) -> bool {
+    let without_arrays = |piece: &RawGrid| RawGrid {
+        block: piece.block,
+        global_ids: piece.global_ids.clone(),
+        ..RawGrid::new(piece.points.clone(), Cells::Tetrahedra(SharedSlice::default()))
+    };
+    // By global ids alone values do not count.
+    pieces.len() > 1
+        && pieces.iter().any(|piece| piece.global_ids.is_none())
+        && shared_points(pieces) != shared_points(&pieces.iter().map(without_arrays).collect::<Vec<_>>())
 }
 
 /// The shared points of pieces that are all there.

@@ -67,7 +67,7 @@ impl Grid {
     /// Positions of the four corners of tetrahedron `i`.
     #[inline]
     pub fn corners(&self, i: usize) -> [DVec3; 4] {
-        self.tetrahedra[i].map(|p| self.points[p as usize])
+        extent::corners_of(&self.points, self.tetrahedra[i])
     }
 
     /// The cell of the file that tetrahedron `i` is a part of.

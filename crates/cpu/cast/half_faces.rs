@@ -189,9 +189,8 @@ pub(super) const NO_FACE: u32 = u32::MAX;
 impl Mesh {
     /// `longest`: the longest edges, where they are known.
     pub fn new(grid: &Grid, longest: Option<[f64; 2]>) -> Mesh {
-        let corners = |cell: &[u32; 4]| cell.map(|p| grid.points[p as usize]);
         let measure = |cell: &[u32; 4]| {
-            let [a, b, c, d] = corners(cell);
+            let [a, b, c, d] = extent::corners_of(&grid.points, *cell);
             let [e, f, g] = [b - a, c - a, d - a];
             let volume = e.dot(f.cross(g));
             let side = if volume.abs() <= FLAT_CELL * e.length() * f.length() * g.length() {

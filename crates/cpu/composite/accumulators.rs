@@ -13,6 +13,8 @@ use voltet_simd::{Float, Kernel, LaneSet, Lanes, array, dispatch};
 pub(crate) struct TileAccumulator {
     /// Premultiplied colour and opacity.
     rgba: [[f32; PIXELS]; 4],
+    /// Errors of the sums by rounding.
+    rounded: [[f32; PIXELS]; 4],
     transmittance: [f32; PIXELS],
     /// Error of the transmittances by rounding: the product of thousands of numbers just below 1 is off by that much.
     rest: [f32; PIXELS],
@@ -24,6 +26,7 @@ impl TileAccumulator {
     pub fn new() -> TileAccumulator {
         TileAccumulator {
             rgba: [[0.0; PIXELS]; 4],
+            rounded: [[0.0; PIXELS]; 4],
             transmittance: [1.0; PIXELS],
             rest: [0.0; PIXELS],
             before: [1.0; PIXELS],
@@ -33,17 +36,23 @@ impl TileAccumulator {
     /// Stores colour and opacity of all pixels.
     pub fn store(&self, picture: &mut TilePicture) {
         for (pixel, out) in picture.iter_mut().enumerate() {
-            let [r, g, b, a] = [0, 1, 2, 3].map(|c: usize| self.rgba[c][pixel]);
-            *out = [r, g, b, a.min(1.0)];
+            *out = self.color(pixel);
         }
+    }
+
+    /// Colour and opacity of a pixel.
+    fn color(&self, pixel: usize) -> [f32; 4] {
+        let [r, g, b, a] = [0, 1, 2, 3].map(|c: usize| self.rgba[c][pixel] + self.rounded[c][pixel]);
+        [r, g, b, a.min(1.0)]
     }
 
     /// Takes out colour and opacity of a pixel: what is blended further comes behind.
     pub fn take_out(&mut self, pixel: usize) -> [f32; 4] {
         self.before[pixel] *= std::mem::replace(&mut self.transmittance[pixel], 1.0);
         self.rest[pixel] = 0.0;
-        let [r, g, b, a] = self.rgba.each_mut().map(|column| std::mem::take(&mut column[pixel]));
-        [r, g, b, a.min(1.0)]
+        let color = self.color(pixel);
+        self.rgba.iter_mut().chain(&mut self.rounded).for_each(|column| column[pixel] = 0.0);
+        color
     }
 
     /// Notes that what is blended further into a pixel lies behind something of an opacity.
@@ -198,9 +207,15 @@ impl Kernel for Over<'_> {
                 transmittance = product;
                 at += TILE;
             }
-            for (column, sum) in pixels.rgba.iter_mut().zip(sums) {
-                let column = &mut column[first..];
-                (L::F::load(column) + sum).store(column);
+            // Sums with what their rounding takes (Knuth 1969, TwoSum): a run of thousands of batches is as exact as one.
+            for ((column, rounded), sum) in pixels.rgba.iter_mut().zip(&mut pixels.rounded).zip(sums) {
+                let (column, rounded) = (&mut column[first..], &mut rounded[first..]);
+                let before = L::F::load(column);
+                let after = before + sum;
+                let added = after - before;
+                let error = (before - (after - added)) + (sum - added);
+                after.store(column);
+                (L::F::load(rounded) + error).store(rounded);
             }
             transmittance.store(&mut pixels.transmittance[first..]);
             rest.store(&mut pixels.rest[first..]);

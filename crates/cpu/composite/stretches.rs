@@ -36,10 +36,6 @@ pub(crate) struct Run {
     pub rgba: [f32; 4],
 }
 
-/// Slices of a row after which open runs are taken out and go on as others, which are joined in 64 bits: a sum of n numbers below 1 in 32
-/// bits is off by up to n·2⁻²⁵, here 9.5e-7.
-pub(crate) const MAX_SLICES: usize = 32;
-
 /// Exit of a pixel's run where none is open: no segment begins there.
 const NONE_OPEN: f32 = f32::NAN;
 
@@ -55,8 +51,6 @@ pub(crate) struct StretchRecorder {
     /// Begin and end of the open run of each of the accumulator's pixels.
     entry: [f32; PIXELS],
     exit: [f32; PIXELS],
-    /// Slices of each row since its runs were taken out.
-    slices: [usize; TILE],
     /// Pixels of each row (bits) whose open runs end although the next segment begins there.
     ended: [u32; TILE],
     /// Pixel of the tile that each of the accumulator's is: its own, or that of a packet's ray.
@@ -84,7 +78,6 @@ impl StretchRecorder {
             pixels: (0..PIXELS).map(|_| Vec::new()).collect(),
             entry: [0.0; PIXELS],
             exit: [NONE_OPEN; PIXELS],
-            slices: [0; TILE],
             ended: [0; TILE],
             pixel_of: std::array::from_fn(|slot| pixel_of(slot) as u8),
             joins: !has_events,
@@ -93,7 +86,7 @@ impl StretchRecorder {
 
     pub fn clear(&mut self) {
         self.pixels.iter_mut().for_each(Vec::clear);
-        (self.exit, self.slices, self.ended) = ([NONE_OPEN; PIXELS], [0; TILE], [0; TILE]);
+        (self.exit, self.ended) = ([NONE_OPEN; PIXELS], [0; TILE]);
     }
 
     /// Takes a segment of a pixel by itself.
@@ -114,11 +107,10 @@ impl StretchRecorder {
         debug_assert!(count.is_multiple_of(TILE), "whole slices");
         let (mut from, mut begun) = (0, 0);
         while from < count {
-            let end = count.min(from + (MAX_SLICES - self.slices[row]) * TILE);
             let follow = FollowRuns {
                 exits: &mut self.exit[first..first + TILE],
-                lengths: lengths.map(|column| &column[from..end]),
-                depths: depths.map(|column| &column[from..end]),
+                lengths: lengths.map(|column| &column[from..]),
+                depths: depths.map(|column| &column[from..]),
                 begun,
                 ended: self.ended[row],
                 joins: self.joins,
@@ -132,11 +124,6 @@ impl StretchRecorder {
                 self.entry[first + lane] = depths[0][to + lane];
             }
             self.ended[row] = followed.ended & !followed.beginning;
-            self.slices[row] += followed.slices;
-            if self.slices[row] >= MAX_SLICES {
-                self.slices[row] = 0;
-                (first..first + TILE).for_each(|slot| self.divide(slot, pixels));
-            }
             (from, begun) = (to, followed.beginning);
         }
     }
@@ -146,20 +133,7 @@ impl StretchRecorder {
         let (entry, exit) = (self.entry[slot], std::mem::replace(&mut self.exit[slot], NONE_OPEN));
         if !exit.is_nan() {
             let rgba = pixels.take_out(slot);
-            if entry == exit && rgba == [0.0; 4] {
-                // It was divided, and nothing came since.
-                return;
-            }
             self.pixels[usize::from(self.pixel_of[slot])].push(Run { entry, exit, rgba });
-        }
-    }
-
-    /// Ends the open run of one of the accumulator's pixels, and begins another at its end; nothing where none is open.
-    fn divide(&mut self, slot: usize, pixels: &mut TileAccumulator) {
-        let exit = self.exit[slot];
-        if !exit.is_nan() {
-            self.close(slot, pixels);
-            (self.entry[slot], self.exit[slot]) = (exit, exit);
         }
     }
 

@@ -156,7 +156,8 @@ impl Block {
 fn range(values: &[f64], cells: &[[u32; 4]]) -> [f64; 2] {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for corners in cells {
-        for value in corners.map(|p| values[p as usize]) {
+        for &corner in corners {
+            let value = values[corner as usize];
             (low, high) = (low.min(value), high.max(value));
         }
     }

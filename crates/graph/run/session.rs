@@ -283,18 +283,27 @@ impl Session {
                 let why = "a former output serves: parameters, inputs and files are the same";
                 done.notes.record_skipped("repetition", why, Some(SavedWork::Seconds(seconds)));
             }
-            if node.inputs.iter().any(|edge| is_mapped(edge.node)) {
-                let mut notes = BTreeMap::from([(i, done.notes)]);
-                gather_notes(&mut notes, &*self.ranks)?;
-                done.notes = notes.remove(&i).unwrap_or_default();
-            }
-            report.add(&node.name, node.node.name, &done);
             observer.finished(&node.name, done.seconds);
             all_done[i] = Some(done);
         }
         let mut of_parts = part_runs.map(PartRuns::take_notes).unwrap_or_default();
+        // At the end, since processes wait for each other here.
         if part_runs.is_some() {
+            for (i, done) in all_done.iter_mut().enumerate() {
+                let is_of_parts = graph.nodes[i].inputs.iter().any(|edge| is_mapped(edge.node));
+                if let Some(done) = done.as_mut().filter(|_| is_of_parts && !is_mapped(i)) {
+                    of_parts.insert(i, std::mem::take(&mut done.notes));
+                }
+            }
             gather_notes(&mut of_parts, &*self.ranks)?;
+        }
+        for &i in order.iter().filter(|&&i| !is_mapped(i)) {
+            if let Some(done) = &mut all_done[i] {
+                if let Some(of_all) = of_parts.remove(&i) {
+                    done.notes = of_all;
+                }
+                report.add(&graph.nodes[i].name, graph.nodes[i].node.name, done);
+            }
         }
         for (i, mut notes) in of_parts {
             let node = &graph.nodes[i];
