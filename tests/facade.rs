@@ -266,6 +266,32 @@ fn values_that_are_not_requested_leave_nothing_out() -> Result<()> {
     Ok(())
 }
 
+/// Points of two pieces are one where the arrays of a picture are equal, whatever jumps between the pieces beside them.
+#[test]
+fn an_array_that_is_not_requested_parts_no_points() -> Result<()> {
+    let view = [[-3.0, -2.5, 3.0], [0.5, 0.5, 1.0]];
+    let widgets = "[[nodes.look.widgets]]\nkind = \"gaussian\"\ncentre = [2.0, 3.0]\nsigma = [0.7, 2.5]\n\
+                   color = [1.0, 0.5, 0.0]\nextinction = 9.0\n";
+    let (points, _, _, connectivity, values) = arrays();
+    let piece = |corners: &[u32], rank: Option<f64>| {
+        let corners = corners.iter().map(|corner| *corner as usize);
+        let own: Vec<[f64; 3]> = corners.clone().map(|corner| points[corner]).collect();
+        let s: Vec<f64> = corners.map(|corner| values[corner]).collect();
+        let grid =
+            Grid::from_vtk_arrays(own, &[12], &[0, 8], &[0, 1, 2, 3, 4, 5, 6, 7])?.point_data("s", s)?;
+        rank.map_or(Ok(grid.clone()), |rank| grid.point_data("rank", vec![rank; 8]))
+    };
+    let drawn = |ranks: [Option<f64>; 2]| {
+        let (below, above) = connectivity.split_at(8);
+        let grid = Grid::from_pieces([piece(below, ranks[0])?, piece(above, ranks[1])?])?;
+        Pipeline::parse(&pipeline(None, widgets, "", view), "")?.with_grid("grid", grid)?.render("picture")
+    };
+    let plain = Pipeline::parse(&pipeline(None, widgets, "", view), "")?.with_grid("grid", grid())?;
+    assert!(drawn([None; 2])? == { plain }.render("picture")?);
+    assert!(drawn([Some(0.0), Some(1.0)])? == drawn([None; 2])?);
+    Ok(())
+}
+
 #[test]
 fn a_node_that_is_none_is_named() -> Result<()> {
     let view = [[-3.0, -2.5, 3.0], [0.5, 0.5, 1.0]];

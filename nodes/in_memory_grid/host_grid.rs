@@ -3,18 +3,19 @@
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, PoisonError};
-use voltet_core::grid::{Array, Grid, Options, RawGrid, build, build_part};
+use voltet_core::grid::{Array, Grid, Options, RawGrid, build, build_part, join, values_part_points};
 use voltet_core::progress::{NoProgress, Progress};
 use voltet_core::{Error, Result};
 use voltet_graph::Arrays;
 
 /// A grid that a program holds in memory, with all of its arrays, or the piece of one process of it. A cell with a value that is not finite
 /// is left out of the whole, whichever array has it; of the grid that a node gives it is left out for a value of a requested array alone, as
-/// a reader does.
+/// a reader does. So are points of its pieces one that have one position and equal values: of all arrays in the whole, of the requested
+/// ones in the grid that a node gives.
 #[derive(Debug)]
 pub struct HostGrid {
     whole: Arc<Grid>,
-    /// The arrays that it was built from, where one has a value that is not finite.
+    /// Source that it was built from, where the grid of some of its arrays has other cells or points.
     source: Option<Source>,
     /// The last grid of some of the arrays, and their names: a summary of a scalar and its picture are of one.
     last: Mutex<Option<GridOfArrays>>,
@@ -23,12 +24,12 @@ pub struct HostGrid {
 /// Names of arrays, and the grid with these; `None`: a piece that has nothing to draw of them.
 type GridOfArrays = (BTreeSet<String>, Option<Arc<Grid>>);
 
-/// Arrays, and how a grid is made of them.
+/// Pieces of a grid, and how it is made of them.
 #[derive(Debug, Clone)]
 struct Source {
-    raw: RawGrid,
+    pieces: Vec<RawGrid>,
     options: Options,
-    /// True if they are a piece, which may have nothing to draw.
+    /// True if they are the piece of a process, which may have nothing to draw.
     is_piece: bool,
 }
 
@@ -40,12 +41,12 @@ impl From<Arc<Grid>> for HostGrid {
 }
 
 impl HostGrid {
-    /// Builds the tetrahedra. `scalar`: the array of one component that becomes the grid's scalar.
+    /// Puts pieces together and builds the tetrahedra. `scalar`: the array of one component that becomes the grid's scalar.
     ///
     /// # Errors
-    /// - those of [`build`].
-    pub fn build(raw: RawGrid, scalar: Option<&str>, options: &Options) -> Result<HostGrid> {
-        let grid = Source { raw, options: *options, is_piece: false }.into_grid(scalar)?;
+    /// - those of [`join`] and [`build`].
+    pub fn build(pieces: Vec<RawGrid>, scalar: Option<&str>, options: &Options) -> Result<HostGrid> {
+        let grid = Source { pieces, options: *options, is_piece: false }.into_grid(scalar)?;
         grid.ok_or_else(|| Error::run("the grid has nothing to draw"))
     }
 
@@ -54,7 +55,7 @@ impl HostGrid {
     /// # Errors
     /// - those of [`build_part`].
     pub fn build_piece(raw: RawGrid, scalar: Option<&str>, options: &Options) -> Result<Option<HostGrid>> {
-        Source { raw, options: *options, is_piece: true }.into_grid(scalar)
+        Source { pieces: vec![raw], options: *options, is_piece: true }.into_grid(scalar)
     }
 
     /// The grid with all of its arrays; where nothing could be drawn of that, with those whose values are all finite, and its scalar.
@@ -66,8 +67,10 @@ impl HostGrid {
     pub fn add_warnings(&mut self, warnings: &[String]) {
         let origin = &mut Arc::make_mut(&mut self.whole).origin;
         Arc::make_mut(origin).warnings.extend_from_slice(warnings);
-        if let Some(source) = &mut self.source {
-            source.raw.origin.warnings.extend_from_slice(warnings);
+        let pieces = self.source.iter_mut().flat_map(|source| &mut source.pieces);
+        // A piece without cells is not joined.
+        if let Some(piece) = pieces.max_by_key(|piece| piece.cells.count()) {
+            piece.origin.warnings.extend_from_slice(warnings);
         }
         self.last = Mutex::default();
     }
@@ -89,9 +92,9 @@ impl HostGrid {
         let own = self.whole.scalar.as_ref().map(|_| self.whole.scalar_name.as_str());
         let scalar = scalar.or(own);
         let wanted = requested.named.iter().map(String::as_str).chain(scalar);
-        let known: Option<BTreeSet<String>> = wanted.map(|name| array_of(&source.raw, name)).collect();
+        let known: Option<BTreeSet<String>> = wanted.map(|name| source.array_of(name)).collect();
         let Some(mut names) = known else { return Ok(Some(self.whole.clone())) };
-        names.extend(requested.optional.iter().filter_map(|name| array_of(&source.raw, name)));
+        names.extend(requested.optional.iter().filter_map(|name| source.array_of(name)));
         let last = || self.last.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, grid)) = last().as_ref().filter(|last| last.0 == names) {
             return Ok(grid.clone());
@@ -108,8 +111,9 @@ impl Source {
         let grid_of = |source: Source| -> Result<Option<Arc<Grid>>> {
             Ok(source.built(scalar, &NoProgress)?.map(Arc::new))
         };
-        let arrays = || self.raw.point_arrays.iter().chain(&self.raw.cell_arrays);
-        if arrays().all(|(_, array)| is_finite(array)) {
+        let arrays =
+            || self.pieces.iter().flat_map(|piece| piece.point_arrays.iter().chain(&piece.cell_arrays));
+        if arrays().all(|(_, array)| is_finite(array)) && !values_part_points(&self.pieces) {
             return Ok(grid_of(self)?.map(HostGrid::from));
         }
         let whole = grid_of(self.clone());
@@ -117,9 +121,11 @@ impl Source {
             Ok(Some(_)) => whole,
             // Without arrays that leave nothing to draw there may be something.
             _ => {
-                let is_of_use =
-                    |(name, array): &(&String, &Array)| Some(name.as_str()) == scalar || is_finite(array);
-                let names = arrays().filter(is_of_use).map(|(name, _)| name.clone()).collect();
+                let is_not_finite =
+                    |(name, array): &(&String, &Array)| Some(name.as_str()) != scalar && !is_finite(array);
+                let spoilt: BTreeSet<&String> = arrays().filter(is_not_finite).map(|own| own.0).collect();
+                let names =
+                    arrays().map(|own| own.0).filter(|name| !spoilt.contains(name)).cloned().collect();
                 grid_of(self.only(&names)).or(whole)
             }
         };
@@ -129,16 +135,31 @@ impl Source {
     /// Source of these arrays alone.
     fn only(&self, names: &BTreeSet<String>) -> Source {
         let mut source = self.clone();
-        source.raw.point_arrays.retain(|name, _| names.contains(name));
-        source.raw.cell_arrays.retain(|name, _| names.contains(name));
+        for piece in &mut source.pieces {
+            piece.point_arrays.retain(|name, _| names.contains(name));
+            piece.cell_arrays.retain(|name, _| names.contains(name));
+        }
         source
+    }
+
+    /// Name of the array that `NAME`, `NAME:magnitude` or `NAME:0` is made from.
+    fn array_of(&self, name: &str) -> Option<String> {
+        let stem = || name.rsplit_once(':').map(|(stem, _)| stem);
+        let is_known = |name: &&str| {
+            let has = |piece: &RawGrid| {
+                piece.point_arrays.contains_key(*name) || piece.cell_arrays.contains_key(*name)
+            };
+            self.pieces.iter().any(has)
+        };
+        Some(name).filter(is_known).or_else(|| stem().filter(is_known)).map(str::to_string)
     }
 
     /// The grid; `None`: a piece that has nothing to draw.
     fn built(self, scalar: Option<&str>, progress: &dyn Progress) -> Result<Option<Grid>> {
+        let raw = join(self.pieces)?;
         let grid = match self.is_piece {
-            true => build_part(self.raw, &self.options, progress)?,
-            false => Some(build(self.raw, &self.options, progress)?),
+            true => build_part(raw, &self.options, progress)?,
+            false => Some(build(raw, &self.options, progress)?),
         };
         Ok(grid.map(|mut grid| {
             if let Some(name) = scalar {
@@ -148,13 +169,6 @@ impl Source {
             grid
         }))
     }
-}
-
-/// Name of the array that `NAME`, `NAME:magnitude` or `NAME:0` is made from.
-fn array_of(raw: &RawGrid, name: &str) -> Option<String> {
-    let stem = || name.rsplit_once(':').map(|(stem, _)| stem);
-    let is_known = |name: &&str| raw.point_arrays.contains_key(*name) || raw.cell_arrays.contains_key(*name);
-    Some(name).filter(is_known).or_else(|| stem().filter(is_known)).map(str::to_string)
 }
 
 fn is_finite(array: &Array) -> bool {

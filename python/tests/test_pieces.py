@@ -181,6 +181,16 @@ def test_pieces_are_one_grid(tmp_path, count, way, ids, ghosts, scalar):
         assert np.abs(found - expected).max() <= 1e-6, door
 
 
+def test_an_array_that_jumps_between_pieces_parts_only_the_points_of_its_own_picture():
+    pieces = cut(3, "scattered", False, False)
+    expected = of_grid(voltet.Grid.from_pieces(pieces), "s")
+    for number, piece in enumerate(pieces):
+        piece["point_data"] = {**piece["point_data"], "rank": np.full(len(piece["points"]), float(number))}
+    grid = voltet.Grid.from_pieces(pieces)
+    assert grid.point_count == sum(len(piece["points"]) for piece in pieces)
+    assert np.array_equal(of_grid(grid, "s"), expected)
+
+
 @pytest.mark.parametrize("ghosts", [False, True])
 @pytest.mark.parametrize("ids", [False, True])
 @pytest.mark.parametrize("scalar", ["s", "c"])

@@ -33,8 +33,8 @@ pub struct Grid {
 
 #[derive(Debug, Clone)]
 enum Source {
-    /// Arrays of the program.
-    Arrays(Box<RawGrid>, Options),
+    /// Arrays of the program, of the whole grid or of its pieces.
+    Arrays(Vec<RawGrid>, Options),
     /// A file, of which a volume reads its scalar alone.
     File(PathBuf, Box<Request>),
     /// A grid that was built before.
@@ -92,7 +92,7 @@ impl Grid {
                 Error::usage("a cell uses a point that does not exist").got(format!("point {largest}"));
             return Err(error.expected(format!("a point number below {}", points.len())));
         }
-        let source = Source::Arrays(Box::new(RawGrid::new(points, cells)), Options::default());
+        let source = Source::Arrays(vec![RawGrid::new(points, cells)], Options::default());
         Ok(Grid { source })
     }
 
@@ -175,11 +175,12 @@ impl Grid {
     }
 
     /// Puts pieces of one grid together: points of different pieces become one where their global ids are equal, or without ids at
-    /// equal positions with equal values. Ghost cells of which a piece has the original are left out.
+    /// equal positions with equal values of the arrays that are drawn. Ghost cells of which a piece has the original are left out.
     ///
     /// # Errors
-    /// - no piece, or one that was not made from arrays;
-    /// - an array that a piece lacks.
+    /// - a piece that was not made from arrays.
+    ///
+    /// What the pieces lack is found when the grid is built.
     pub fn from_pieces(pieces: impl IntoIterator<Item = Grid>) -> Result<Grid> {
         let mut options = Options::default();
         let mut raw = Vec::new();
@@ -187,7 +188,7 @@ impl Grid {
             match piece.source {
                 Source::Arrays(own, of_piece) => {
                     options = if raw.is_empty() { of_piece } else { options };
-                    raw.push(*own);
+                    raw.extend(own);
                 }
                 Source::File(..) | Source::Built(_) => {
                     let error = Error::usage("a piece of a grid was not made from arrays");
@@ -195,8 +196,7 @@ impl Grid {
                 }
             }
         }
-        let joined = grid::join(raw)?;
-        Ok(Grid { source: Source::Arrays(Box::new(joined), options) })
+        Ok(Grid { source: Source::Arrays(raw, options) })
     }
 
     /// Number of straight pieces between two nodes of a curved cell's edge, 1 … 64.
@@ -249,7 +249,10 @@ impl Grid {
     pub fn array_names(&self) -> Result<Vec<String>> {
         let names = |arrays: &mut dyn Iterator<Item = &String>| arrays.cloned().collect();
         Ok(match &self.source {
-            Source::Arrays(raw, _) => names(&mut raw.point_arrays.keys().chain(raw.cell_arrays.keys())),
+            Source::Arrays(pieces, _) => {
+                let piece = largest(pieces);
+                names(&mut piece.iter().flat_map(|raw| raw.point_arrays.keys().chain(raw.cell_arrays.keys())))
+            }
             Source::File(path, request) => {
                 formats::arrays(path, request)?.into_iter().map(|array| array.name).collect()
             }
@@ -259,7 +262,12 @@ impl Grid {
 
     fn raw(&mut self, action: &str) -> Result<&mut RawGrid> {
         match &mut self.source {
-            Source::Arrays(raw, _) => Ok(raw),
+            Source::Arrays(pieces, _) => {
+                if pieces.len() != 1 {
+                    *pieces = vec![grid::join(std::mem::take(pieces))?];
+                }
+                Ok(&mut pieces[0])
+            }
             Source::File(..) | Source::Built(_) => {
                 let error = Error::usage(format!("{action} to a grid that was not made from arrays"));
                 Err(error.expected("Grid::from_vtk_arrays, from_tetrahedra or from_cells"))
@@ -271,6 +279,7 @@ impl Grid {
     ///
     /// # Errors
     /// - those of the file;
+    /// - no piece, or pieces of which one lacks an array;
     /// - a scalar that does not exist, or has several components;
     /// - a grid without a cell that can be drawn.
     pub fn build(self, scalar: Option<&str>, progress: &dyn Progress) -> Result<Arc<BuiltGrid>> {
@@ -279,7 +288,7 @@ impl Grid {
                 request.scalar = scalar.map(str::to_string).or(request.scalar);
                 return formats::read(&path, &request, progress).map(Arc::new);
             }
-            Source::Arrays(raw, options) => Arc::new(grid::build(*raw, &options, progress)?),
+            Source::Arrays(raw, options) => Arc::new(grid::build(grid::join(raw)?, &options, progress)?),
             Source::Built(grid) => grid,
         };
         let Some(name) = scalar.filter(|name| grid.scalar.is_none() || grid.scalar_name != *name) else {
@@ -298,7 +307,7 @@ impl Grid {
     /// As of [`Grid::build`].
     pub(crate) fn in_memory(self) -> Result<HostGrid> {
         match self.source {
-            Source::Arrays(raw, options) => HostGrid::build(*raw, None, &options),
+            Source::Arrays(raw, options) => HostGrid::build(raw, None, &options),
             _ => self.build(None, &NoProgress).map(HostGrid::from),
         }
     }
@@ -364,15 +373,22 @@ pub fn borrowed_piece(
     Ok(RawGrid::new(points, raw_cells(cells, |own| SharedSlice::from_borrowed(own, keep.clone()))?))
 }
 
+/// The piece with most cells: all with cells must have the same arrays.
+fn largest(pieces: &[RawGrid]) -> Option<&RawGrid> {
+    pieces.iter().max_by_key(|piece| piece.cells.count())
+}
+
 /// Builds the grid of pieces, which are put together. `scalar`: the array that is drawn; where none is named the only one of one
 /// component, and none where several are.
 pub fn build_grid(pieces: Vec<RawGrid>, scalar: Option<&str>, options: &Options) -> Result<HostGrid> {
     if pieces.iter().any(|piece| piece.point_arrays.is_empty() && piece.cell_arrays.is_empty()) {
         return Err(Error::usage("the grid has no arrays").expected("at least the scalar that is drawn"));
     }
-    let parts = grid::join(pieces)?;
-    let scalar = scalar_of(scalar, &parts)?;
-    HostGrid::build(parts, scalar.as_deref(), options)
+    let scalar = match largest(&pieces) {
+        Some(piece) => scalar_of(scalar, piece)?,
+        None => None,
+    };
+    HostGrid::build(pieces, scalar.as_deref(), options)
 }
 
 /// Error for a grid whose scalar must be named.
