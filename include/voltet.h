@@ -176,8 +176,9 @@ typedef struct voltet_grid_source {
     void *user; /* Handed to release. */
 
     /* A grid in pieces: points of different pieces are one where their global ids are equal, or without ids at equal positions with
-     * equal values; ghost cells of which a piece has the original are left out. All pieces have the same arrays. Of the further
-     * ones scalar, subdivision, constant_cells, release and further_pieces are not looked at. */
+     * equal values of the arrays that a picture requests (voltet_grid_info: of all arrays); ghost cells of which a piece has the
+     * original are left out. All pieces have the same arrays. Of the further ones scalar, subdivision, constant_cells, release and
+     * further_pieces are not looked at. */
     const int64_t *global_ids; /* A number a point, or null. */
     const struct voltet_grid_source *further_pieces;
     size_t further_piece_count;

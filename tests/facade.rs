@@ -289,6 +289,11 @@ fn an_array_that_is_not_requested_parts_no_points() -> Result<()> {
     let plain = Pipeline::parse(&pipeline(None, widgets, "", view), "")?.with_grid("grid", grid())?;
     assert!(drawn([None; 2])? == { plain }.render("picture")?);
     assert!(drawn([Some(0.0), Some(1.0)])? == drawn([None; 2])?);
+    // Pieces that do not fit together are an error, whatever is not finite in the array that one lacks.
+    for rank in [1.0, f64::NAN] {
+        let error = drawn([Some(rank), None]).unwrap_err().to_string();
+        assert!(error.contains("lacks the array 'rank'"), "{error}");
+    }
     Ok(())
 }
 

@@ -407,7 +407,11 @@ impl Grids {
                         let nothing = channel.require("data")?.wrong("holds no domain", "nothing", "a mesh");
                         Err(mesh.refusal.unwrap_or(nothing))
                     }
-                    1 => Ok(GivenGrid::Whole(Arc::new(build_grid(mesh.pieces, None, &options)?))),
+                    // Joined by the fields of all pipelines, as several processes do it.
+                    1 => {
+                        let whole = voltet_core::grid::join(mesh.pieces)?;
+                        Ok(GivenGrid::Whole(Arc::new(build_grid(vec![whole], None, &options)?)))
+                    }
                     _ => Ok(GivenGrid::Piece(piece::build(mesh, layers, &options, ranks)?.map(Arc::new))),
                 }
             };

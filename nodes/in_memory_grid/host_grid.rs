@@ -10,11 +10,13 @@ use voltet_graph::Arrays;
 
 /// A grid that a program holds in memory, with all of its arrays, or the piece of one process of it. A cell with a value that is not finite
 /// is left out of the whole, whichever array has it; of the grid that a node gives it is left out for a value of a requested array alone, as
-/// a reader does. So are points of its pieces one that have one position and equal values: of all arrays in the whole, of the requested
-/// ones in the grid that a node gives.
+/// a reader does. Points of pieces are one that have one position and equal values: of all arrays in the whole, of the requested ones in the
+/// grid that a node gives. Pieces that several processes have joined with each other stay as they are.
 #[derive(Debug)]
 pub struct HostGrid {
     whole: Arc<Grid>,
+    /// Names of the arrays that it was built from.
+    names: BTreeSet<String>,
     /// Source that it was built from, where the grid of some of its arrays has other cells or points.
     source: Option<Source>,
     /// The last grid of some of the arrays, and their names: a summary of a scalar and its picture are of one.
@@ -36,7 +38,8 @@ struct Source {
 impl From<Arc<Grid>> for HostGrid {
     /// A grid whose cells are all drawn, whichever arrays are requested.
     fn from(whole: Arc<Grid>) -> Self {
-        HostGrid { whole, source: None, last: Mutex::default() }
+        let names = whole.point_arrays.keys().chain(whole.cell_arrays.keys()).cloned().collect();
+        HostGrid { whole, names, source: None, last: Mutex::default() }
     }
 }
 
@@ -46,7 +49,7 @@ impl HostGrid {
     /// # Errors
     /// - those of [`join`] and [`build`].
     pub fn build(pieces: Vec<RawGrid>, scalar: Option<&str>, options: &Options) -> Result<HostGrid> {
-        let grid = Source { pieces, options: *options, is_piece: false }.into_grid(scalar)?;
+        let grid = Source::new(pieces, options, false).into_grid(scalar)?;
         grid.ok_or_else(|| Error::run("the grid has nothing to draw"))
     }
 
@@ -55,7 +58,7 @@ impl HostGrid {
     /// # Errors
     /// - those of [`build_part`].
     pub fn build_piece(raw: RawGrid, scalar: Option<&str>, options: &Options) -> Result<Option<HostGrid>> {
-        Source { pieces: vec![raw], options: *options, is_piece: true }.into_grid(scalar)
+        Source::new(vec![raw], options, true).into_grid(scalar)
     }
 
     /// The grid with all of its arrays; where nothing could be drawn of that, with those whose values are all finite, and its scalar.
@@ -67,9 +70,7 @@ impl HostGrid {
     pub fn add_warnings(&mut self, warnings: &[String]) {
         let origin = &mut Arc::make_mut(&mut self.whole).origin;
         Arc::make_mut(origin).warnings.extend_from_slice(warnings);
-        let pieces = self.source.iter_mut().flat_map(|source| &mut source.pieces);
-        // A piece without cells is not joined.
-        if let Some(piece) = pieces.max_by_key(|piece| piece.cells.count()) {
+        if let Some(piece) = self.source.iter_mut().find_map(|source| source.pieces.first_mut()) {
             piece.origin.warnings.extend_from_slice(warnings);
         }
         self.last = Mutex::default();
@@ -95,6 +96,9 @@ impl HostGrid {
         let known: Option<BTreeSet<String>> = wanted.map(|name| source.array_of(name)).collect();
         let Some(mut names) = known else { return Ok(Some(self.whole.clone())) };
         names.extend(requested.optional.iter().filter_map(|name| source.array_of(name)));
+        if names == self.names {
+            return Ok(Some(self.whole.clone()));
+        }
         let last = || self.last.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, grid)) = last().as_ref().filter(|last| last.0 == names) {
             return Ok(grid.clone());
@@ -107,16 +111,22 @@ impl HostGrid {
 }
 
 impl Source {
+    fn new(mut pieces: Vec<RawGrid>, options: &Options, is_piece: bool) -> Source {
+        // As they are joined: the arrays of others do not count.
+        if pieces.iter().any(|piece| piece.cells.count() > 0) {
+            pieces.retain(|piece| piece.cells.count() > 0);
+        }
+        Source { pieces, options: *options, is_piece }
+    }
+
     fn into_grid(self, scalar: Option<&str>) -> Result<Option<HostGrid>> {
-        let grid_of = |source: Source| -> Result<Option<Arc<Grid>>> {
-            Ok(source.built(scalar, &NoProgress)?.map(Arc::new))
-        };
         let arrays =
             || self.pieces.iter().flat_map(|piece| piece.point_arrays.iter().chain(&piece.cell_arrays));
         if arrays().all(|(_, array)| is_finite(array)) && !values_part_points(&self.pieces) {
-            return Ok(grid_of(self)?.map(HostGrid::from));
+            return Ok(self.built(scalar, &NoProgress)?.map(|grid| HostGrid::from(Arc::new(grid))));
         }
-        let whole = grid_of(self.clone());
+        // Pieces that do not fit together are an error, whatever could be drawn of them.
+        let whole = self.split(join(self.pieces.clone())?, scalar, &NoProgress);
         let whole = match &whole {
             Ok(Some(_)) => whole,
             // Without arrays that leave nothing to draw there may be something.
@@ -126,10 +136,10 @@ impl Source {
                 let spoilt: BTreeSet<&String> = arrays().filter(is_not_finite).map(|own| own.0).collect();
                 let names =
                     arrays().map(|own| own.0).filter(|name| !spoilt.contains(name)).cloned().collect();
-                grid_of(self.only(&names)).or(whole)
+                self.only(&names).built(scalar, &NoProgress).or(whole)
             }
         };
-        Ok(whole?.map(|whole| HostGrid { source: Some(self), ..whole.into() }))
+        Ok(whole?.map(|whole| HostGrid { source: Some(self), ..Arc::new(whole).into() }))
     }
 
     /// Source of these arrays alone.
@@ -155,8 +165,13 @@ impl Source {
     }
 
     /// The grid; `None`: a piece that has nothing to draw.
-    fn built(self, scalar: Option<&str>, progress: &dyn Progress) -> Result<Option<Grid>> {
-        let raw = join(self.pieces)?;
+    fn built(mut self, scalar: Option<&str>, progress: &dyn Progress) -> Result<Option<Grid>> {
+        let raw = join(std::mem::take(&mut self.pieces))?;
+        self.split(raw, scalar, progress)
+    }
+
+    /// The grid of the joined pieces, its cells split into tetrahedra; `None`: a piece that has nothing to draw.
+    fn split(&self, raw: RawGrid, scalar: Option<&str>, progress: &dyn Progress) -> Result<Option<Grid>> {
         let grid = match self.is_piece {
             true => build_part(raw, &self.options, progress)?,
             false => Some(build(raw, &self.options, progress)?),

@@ -155,7 +155,8 @@ class Grid:
         watch: bool = True,
     ) -> Grid:
         """The grid that was cut into these pieces: points of different pieces become one where their global ids are equal, or without
-        ids at equal positions with equal values. Ghost cells of which a piece has the original are left out.
+        ids at equal positions with equal values of the arrays that a picture requests; the counts of the grid are those of all arrays. Ghost
+        cells of which a piece has the original are left out.
 
         Parameters
         ----------

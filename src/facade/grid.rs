@@ -175,7 +175,9 @@ impl Grid {
     }
 
     /// Puts pieces of one grid together: points of different pieces become one where their global ids are equal, or without ids at
-    /// equal positions with equal values of the arrays that are drawn. Ghost cells of which a piece has the original are left out.
+    /// equal positions with equal values: of the arrays that a pipeline requests ([`crate::Pipeline::with_grid`]), of all arrays in a
+    /// [`crate::Volume`]. Ghost cells of which a piece has the original are left out. What is added to the grid afterwards is for the points of
+    /// all pieces together, as they are joined by the arrays that they have by then.
     ///
     /// # Errors
     /// - a piece that was not made from arrays.
@@ -247,16 +249,12 @@ impl Grid {
     /// # Errors
     /// - a file that cannot be read.
     pub fn array_names(&self) -> Result<Vec<String>> {
-        let names = |arrays: &mut dyn Iterator<Item = &String>| arrays.cloned().collect();
         Ok(match &self.source {
-            Source::Arrays(pieces, _) => {
-                let piece = largest(pieces);
-                names(&mut piece.iter().flat_map(|raw| raw.point_arrays.keys().chain(raw.cell_arrays.keys())))
-            }
+            Source::Arrays(pieces, _) => arrays_of(pieces).into_keys().map(str::to_string).collect(),
             Source::File(path, request) => {
                 formats::arrays(path, request)?.into_iter().map(|array| array.name).collect()
             }
-            Source::Built(grid) => names(&mut grid.point_arrays.keys()),
+            Source::Built(grid) => grid.point_arrays.keys().cloned().collect(),
         })
     }
 
@@ -373,9 +371,11 @@ pub fn borrowed_piece(
     Ok(RawGrid::new(points, raw_cells(cells, |own| SharedSlice::from_borrowed(own, keep.clone()))?))
 }
 
-/// The piece with most cells: all with cells must have the same arrays.
-fn largest(pieces: &[RawGrid]) -> Option<&RawGrid> {
-    pieces.iter().max_by_key(|piece| piece.cells.count())
+/// Arrays of pieces with cells, which must all have the same.
+fn arrays_of(pieces: &[RawGrid]) -> BTreeMap<&str, &Array> {
+    let with_cells = pieces.iter().filter(|piece| pieces.len() == 1 || piece.cells.count() > 0);
+    let arrays = with_cells.flat_map(|piece| piece.point_arrays.iter().chain(&piece.cell_arrays));
+    arrays.map(|(name, array)| (name.as_str(), array)).collect()
 }
 
 /// Builds the grid of pieces, which are put together. `scalar`: the array that is drawn; where none is named the only one of one
@@ -384,10 +384,7 @@ pub fn build_grid(pieces: Vec<RawGrid>, scalar: Option<&str>, options: &Options)
     if pieces.iter().any(|piece| piece.point_arrays.is_empty() && piece.cell_arrays.is_empty()) {
         return Err(Error::usage("the grid has no arrays").expected("at least the scalar that is drawn"));
     }
-    let scalar = match largest(&pieces) {
-        Some(piece) => scalar_of(scalar, piece)?,
-        None => None,
-    };
+    let scalar = scalar_of(scalar, &pieces)?;
     HostGrid::build(pieces, scalar.as_deref(), options)
 }
 
@@ -422,18 +419,15 @@ pub fn add_array(piece: &mut RawGrid, name: &str, array: Array, on_cells: bool) 
 }
 
 /// Name of the array that is drawn.
-fn scalar_of(name: Option<&str>, parts: &RawGrid) -> Result<Option<String>> {
-    let all: BTreeMap<&str, usize> = [&parts.point_arrays, &parts.cell_arrays]
-        .into_iter()
-        .flatten()
-        .map(|(name, array)| (name.as_str(), array.component_count))
-        .collect();
-    let scalars: Vec<&str> = all.iter().filter(|known| *known.1 == 1).map(|known| *known.0).collect();
+fn scalar_of(name: Option<&str>, pieces: &[RawGrid]) -> Result<Option<String>> {
+    let all = arrays_of(pieces);
+    let scalars: Vec<&str> =
+        all.iter().filter(|known| known.1.component_count == 1).map(|known| *known.0).collect();
     match (name, &scalars[..]) {
         (Some(name), _) if scalars.contains(&name) => Ok(Some(name.to_string())),
         (Some(name), _) => {
             let found = match all.get(name) {
-                Some(count) => format!("'{name}' of {}", counted(*count, "component")),
+                Some(array) => format!("'{name}' of {}", counted(array.component_count, "component")),
                 None => format!("'{name}'"),
             };
             Err(Error::usage("the grid has no such scalar").got(found).expected(one_of(name, &scalars)))

@@ -176,46 +176,52 @@ struct Over<'a> {
     columns: [&'a [f32]; 4],
 }
 
+/// Segments that are summed before the sum goes into a pixel's, slices of a row: a sum of 16 is off by 16·2⁻²⁵ of itself at most.
+const SUMMED: usize = 16 * TILE;
+
 impl Kernel for Over<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Over { pixels, row, lengths, columns } = self;
-        let (zero, one) = (L::F::splat(0.0), L::F::splat(1.0));
+        let (zero, one, infinity) = (L::F::splat(0.0), L::F::splat(1.0), L::F::splat(f32::INFINITY));
         for half in (0..TILE).step_by(L::WIDTH) {
             let first = row * TILE + half;
-            // Sums of the batch, each rounded as the small number that it is.
-            let mut sums = [zero; 4];
             let mut transmittance = L::F::load(&pixels.transmittance[first..]);
             let mut rest = L::F::load(&pixels.rest[first..]);
-            let mut at = half;
-            while at < columns[0].len() {
-                let mut layer: [L::F; 4] = array!(|c| L::F::load(&columns[c][at..]));
-                if let Some(lengths) = lengths {
-                    let hit = zero.lt(L::F::load(&lengths[at..]));
-                    layer = array!(|c| L::F::select(hit, layer[c], zero));
+            for chunk in (0..columns[0].len()).step_by(SUMMED) {
+                let end = columns[0].len().min(chunk + SUMMED);
+                // Sums of some segments, each rounded as the small number that it is.
+                let mut sums = [zero; 4];
+                for at in (chunk + half..end).step_by(TILE) {
+                    let mut layer: [L::F; 4] = array!(|c| L::F::load(&columns[c][at..]));
+                    if let Some(lengths) = lengths {
+                        let hit = zero.lt(L::F::load(&lengths[at..]));
+                        layer = array!(|c| L::F::select(hit, layer[c], zero));
+                    }
+                    let visibility = transmittance + rest;
+                    for (sum, layer) in sums.iter_mut().zip(layer) {
+                        *sum = visibility.mul_add(layer, *sum);
+                    }
+                    // The product of T + rest and 1 − A, both with what their rounding takes.
+                    let clear = one - layer[3];
+                    let rounding = (one - clear) - layer[3];
+                    let product = transmittance * clear;
+                    let of_product = transmittance.mul_add(clear, -product);
+                    rest = rest.mul_add(clear, transmittance.mul_add(rounding, of_product));
+                    transmittance = product;
                 }
-                let visibility = transmittance + rest;
-                for (sum, layer) in sums.iter_mut().zip(layer) {
-                    *sum = visibility.mul_add(layer, *sum);
+                // Added with what rounding takes (Knuth 1969, The Art of Computer Programming 2, section 4.2.2).
+                for ((column, rounded), sum) in pixels.rgba.iter_mut().zip(&mut pixels.rounded).zip(sums) {
+                    let (column, rounded) = (&mut column[first..], &mut rounded[first..]);
+                    let before = L::F::load(column);
+                    let after = before + sum;
+                    let added = after - before;
+                    let error = (before - (after - added)) + (sum - added);
+                    after.store(column);
+                    // Beyond the largest number there is no rest.
+                    let error = L::F::select(after.abs().lt(infinity), error, zero);
+                    (L::F::load(rounded) + error).store(rounded);
                 }
-                // The product of T + rest and 1 − A, both with what their rounding takes.
-                let clear = one - layer[3];
-                let rounding = (one - clear) - layer[3];
-                let product = transmittance * clear;
-                let of_product = transmittance.mul_add(clear, -product);
-                rest = rest.mul_add(clear, transmittance.mul_add(rounding, of_product));
-                transmittance = product;
-                at += TILE;
-            }
-            // Sums with what their rounding takes (Knuth 1969, TwoSum): a run of thousands of batches is as exact as one.
-            for ((column, rounded), sum) in pixels.rgba.iter_mut().zip(&mut pixels.rounded).zip(sums) {
-                let (column, rounded) = (&mut column[first..], &mut rounded[first..]);
-                let before = L::F::load(column);
-                let after = before + sum;
-                let added = after - before;
-                let error = (before - (after - added)) + (sum - added);
-                after.store(column);
-                (L::F::load(rounded) + error).store(rounded);
             }
             transmittance.store(&mut pixels.transmittance[first..]);
             rest.store(&mut pixels.rest[first..]);

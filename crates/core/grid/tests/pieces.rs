@@ -176,6 +176,15 @@ fn a_crack_and_a_jump_stay_and_blocks_stay_apart() {
     assert_eq!(count(vec![tetrahedron(1.0, 0.0, 0), tetrahedron(-1.0, 0.0, 0)]), 7);
     assert_eq!(count(vec![tetrahedron(1.0, 0.0, 0), tetrahedron(-1.0, 0.5, 0)]), 9);
     assert_eq!(count(vec![tetrahedron(1.0, 0.0, 0), tetrahedron(-1.0, 0.0, 1)]), 12);
+    let parts = |pieces: &[RawGrid]| values_part_points(pieces);
+    assert!(!parts(&[tetrahedron(1.0, 0.0, 0), tetrahedron(-1.0, 0.0, 0)]));
+    assert!(parts(&[tetrahedron(1.0, 0.0, 0), tetrahedron(-1.0, 0.5, 0)]));
+    assert!(!parts(&[tetrahedron(1.0, 0.0, 0), tetrahedron(-1.0, 0.5, 1)]));
+    assert!(!parts(&[tetrahedron(1.0, 0.5, 0)]));
+    // Global ids stand above values where both pieces have them.
+    let with_ids = |value: f64| RawGrid { global_ids: Some((0..6).collect()), ..tetrahedron(1.0, value, 0) };
+    assert!(!parts(&[with_ids(0.0), with_ids(0.5)]));
+    assert!(parts(&[with_ids(0.0), tetrahedron(-1.0, 0.5, 0)]));
     let bare = RawGrid { scalar: None, ..tetrahedron(1.0, 0.0, 0) };
     let error = join(vec![tetrahedron(1.0, 0.0, 0), bare]).unwrap_err().to_string();
     assert!(error.contains("lacks the array 's'"), "{error}");
