@@ -13,7 +13,6 @@ use crate::api::origins::{FileStamp, Origins};
 use crate::api::ranks::{OneRank, Ranks};
 use crate::api::value::{Edge, Revision, Value};
 use crate::build::graph::Graph;
-use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 use voltet_core::diagnostics::{Diagnostics, SavedWork};
