@@ -7,6 +7,7 @@ use super::numbers::{self, ByteOrder, NumberType, Target, convert};
 use super::source::Source;
 use super::text::{BLOCK, TextRange, is_space, line_ends, word_starts};
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use voltet_core::progress::NoProgress;
 use voltet_core::{Error, Result};
 
@@ -310,6 +311,18 @@ impl Cursor {
         what: &str,
         is_between: impl Fn(u8) -> bool + Sync + Copy,
     ) -> Result<Vec<T>> {
+        self.changed_numbers(number_type, count, what, is_between, |_| ())
+    }
+
+    /// As [`Cursor::numbers_between`], changed part by part.
+    fn changed_numbers<T: Target>(
+        &mut self,
+        number_type: NumberType,
+        count: u64,
+        what: &str,
+        is_between: impl Fn(u8) -> bool + Sync + Copy,
+        change: impl Fn(&mut [T]) + Sync,
+    ) -> Result<Vec<T>> {
         let start = self.position();
         let Some(order) = self.binary else {
             let passed = self.skip_words(count, is_between);
@@ -317,7 +330,9 @@ impl Cursor {
             let range = TextRange::new(&self.source, start..self.position());
             // A damaged word comes before a table that is too short.
             let parsed = range.numbers(number_type, is_between, &mut numbers, |_| Ok(()));
-            return parsed.map_err(|error| error.expected(what)).and(passed).map(|()| numbers);
+            parsed.map_err(|error| error.expected(what)).and(passed)?;
+            change(&mut numbers);
+            return Ok(numbers);
         };
         let first = self.clone();
         self.skip(number_type.byte_count(count).unwrap_or(u64::MAX))?;
@@ -326,7 +341,7 @@ impl Cursor {
             order,
             ..Stored::of_f64(&self.source, what, 1, count, Encoding::Bytes(start))
         };
-        stored.load(&Meter::new(&NoProgress, 1)).or_else(|error| {
+        stored.load_changed(&Meter::new(&NoProgress, 1), change).or_else(|error| {
             // One by one they tell the place of the wrong one.
             *self = first;
             (0..count).try_for_each(|_| self.number::<T>(number_type, what).map(|_| ()))?;
@@ -354,11 +369,21 @@ impl Cursor {
     /// The next numbers of nodes of `what`, which are 1 to `node_count`, from 0.
     pub fn node_numbers(&mut self, count: u64, node_count: u64, what: &str) -> Result<Vec<u32>> {
         let start = self.clone();
-        let mut numbers: Vec<u32> = self.numbers(NumberType::I32, count, "the number of a node")?;
-        if let Err(wrong) = count_from_zero(&mut numbers, node_count) {
+        let is_wrong = AtomicBool::new(false);
+        let change = |part: &mut [u32]| count_from_zero(part, node_count, &is_wrong);
+        let node = "the number of a node";
+        let mut numbers: Vec<u32>;
+        if count < FEW {
+            numbers = self.numbers(NumberType::I32, count, node)?;
+            change(&mut numbers);
+        } else {
+            numbers = self.changed_numbers(NumberType::I32, count, node, is_space, change)?;
+        }
+        if is_wrong.into_inner() {
+            let wrong = numbers.iter().position(|&number| u64::from(number) >= node_count).unwrap_or(0);
             *self = start;
             self.skip_numbers(wrong as u64, 4)?;
-            let found: u32 = self.number(NumberType::I32, "the number of a node")?;
+            let found: u32 = self.number(NumberType::I32, node)?;
             let error = self.error(format!("{what} names a node that does not exist")).got(found);
             return Err(error.expected(format_args!("1 to {node_count}")));
         }

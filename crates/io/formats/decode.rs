@@ -22,11 +22,13 @@ const PART: usize = 1 << 15;
 impl Stored {
     /// Reads all values. Allocates once their number is known to lie in the file.
     pub fn load<T: Target>(&self, meter: &Meter) -> Result<Vec<T>> {
-        self.load_values(meter).map_err(|error| error.at_item(&self.name))
+        self.load_changed(meter, |_| ())
     }
 
-    fn load_values<T: Target>(&self, meter: &Meter) -> Result<Vec<T>> {
-        self.load_found(self.find(meter)?, meter)
+    /// Reads all values and changes them, part by part while these are in the cache.
+    pub fn load_changed<T: Target>(&self, meter: &Meter, change: impl Fn(&mut [T]) + Sync) -> Result<Vec<T>> {
+        let found = self.find(meter).and_then(|found| self.load_found(found, meter, &change));
+        found.map_err(|error| error.at_item(&self.name))
     }
 
     /// Number of the values if all parts of them are good, by the place of a part's first value, the number of all, and the part; of plain
@@ -39,7 +41,7 @@ impl Stored {
         let counted = || {
             let found = self.find(meter)?;
             let Some((count, part_len)) = self.parts(&found)? else {
-                let values: Vec<T> = self.load_found(found, meter)?;
+                let values: Vec<T> = self.load_found(found, meter, &|_: &mut [T]| ())?;
                 let is_part_good = |(part, own)| is_good(part * PART, values.len(), own);
                 return Ok(values.par_chunks(PART).enumerate().all(is_part_good).then_some(values.len()));
             };
@@ -76,19 +78,26 @@ impl Stored {
         })
     }
 
-    fn load_found<T: Target>(&self, found: Decodable, meter: &Meter) -> Result<Vec<T>> {
+    fn load_found<T: Target>(
+        &self,
+        found: Decodable,
+        meter: &Meter,
+        change: &(impl Fn(&mut [T]) + Sync),
+    ) -> Result<Vec<T>> {
         let promised = self.promised()?;
         if let Some((count, part_len)) = self.parts(&found)? {
             let mut values = zeros(count);
-            values
-                .par_chunks_mut(part_len)
-                .enumerate()
-                .try_for_each_init(Buffers::default, |buffers, (part, to)| {
-                    self.decode_part(&found, part * part_len, to, buffers, meter)
-                })?;
+            values.par_chunks_mut(part_len).enumerate().try_for_each_init(
+                Buffers::default,
+                |buffers, (part, to)| {
+                    self.decode_part(&found, part * part_len, to, buffers, meter)?;
+                    change(to);
+                    Ok::<(), Error>(())
+                },
+            )?;
             return Ok(values);
         }
-        let values = match found {
+        let mut values = match found {
             Decodable::Text(parts) => {
                 // A value takes a letter and a space.
                 let most = parts.iter().map(|part| part.len() / 2 + 1).sum::<u64>();
@@ -112,7 +121,7 @@ impl Stored {
                 for (index, to) in parts {
                     self.block(&blocks, index, &mut buffers, to, meter)?;
                 }
-                return self.load_found(Decodable::Plain(Payload::Memory(bytes)), meter);
+                return self.load_found(Decodable::Plain(Payload::Memory(bytes)), meter, change);
             }
             Decodable::Plain(_) => Vec::new(),
         };
@@ -123,7 +132,10 @@ impl Stored {
                     .got(values.len())
                     .expected(format_args!("{promised} ({tuples})")))
             }
-            _ => Ok(values),
+            _ => {
+                values.par_chunks_mut(PART).for_each(change);
+                Ok(values)
+            }
         }
     }
 
@@ -262,7 +274,7 @@ pub(super) fn join<T: Target>(planes: &[Stored], meter: &Meter) -> Result<Vec<T>
     let counts: Option<Vec<usize>> = counts.collect::<Result<_>>()?;
     let Some(counts) = counts else {
         let load = |(plane, found): (&Stored, Decodable)| {
-            plane.load_found(found, meter).map_err(|error| error.at_item(&plane.name))
+            plane.load_found(found, meter, &|_: &mut [T]| ()).map_err(|error| error.at_item(&plane.name))
         };
         let columns: Vec<Vec<T>> = planes.iter().zip(found).map(load).collect::<Result<_>>()?;
         let count = columns.first().map_or(0, Vec::len);

@@ -6,12 +6,17 @@
 use super::codec::Codec;
 use super::source::Source;
 use hdf5_reader::btree_v1::{BTreeV1Key, BTreeV1Node};
+use hdf5_reader::error::Error;
+use hdf5_reader::filters::FilterRegistry;
 use hdf5_reader::messages::filter_pipeline::{FILTER_DEFLATE, FILTER_SHUFFLE};
 use hdf5_reader::messages::{HdfMessage, layout::DataLayout};
 use hdf5_reader::{Dataset, Hdf5File};
 use std::collections::HashSet;
 use std::ops::Range;
 use voltet_core::Result;
+
+/// Number of the filter LZF.
+const LZF: u16 = 32000;
 
 /// Part of an array along one axis: the first number, how many, and the distance between them.
 pub(super) type Extent = (u64, u64, u64);
@@ -285,6 +290,34 @@ fn unshuffle(from: &[u8], to: &mut [u8], value_size: usize) {
         4 => of_size::<4>(from, to),
         _ => of_size::<8>(from, to),
     }
+}
+
+/// The filters of the crate, and LZF, which h5py has.
+pub(super) fn filters() -> FilterRegistry {
+    let mut filters = FilterRegistry::new();
+    let damaged = || Error::InvalidData("a chunk of LZF is damaged".to_owned());
+    filters.register(LZF, Box::new(move |_, packed, _| unpack_lzf(packed).ok_or_else(damaged)));
+    filters
+}
+
+/// Bytes that LZF has packed (LibLZF, M. Lehmann): runs of bytes, and copies of what stands up to 8 KiB before. `None`: they are damaged.
+fn unpack_lzf(packed: &[u8]) -> Option<Vec<u8>> {
+    let mut bytes = Vec::with_capacity(packed.len() * 2);
+    let mut rest = packed.iter().copied();
+    while let Some(first) = rest.next() {
+        if first < 32 {
+            for _ in 0..=first {
+                bytes.push(rest.next()?);
+            }
+            continue;
+        }
+        let further = if first >> 5 == 7 { usize::from(rest.next()?) } else { 0 };
+        let distance = usize::from(u16::from_be_bytes([first & 31, rest.next()?])) + 1;
+        for _ in 0..usize::from(first >> 5) + further + 2 {
+            bytes.push(*bytes.get(bytes.len().checked_sub(distance)?)?);
+        }
+    }
+    Some(bytes)
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use hdf5_reader::checksum::jenkins_lookup3;
 use hdf5_reader::error::{Error, Result};
 use hdf5_reader::fractal_heap::FractalHeap;
 use hdf5_reader::io::Cursor;
-use hdf5_reader::storage::StorageBuffer;
+use hdf5_reader::storage::{BlockCacheStorage, StorageBuffer};
 use hdf5_reader::superblock::Superblock;
 use hdf5_reader::{RangeRequestStorage, Storage};
 use std::collections::HashMap;
@@ -34,9 +34,16 @@ const MAX_ROWS: u32 = 64;
 /// Most bytes that are read and kept for all heaps of a file, for one of the file: those of each block twice, and holes between them.
 const MAX_HEAP_BYTES_PER_FILE_BYTE: u64 = 4;
 
+/// Most bytes of a reading that comes from blocks of the file that are kept, as a group of a few arrays takes a hundred of a few dozen bytes;
+/// bytes of these blocks, and most of them.
+const SMALL: usize = 1 << 11;
+const BLOCK_BYTES: usize = 1 << 14;
+const MAX_BLOCKS: usize = 64;
+
 /// A file of which heaps are read as one row of blocks.
 pub(super) struct HeapStorage {
-    file: RangeRequestStorage,
+    file: Arc<RangeRequestStorage>,
+    blocks: BlockCacheStorage,
     superblock: Superblock,
     heaps: Mutex<Heaps>,
 }
@@ -86,7 +93,8 @@ impl Storage for HeapStorage {
                 return StorageBuffer::from_shared_owner(row.bytes.clone(), (at - row.begin) as usize, len);
             }
         }
-        let bytes = self.file.read_range(at, len)?;
+        let bytes =
+            if len > SMALL { self.file.read_range(at, len) } else { self.blocks.read_range(at, len) }?;
         let is_header = bytes.starts_with(HEADER) && len as u64 == HEADER_BYTES.min(self.len() - at);
         if is_header { self.replaced_header(at, bytes) } else { Ok(bytes) }
     }
@@ -99,11 +107,12 @@ impl HeapStorage {
         let read = move |at: u64, len: usize| {
             source.read(at, len as u64).map_err(|error| Error::Other(error.to_string()))
         };
-        let file = RangeRequestStorage::new(len, read);
-        let superblock = Superblock::parse_from_storage(&file)?;
+        let file = Arc::new(RangeRequestStorage::new(len, read));
+        let blocks = BlockCacheStorage::new(file.clone(), BLOCK_BYTES, MAX_BLOCKS);
+        let superblock = Superblock::parse_from_storage(&*file)?;
         let bytes_left = len.saturating_mul(MAX_HEAP_BYTES_PER_FILE_BYTE);
         let heaps = Heaps { headers: HashMap::new(), rows: Vec::new(), bytes_left };
-        Ok(HeapStorage { file, superblock, heaps: Mutex::new(heaps) })
+        Ok(HeapStorage { file, blocks, superblock, heaps: Mutex::new(heaps) })
     }
 
     fn heaps(&self) -> MutexGuard<'_, Heaps> {

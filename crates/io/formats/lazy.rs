@@ -3,6 +3,7 @@
 
 use super::contents::{ExternalFormat, Geometry};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::grid::code::TETRA;
 use voltet_core::grid::{CellSet, Cells, Polyhedron};
@@ -131,18 +132,13 @@ pub(super) fn missing_node(element: u64, node: u64) -> Error {
 /// Numbers that one task looks at.
 const PART: usize = 1 << 14;
 
-/// Makes numbers of 1 to `count` such from 0 on. Errors: the place of the first that is none of these.
-pub(super) fn count_from_zero(numbers: &mut [u32], count: u64) -> std::result::Result<(), usize> {
-    let of_part = |part: &mut [u32]| {
-        part.iter_mut().fold(false, |is_wrong, number| {
-            *number = number.wrapping_sub(1);
-            is_wrong | (u64::from(*number) >= count)
-        })
-    };
-    match numbers.par_chunks_mut(PART).map(of_part).reduce(|| false, |a, b| a | b) {
-        false => Ok(()),
-        true => Err(numbers.iter().position(|&number| u64::from(number) >= count).unwrap_or(0)),
-    }
+/// Makes numbers of 1 to `count` such from 0 on; notes if some are none of these, which are then not below `count`.
+pub(super) fn count_from_zero(numbers: &mut [u32], count: u64, is_wrong: &AtomicBool) {
+    let is_some_wrong = numbers.iter_mut().fold(false, |is_wrong, number| {
+        *number = number.wrapping_sub(1);
+        is_wrong | (u64::from(*number) >= count)
+    });
+    is_wrong.fetch_or(is_some_wrong, Ordering::Relaxed);
 }
 
 /// Tetrahedra by the points of all of them.

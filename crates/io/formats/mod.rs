@@ -82,6 +82,7 @@ mod unsupported;
 mod vtkhdf;
 mod xdmf;
 mod xml;
+mod xz;
 
 pub use assemble::{SkippedArray, length};
 pub use blocks::blocks_named;
@@ -217,36 +218,25 @@ pub fn steps(path: &Path, request: &Request) -> Result<(Vec<f64>, usize)> {
 /// a PLOT3D grid, those of a case. What cannot be read names none.
 pub fn files_beside(path: &Path) -> Vec<PathBuf> {
     let solution = Some(path.with_extension("q")).filter(|solution| solution != path && solution.is_file());
-    let named = xml::files_named(path, None).into_iter().chain(series::files_named(path, None));
-    named
-        .chain(files_linked(path, &Request::default()))
-        .chain(xdmf::files_named(path, None))
-        .chain(solution)
-        .chain(exodus::parts_beside(path))
-        .chain(foam::files_named(path, None))
-        .chain(mfem::files_named(path, &Request::default()))
-        .chain(abaqus::files_named(path))
-        .chain(ensight::files_named(path, None))
-        .collect()
+    files_named(path, None).into_iter().chain(solution).collect()
 }
 
 /// Further files that reading for this request opens: of a series the files of one step.
 pub fn files_read_beside(path: &Path, request: &Request) -> Vec<PathBuf> {
-    let solution = plot3d::solution_beside(path, request);
-    let of_series = series::files_named(path, Some(request));
-    let of_links = files_linked(path, request);
-    let of_case =
-        foam::files_named(path, Some(request)).into_iter().chain(ensight::files_named(path, Some(request)));
-    xml::files_named(path, Some(request))
+    files_named(path, Some(request)).into_iter().chain(plot3d::solution_beside(path, request)).collect()
+}
+
+/// Files that a data file names, of all steps or of those that a request asks for.
+fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf> {
+    let own = request.cloned().unwrap_or_default();
+    [xml::files_named, series::files_named, xdmf::files_named, foam::files_named, ensight::files_named]
         .into_iter()
-        .chain(of_series)
-        .chain(of_links)
-        .chain(xdmf::files_named(path, Some(request)))
-        .chain(solution)
+        .flat_map(|named| named(path, request))
+        .chain(files_linked(path, &own))
         .chain(exodus::parts_beside(path))
-        .chain(mfem::files_named(path, request))
+        .chain(mfem::files_named(path, &own))
         .chain(abaqus::files_named(path))
-        .chain(of_case)
+        .chain(nastran::files_named(path))
         .collect()
 }
 

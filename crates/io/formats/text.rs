@@ -108,6 +108,11 @@ impl TextRange {
         self.source.path()
     }
 
+    /// The part from a place in the file on.
+    pub fn from(&self, start: u64) -> TextRange {
+        TextRange { start: self.start.max(start), ..self.clone() }
+    }
+
     /// The part before a place in the file.
     pub fn until(&self, end: u64) -> TextRange {
         TextRange { end: self.end.min(end), ..self.clone() }

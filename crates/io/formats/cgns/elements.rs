@@ -6,6 +6,7 @@
 
 use crate::formats::contents::{Meter, Stored};
 use crate::formats::lazy::{self, GatheredCells};
+use std::sync::atomic::AtomicBool;
 use voltet_core::grid::{Cells, code};
 use voltet_core::{Error, Result, counted};
 
@@ -161,9 +162,14 @@ fn point(section: &Section, node: u32) -> Result<u32> {
     node.checked_sub(1).ok_or_else(|| section.wrong("a node number is wrong").got(0).expected("at least 1"))
 }
 
-/// The nodes of a section of elements with so many each.
-fn nodes(section: &Section, element: &ElementType, meter: &Meter) -> Result<Vec<u32>> {
-    let nodes: Vec<u32> = section.connectivity.load(meter)?;
+/// The nodes of a section of elements with so many each, changed part by part.
+fn nodes(
+    section: &Section,
+    element: &ElementType,
+    meter: &Meter,
+    change: impl Fn(&mut [u32]) + Sync,
+) -> Result<Vec<u32>> {
+    let nodes: Vec<u32> = section.connectivity.load_changed(meter, change)?;
     let count = section.count()?;
     match count.checked_mul(element.node_count) {
         Some(expected) if expected == nodes.len() => Ok(nodes),
@@ -180,9 +186,12 @@ fn nodes(section: &Section, element: &ElementType, meter: &Meter) -> Result<Vec<
 }
 
 fn tetrahedra(section: &Section, cell_count: u64, meter: &Meter) -> Result<Cells> {
-    let mut nodes = nodes(section, known(section, TETRA_4)?, meter)?;
     // Numbers beyond the points are found when the grid is built.
-    if lazy::count_from_zero(&mut nodes, u32::MAX.into()).is_err() {
+    let has_zero = AtomicBool::new(false);
+    let nodes = nodes(section, known(section, TETRA_4)?, meter, |part| {
+        lazy::count_from_zero(part, u32::MAX.into(), &has_zero);
+    })?;
+    if has_zero.into_inner() {
         point(section, 0)?;
     }
     let cells = lazy::tetrahedra(nodes);
@@ -196,7 +205,7 @@ fn uniform(section: &Section, element: &ElementType, cells: &mut GatheredCells, 
     if element.dimension < 3 {
         return Ok(());
     }
-    for nodes in nodes(section, element, meter)?.chunks_exact(element.node_count) {
+    for nodes in nodes(section, element, meter, |_| ())?.chunks_exact(element.node_count) {
         push(section, element, nodes, &[], cells)?;
     }
     Ok(())

@@ -151,7 +151,7 @@ impl GoldFile {
     }
 
     /// Place of a step by the table at the end of the file, in either byte order: the number of steps, the place of each, a flag, the
-    /// place of the table, and its name. `None` where it does not lead to the step.
+    /// place of the table, and its name. `None` where it does not lead to the step, or places take four bytes, as of old writers.
     fn indexed(&self, step: u64) -> Option<u64> {
         let len = self.source.len();
         let at = |place: u64, count: u64| self.source.read(place, count).ok();
@@ -161,7 +161,12 @@ impl GoldFile {
             .filter(|_| at(name, LINE).is_some_and(|line| line.starts_with(INDEX.as_bytes())))?;
         let is_step = |place: &u64| at(*place, LINE).is_some_and(|line| line.starts_with(STEP.as_bytes()));
         [u64::from_le_bytes as fn([u8; 8]) -> u64, u64::from_be_bytes].into_iter().find_map(|number| {
-            let entry = number(table).checked_add(4)?.checked_add(step.checked_mul(8)?)?;
+            let table = number(table);
+            let places = name.checked_sub(table)?.checked_sub(16)?;
+            let count = at(table, 4)?.first_chunk().copied()?;
+            let counts = [u32::from_le_bytes(count), u32::from_be_bytes(count)];
+            counts.iter().find(|&&count| u64::from(count) * 8 == places)?;
+            let entry = (table + 4).checked_add(step.checked_mul(8)?)?;
             wide(entry).map(number).filter(is_step)
         })
     }

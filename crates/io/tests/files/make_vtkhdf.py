@@ -121,6 +121,25 @@ def arrays():
         whole["VTKHDF"].visititems(link)
 
 
+def short_offsets():
+    """The grid of every cell in a file whose offsets and lengths take four bytes, in chunks of LZF."""
+    sizes = h5py.h5p.create(h5py.h5p.FILE_CREATE)
+    sizes.set_sizes(4, 4)
+    short = h5py.h5f.create(b"vtkhdf_short_offsets.vtkhdf", h5py.h5f.ACC_TRUNC, sizes)
+    with h5py.File("vtkhdf_cells.vtkhdf") as whole, h5py.File(short) as file:
+
+        def copy(name, item):
+            if isinstance(item, h5py.Dataset):
+                chunks = tuple(max(1, min(n, 50)) for n in item.shape)
+                to = file.create_dataset(name, data=item[()], chunks=chunks, compression="lzf", shuffle=True, maxshape=item.maxshape)
+            else:
+                to = file.create_group(name)
+            for key, value in item.attrs.items():
+                to.attrs[key] = value
+
+        whole.visititems(copy)
+
+
 def structured():
     n, points = (3, 2, 2), meshes.box()
     curvilinear = vtk.vtkStructuredGrid()
@@ -219,6 +238,7 @@ write(collection(), "linked", UseExternalComposite=True)
 write(multi_block(), "blocks")
 partitions()
 arrays()
+short_offsets()
 structured()
 image_steps()
 damaged()

@@ -318,8 +318,8 @@ fn text_and_bytes_of_either_order_read_the_same() {
     }
 }
 
-/// Steps in one file, with the table of their places at its end or without.
-fn steps_in_one(big_endian: Option<bool>, has_table: bool, head: &str, steps: &[Vec<u8>]) -> Vec<u8> {
+/// Steps in one file, with the table of their places, of so many bytes each, at its end; 0: without.
+fn steps_in_one(big_endian: Option<bool>, table: usize, head: &str, steps: &[Vec<u8>]) -> Vec<u8> {
     let line = |bytes: &mut Vec<u8>, text: &str| bytes.extend(Gold::new(big_endian).line(text).bytes);
     let (mut bytes, mut places) = (Vec::new(), Vec::new());
     if !head.is_empty() {
@@ -331,15 +331,16 @@ fn steps_in_one(big_endian: Option<bool>, has_table: bool, head: &str, steps: &[
         bytes.extend(step);
         line(&mut bytes, "END TIME STEP");
     }
-    if has_table {
-        let is_big = big_endian == Some(true);
-        let wide = |place: u64| if is_big { place.to_be_bytes() } else { place.to_le_bytes() };
-        let word = |word: u32| if is_big { word.to_be_bytes() } else { word.to_le_bytes() };
-        let table = bytes.len() as u64;
-        bytes.extend(word(steps.len() as u32));
-        places.iter().for_each(|&place| bytes.extend(wide(place)));
-        bytes.extend(word(0));
-        bytes.extend(wide(table));
+    if table > 0 {
+        let number = |number: u64, len: usize| match big_endian {
+            Some(true) => number.to_be_bytes()[8 - len..].to_vec(),
+            _ => number.to_le_bytes()[..len].to_vec(),
+        };
+        let place = bytes.len() as u64;
+        bytes.extend(number(steps.len() as u64, 4));
+        places.into_iter().for_each(|place| bytes.extend(number(place, table)));
+        bytes.extend(number(0, 4));
+        bytes.extend(number(place, table));
         line(&mut bytes, "FILE_INDEX");
     }
     bytes
@@ -349,16 +350,16 @@ const CASE_OF_FILE_SETS: &str = "FORMAT\ntype: ensight gold\nGEOMETRY\nmodel: 1 
     scalar per element: 1 2 T two**.T\nTIME\ntime set: 1\nnumber of steps: 3\ntime values: 0.5 1 2.5\n\
     FILE\nfile set: 1\nnumber of steps: 3\nfile set: 2\nfilename index: 4\nnumber of steps: 1\nfilename index: 5\nnumber of steps: 2\n";
 
-fn write_file_sets(folder: &Path, big_endian: Option<bool>, has_table: bool) -> PathBuf {
+fn write_file_sets(folder: &Path, big_endian: Option<bool>, table: usize) -> PathBuf {
     let write = |name: &str, bytes: &[u8]| std::fs::write(folder.join(name), bytes).unwrap();
     let first = if big_endian.is_some() { 80 } else { 0 };
     let geometries: Vec<Vec<u8>> =
         [0.0, -1.0, -2.0].map(|x| geometry(big_endian, x).bytes[first..].to_vec()).to_vec();
     let head = if big_endian.is_some() { "C Binary" } else { "" };
-    write("one.geo", &steps_in_one(big_endian, has_table, head, &geometries));
+    write("one.geo", &steps_in_one(big_endian, table, head, &geometries));
     let values: Vec<Vec<u8>> = [1.0, 2.0, 3.0].map(|factor| scalar(big_endian, factor).bytes).to_vec();
-    write("two04.T", &steps_in_one(big_endian, has_table, "", &values[..1]));
-    write("two05.T", &steps_in_one(big_endian, has_table, "", &values[1..]));
+    write("two04.T", &steps_in_one(big_endian, table, "", &values[..1]));
+    write("two05.T", &steps_in_one(big_endian, table, "", &values[1..]));
     write("a.vec", &vector(big_endian).bytes);
     write("a.case", CASE_OF_FILE_SETS.as_bytes());
     folder.join("a.case")
@@ -366,12 +367,14 @@ fn write_file_sets(folder: &Path, big_endian: Option<bool>, has_table: bool) -> 
 
 #[test]
 fn steps_may_stand_in_one_file() {
-    for (big_endian, has_table) in
-        [(None, false), (Some(false), true), (Some(false), false), (Some(true), true), (Some(true), false)]
+    // A table of places of four bytes is not read: the steps are looked for.
+    let [little, big] = [Some(false), Some(true)];
+    for (big_endian, table) in
+        [(None, 0), (little, 8), (little, 4), (little, 0), (big, 8), (big, 4), (big, 0)]
     {
         let folder = tempfile::tempdir().unwrap();
-        let path = write_file_sets(folder.path(), big_endian, has_table);
-        let what = format!("{big_endian:?} {has_table}");
+        let path = write_file_sets(folder.path(), big_endian, table);
+        let what = format!("{big_endian:?} {table}");
         assert_eq!(
             inspect(&path, &Request::default(), &NoProgress).unwrap().time_steps,
             [0.5, 1.0, 2.5],
@@ -385,7 +388,7 @@ fn steps_may_stand_in_one_file() {
         }
         assert_eq!(files_beside(&path).len(), 4);
         // The table leads to a step elsewhere: it is not believed, and the steps are looked for.
-        if has_table {
+        if table == 8 {
             let file = folder.path().join("one.geo");
             let mut bytes = std::fs::read(&file).unwrap();
             let first_entry = bytes.len() - 80 - 8 - 4 - 3 * 8;
@@ -400,7 +403,7 @@ fn steps_may_stand_in_one_file() {
 #[test]
 fn mistakes_of_files_of_several_steps_say_what_and_where() {
     let folder = tempfile::tempdir().unwrap();
-    let path = write_file_sets(folder.path(), Some(false), false);
+    let path = write_file_sets(folder.path(), Some(false), 0);
     for (from, to, words) in [
         ("model: 1 1 one", "model: 1 7 one", ["file set that does not exist", "found 7", "section FILE"]),
         (

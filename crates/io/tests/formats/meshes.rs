@@ -176,7 +176,9 @@ fn nastran_has_three_forms_of_fields() {
     assert_eq!(grid(&file(&folder, "b.bdf", tabs.as_bytes()), &mesh()).points, all.points);
     assert_ne!(tabs, text);
     for (from, to, words) in [
-        ("PSOLID,1,1", "include 'more.bdf'", ["includes", "more.bdf", "a.bdf:5"]),
+        ("PSOLID,1,1", "include 'more.bdf'", ["a.bdf' names", "no such file", "more.bdf"]),
+        ("PSOLID,1,1", "include \"./a.bdf\"", ["includes itself", "'./a.bdf'", "a.bdf:5"]),
+        ("PSOLID,1,1", "include 'more.bdf", ["which file it includes", "in quotes", "a.bdf:5"]),
         ("GRID,2,,1.0", "GRID,2,4,1.0", ["not defined", "found 4", "a.bdf:7"]),
         ("GRID,2,,1.0", "GRID,2,,l.0", ["coordinate of a GRID", "'l.0'", "a.bdf:7"]),
         ("2,7,2,3,4,5", "2,7,2,3,4,6", ["element 2", "does not exist", "found 6"]),
@@ -186,6 +188,56 @@ fn nastran_has_three_forms_of_fields() {
         let found = read(&path, &mesh(), &NoProgress).unwrap_err().to_string();
         assert!(words.iter().all(|word| found.contains(word)), "{found}");
     }
+}
+
+#[test]
+fn nastran_includes_files() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir_all(folder.path().join("parts/deep")).unwrap();
+    let write = |name: &str, text: &str| file(&folder, name, text.as_bytes());
+    let grids = ["GRID,1\n", "GRID,2,,1.\n", "GRID,3,,,1.\n", "GRID,4,9,,,1.\n", "GRID,5,,1.,1.,1.\n"];
+    let elements = "CTETRA,1,1,1,2,3,4\nCTETRA,2,7,2,3,4,5\n";
+    let system = "CORD2R,9,,,,,,,1.\n+,1.\n";
+    let whole = grid(&write("whole.bdf", &format!("{}{system}{elements}", grids.concat())), &mesh());
+    // Names go on over lines, and are relative to the folder of their file or of the first one; the data end anywhere.
+    write("parts/nodes.bdf", &format!("{}\tInclude deep/more.bdf $ 'x'\n{}", grids[0], grids[1]));
+    write("parts/deep/more.bdf", &format!("{}INCLUDE\n  \"systems.bdf\"\n{}", grids[2], grids[4]));
+    let systems = write("systems.bdf", system);
+    write("end.bdf", &format!("{}{elements}ENDDATA\nINCLUDE 'none.bdf'\n", grids[3]));
+    let text = "BEGIN BULK\nINCLUDE 'parts\\\n   nodes.\nbdf' $ nodes\r\nINCLUDE 'end.bdf'\nGRID,6\nINCLUDE none.bdf\n";
+    let path = write("a.bdf", text);
+    let found = grid(&path, &mesh());
+    assert_eq!((tetrahedra(&found), found.points.len()), (tetrahedra(&whole), 5));
+    assert_eq!([files_beside(&path).len(), files_read_beside(&path, &mesh()).len()], [4; 2]);
+    assert_eq!(inspect(&path, &mesh(), &NoProgress).unwrap().blocks.len(), 2);
+    let message = |path: &Path| read(path, &mesh(), &NoProgress).unwrap_err().to_string();
+    for (from, to, words) in [
+        (",,1.\n+", ",,x\n+", ["CORD2R is damaged", "'x'", "systems.bdf:1"]),
+        ("+,1.", "+,,,1.", ["lie on a line", "of a plane", "systems.bdf:1"]),
+        ("CORD2R,9", "CORD2R,8", ["is not defined", "found 9", "end.bdf:1"]),
+        ("CORD2R,9", "\nINCLUDE 'a.bdf'\nCORD2R,9", ["includes itself", "'a.bdf'", "systems.bdf:2"]),
+    ] {
+        assert!(system.contains(from), "{from}");
+        write("systems.bdf", &system.replacen(from, to, 1));
+        assert!(words.iter().all(|word| message(&path).contains(word)), "{}", message(&path));
+    }
+    std::fs::remove_file(systems).unwrap();
+    assert!(["more.bdf' names", "systems.bdf"].iter().all(|word| message(&path).contains(word)));
+    // Files within one another, and one that is included again and again.
+    for depth in 0..20 {
+        write(&format!("{depth}.bdf"), &format!("INCLUDE '{}.bdf'\n", depth + 1));
+    }
+    write("16.bdf", &format!("{}{system}{elements}", grids.concat()));
+    assert_eq!(grid(&folder.path().join("0.bdf"), &mesh()).points.len(), 5);
+    write("16.bdf", "INCLUDE '17.bdf'\n");
+    let found = message(&folder.path().join("0.bdf"));
+    assert!(
+        ["too many others", "'17.bdf'", "16 within", "16.bdf:1"].iter().all(|word| found.contains(word)),
+        "{found}"
+    );
+    write("empty.bdf", "$\n");
+    let found = message(&write("many.bdf", &"INCLUDE 'empty.bdf'\n".repeat(1025)));
+    assert!(found.contains("at most 1024") && found.contains("many.bdf:1025"), "{found}");
 }
 
 #[test]

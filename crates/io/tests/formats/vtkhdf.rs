@@ -8,6 +8,7 @@ use voltet_testing::files::samples::file;
 #[test]
 fn every_cell_type_is_that_of_the_xml_file() {
     same_files("vtkhdf_cells.vtkhdf", "cells.vtu");
+    same_files("vtkhdf_short_offsets.vtkhdf", "cells.vtu");
     same_files("vtkhdf_partitions.vtkhdf", "cells.vtu");
     same_files("vtkhdf_arrays.vtkhdf", "cells.vtu");
     same_files("vtkhdf_polyhedra.vtkhdf", "polyhedra.vtu");

@@ -196,6 +196,10 @@ fn damaged_meshes_of_text_are_errors_or_other_grids() {
     corrupt("b.bdf", "", include_bytes!("../files/systems.bdf"), case_count().max(200));
     corrupt("a.inp", "", include_bytes!("../files/mesh.inp"), case_count().max(200));
     let folder = tempfile::tempdir().unwrap();
+    file(&folder, "b.bdf", include_bytes!("../files/systems.bdf"));
+    file(&folder, "c.bdf", b"INCLUDE\n'b.\nbdf'\nGRID,101,1,9.\n");
+    let text = b"INCLUDE c.bdf\nGRID,102,,8.\nGRID,103,,8.,1.\nGRID,104,,8.,,1.\nCTETRA,900,1,101,102,103,104\nENDDATA\n";
+    corrupt_in(&folder, ["a.bdf", "a.bdf"], "", text, case_count().max(200));
     file(&folder, "b.inp", include_bytes!("../files/mesh.inp"));
     let text = b"*INCLUDE, INPUT=b.inp\n*NODE, INPUT=c.txt\n*ELEMENT, TYPE=C3D4, ELSET=a\n90001, 90001, 90002, 90003, 90004\n";
     file(&folder, "c.txt", b"90001, 0, 0, 9\n90002, 1, 0, 9\n90003, 0, 1, 9\n90004, 0, 0, 10\n");

@@ -1,10 +1,15 @@
 //! Bulk data of Nastran (.bdf, .nas, .dat) as a mesh: grid points and solid elements, by property (PID) as blocks. They hold no arrays.
+//! Files that it includes are read as if they stood in it.
 //!
 //! Source: MSC Nastran quick reference guide, "Bulk data entries": GRID, CTETRA, CPYRAM, CPENTA, CHEXA in the free, small (eight columns)
 //! and large (sixteen) field format; CORD1R, CORD1C, CORD1S, CORD2R, CORD2C, CORD2S. Nodes on the vertical edges of prisms and hexahedra stand before those of the upper
 //! face, and in VTK after them.
 
+mod deck;
+
+use self::deck::Deck;
 use super::contents::Dataset;
+use super::named_files;
 use super::numbers::{self, NumberType};
 use super::request::{Format, Request};
 use super::source::Source;
@@ -13,7 +18,7 @@ use super::text::{TextPiece, TextRange};
 use glam::{DMat3, DVec3};
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::grid::code;
 use voltet_core::{Error, Result};
@@ -45,18 +50,39 @@ const ELEMENTS: [(&str, usize, [u8; 2], &[usize]); 4] = [
     ),
 ];
 
-struct NastranMesh(Arc<Source>);
+/// Parts of the files, in the order of their entries.
+struct NastranMesh(Vec<TextRange>);
 
 fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
-    let mesh = NastranMesh(source.clone());
-    dataset(&source, "Nastran bulk data".to_owned(), mesh, Vec::new(), request)
+    let mut deck = Deck::default();
+    deck.add(&source)?;
+    let mesh = NastranMesh(deck.parts);
+    let dataset = dataset(&source, "Nastran bulk data".to_owned(), mesh, Vec::new(), request)?;
+    Ok(Dataset { file_bytes: deck.file_bytes, ..dataset })
 }
 
-/// An entry: its name, its fields after the name, and its place in the file.
+/// The files that a file includes; none for other formats.
+pub(super) fn files_named(path: &Path) -> Vec<PathBuf> {
+    let Ok(source) = Source::open(path) else { return Vec::new() };
+    if !source.head(256).is_ok_and(|head| matches(&head, path, &Request::default())) {
+        return Vec::new();
+    }
+    named_files::files_named(path, || {
+        let mut deck = Deck::default();
+        // What is damaged is an error of the reading itself.
+        let is_whole = deck.add(&source).is_ok();
+        (deck.included, is_whole)
+    })
+}
+
+/// Number of a part of the files, and a place in its file.
+type EntryPlace = (usize, u64);
+
+/// An entry: its name, its fields after the name, and its place.
 struct BulkEntry {
     name: String,
     fields: Fields,
-    place: u64,
+    place: EntryPlace,
 }
 
 /// Texts of fields, one after the other, and their ends.
@@ -129,27 +155,28 @@ fn is_end_of_entry(rest: &[u8]) -> bool {
     rest[0] == b'\n' && next().is_some_and(u8::is_ascii_alphabetic)
 }
 
-/// Results of a piece, and true if its data end in it.
-type EntryResults<R> = (Vec<R>, bool);
-
 /// Parses the entries of these names side by side; `take` gets what they give, in order.
 fn each_entry<R: Send>(
-    source: &Arc<Source>,
+    parts: &[TextRange],
     names: &[&str],
     parse: impl Fn(&BulkEntry) -> Result<R> + Sync,
     mut take: impl FnMut(R) -> Result<()>,
 ) -> Result<()> {
-    let of_piece = |piece: &TextPiece| entries(piece, names, &parse);
-    TextRange::new(source, 0..source.len()).each_piece(is_end_of_entry, of_piece, |(results, is_end)| {
-        results.into_iter().try_for_each(&mut take).map(|()| !is_end)
+    parts.iter().enumerate().try_for_each(|(part, range)| {
+        let of_piece = |piece: &TextPiece| entries(piece, part, names, &parse);
+        let read = range.each_piece(is_end_of_entry, of_piece, |results| {
+            results.into_iter().try_for_each(&mut take).map(|()| true)
+        });
+        read.map_err(|error| error.in_file(range.path()))
     })
 }
 
 fn entries<R>(
     piece: &TextPiece,
+    part: usize,
     names: &[&str],
     parse: &impl Fn(&BulkEntry) -> Result<R>,
-) -> Result<EntryResults<R>> {
+) -> Result<Vec<R>> {
     let mut results = Vec::new();
     // The entry with its first line.
     let mut open: Option<(BulkEntry, &[u8])> = None;
@@ -158,10 +185,6 @@ fn entries<R>(
         let data = text.split('$').next().unwrap_or_default();
         if data.trim().is_empty() {
             continue;
-        }
-        if data.trim_start().get(..7).is_some_and(|word| word.eq_ignore_ascii_case("INCLUDE")) {
-            let error = Error::run("files that a file includes are not read").got(format_args!("'{text}'"));
-            return Err(piece.locate(error.expected("all entries in this file"), line));
         }
         let own = name_of(data);
         if own.is_empty() || own.starts_with(['+', '*']) {
@@ -178,19 +201,16 @@ fn entries<R>(
         if name == "CPYRA" {
             name.push('M');
         }
-        if name == "ENDDATA" {
-            return Ok((results, true));
-        }
         if names.contains(&name.as_str()) {
             let mut fields = Fields { text: String::with_capacity(64), ends: Vec::with_capacity(16) };
             add_fields(data, &own, &mut fields);
-            open = Some((BulkEntry { name, fields, place: piece.place(line) }, line));
+            open = Some((BulkEntry { name, fields, place: (part, piece.place(line)) }, line));
         }
     }
     if let Some((complete, first)) = open {
         results.push(parse(&complete).map_err(|error| piece.locate(error, first))?);
     }
-    Ok((results, false))
+    Ok(results)
 }
 
 impl BulkEntry {
@@ -298,16 +318,16 @@ const SYSTEMS: [&str; 6] = ["CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "C
 struct SystemPoint {
     system: u64,
     position: DVec3,
-    /// Place of its entry in the file.
-    place: u64,
+    /// Place of its entry.
+    place: EntryPlace,
 }
 
 /// A system of coordinates that an entry defines by its origin, a point on its z axis, and one in its xz plane.
 struct SystemEntry {
     /// Last letter of the entry's name.
     kind: char,
-    /// Place of its entry in the file.
-    place: u64,
+    /// Place of its entry.
+    place: EntryPlace,
     points: DefiningPoints,
 }
 
@@ -344,18 +364,23 @@ impl CoordinateSystem {
     }
 }
 
-/// The systems of a file by their numbers.
-struct SystemEntries {
-    file: TextRange,
+/// The systems of all files by their numbers.
+struct SystemEntries<'a> {
+    parts: &'a [TextRange],
     entries: HashMap<u64, SystemEntry>,
 }
 
-impl SystemEntries {
+impl SystemEntries<'_> {
+    fn locate(&self, error: Error, (part, place): EntryPlace) -> Error {
+        let file = &self.parts[part];
+        file.locate(error, place).in_file(file.path())
+    }
+
     fn add(&mut self, number: u64, entry: SystemEntry) -> Result<()> {
         let place = entry.place;
         if number == 0 || self.entries.insert(number, entry).is_some() {
             let error = Error::run("the number of a system of coordinates is taken").got(number);
-            return Err(self.file.locate(error.expected("each number once, and none 0"), place));
+            return Err(self.locate(error.expected("each number once, and none 0"), place));
         }
         Ok(())
     }
@@ -386,9 +411,9 @@ impl SystemEntries {
             let entry = self.entries.get(&number).ok_or_else(|| {
                 let error = Error::run("a system of coordinates is not defined").got(number);
                 let expected = "CORD1R, CORD1C, CORD1S, CORD2R, CORD2C or CORD2S with this number";
-                self.file.locate(error.expected(expected), place)
+                self.locate(error.expected(expected), place)
             })?;
-            let located = |error| self.file.locate(error, entry.place);
+            let located = |error| self.locate(error, entry.place);
             let points = entry.points(nodes).map_err(located)?;
             let missing: Vec<u64> =
                 points.iter().map(|own| own.0).filter(|system| !resolved.contains_key(system)).collect();
@@ -458,8 +483,7 @@ impl TaggedMesh for NastranMesh {
 
     /// Points of the basic system first.
     fn each_node(&self, visit: VisitNode) -> Result<()> {
-        let file = TextRange::new(&self.0, 0..self.0.len());
-        let mut systems = SystemEntries { file, entries: HashMap::new() };
+        let mut systems = SystemEntries { parts: &self.0, entries: HashMap::new() };
         let mut others = Vec::new();
         let names: Vec<&str> = ["GRID", "GRDSET"].into_iter().chain(SYSTEMS).collect();
         each_entry(&self.0, &names, placing, |entry| match entry {
