@@ -5,7 +5,7 @@ use std::io::{Error as IoError, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
-use voltet_core::field::Plugin;
+use voltet_core::field::{Plugin, fingerprint};
 use voltet_core::{Error, Result};
 
 /// Largest file (bytes).
@@ -103,17 +103,6 @@ impl PluginFile {
             modified: self.modified,
         }
     }
-}
-
-/// Hash of all bytes. Each step is a bijection, so that a change in one word of 8 bytes always shows; a change in several, except
-/// for a chance of 2⁻⁶⁴.
-fn fingerprint(bytes: &[u8]) -> u64 {
-    let mix = |sum: u64, word: u64| (sum.rotate_left(29) ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    let (words, rest) = bytes.as_chunks::<8>();
-    let mut last = [0; 8];
-    last[..rest.len()].copy_from_slice(rest);
-    let all = words.iter().chain([&last]).map(|word| u64::from_le_bytes(*word));
-    all.fold(bytes.len() as u64, mix)
 }
 
 /// A pipe is opened without waiting for its writer.

@@ -37,11 +37,6 @@ pub enum Varying {
     Turn,
 }
 
-/// True if a path has a mark.
-pub fn has_marks(path: &str) -> bool {
-    marks_of(path).next().is_some()
-}
-
 /// True if a path has one of these marks.
 pub fn names(path: &str, marks: &[&str]) -> bool {
     marks_of(path).any(|(_, mark)| marks.contains(&mark.name))

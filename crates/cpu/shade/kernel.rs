@@ -143,7 +143,7 @@ impl Kernel for Several<'_> {
                     let (mut shape, no) = widget.shape::<L>(&segments.only(meets));
                     shape.depth = L::F::select(meets, shape.depth, zero);
                     unsure |= no & meets.bits();
-                    if widget.order_requirement() == OrderRequirement::Always {
+                    if widget.traits().order == OrderRequirement::Always {
                         unsure |= zero.lt(shape.depth).bits();
                     }
                     sums.add(&shape, widget.color, &mut terms[met]);

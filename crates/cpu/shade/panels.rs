@@ -40,7 +40,7 @@ impl PanelQuadrature {
         counts: bool,
         ordered_from: f32,
     ) -> Result<PanelQuadrature, FallbackReason> {
-        if widgets.is_empty() || widgets.iter().any(|widget| widget.tier() == KernelTier::Bits64) {
+        if widgets.is_empty() || widgets.iter().any(|widget| widget.traits().tier == KernelTier::Bits64) {
             return Err(FallbackReason::NoLanes);
         }
         let cutoff = transfer_function.model.cutoff();
@@ -131,7 +131,7 @@ impl PanelQuadrature {
             for (sum, c) in color.iter_mut().zip(widget.color) {
                 *sum = depth.mul_add(splat(c), *sum);
             }
-            match widget.order_requirement() {
+            match widget.traits().order {
                 OrderRequirement::Panels => {}
                 OrderRequirement::Always => varies |= zero.lt(depth).bits(),
                 OrderRequirement::Bits64 => delicate |= zero.lt(depth).bits(),

@@ -101,8 +101,9 @@ impl Shader {
             Some(Err(why)) => (None, Some(why)),
         };
         let closed = missing.is_none();
-        let closed_forms =
-            closed && density_emitter && widgets.iter().all(|widget| widget.tier() == KernelTier::ClosedForm);
+        let closed_forms = closed
+            && density_emitter
+            && widgets.iter().all(|widget| widget.traits().tier == KernelTier::ClosedForm);
         // Only the closed forms mix widgets.
         let overlap =
             if shading.integrator == Integrator::ANALYTIC { shading.overlap } else { WidgetBlend::Exact };

@@ -1,6 +1,6 @@
 //! Parts of an annotation: the scale of the colours, which stands at a border, and texts at a border or at a point.
 
-use super::movable::{Movable, PictureGrip};
+use super::movable::Movable;
 use crate::scene::Scene;
 use std::rc::Rc;
 use voltet_core::arithmetic::decimal;
@@ -147,25 +147,12 @@ impl Note {
 }
 
 impl Movable for Note {
-    fn name(&self) -> &str {
-        &self.node
-    }
-
     fn node(&self) -> &str {
         &self.node
     }
 
-    fn lines(&self) -> Vec<[[f64; 2]; 2]> {
-        Vec::new()
-    }
-
-    fn grips(&self) -> Vec<PictureGrip> {
-        let grip = |(number, (name, _, _, anchor)): (usize, &(String, Path, bool, Anchor))| PictureGrip {
-            number,
-            name: name.clone(),
-            place: self.place(*anchor),
-        };
-        self.parts.iter().enumerate().map(grip).collect()
+    fn places(&self) -> Vec<(String, Option<[f64; 2]>)> {
+        self.parts.iter().map(|(name, _, _, anchor)| (name.clone(), Some(self.place(*anchor)))).collect()
     }
 
     fn moved(&self, grip: usize, to: [f64; 2]) -> Vec<Edit> {

@@ -1,7 +1,7 @@
 //! Clips and slices in space: what their node states, the lines that show them over the picture, and their grips. A plane is shown by its cut
 //! with the box of the data.
 
-use super::movable::{Movable, PictureGrip};
+use super::movable::Movable;
 use crate::scene::Scene;
 use crate::view::View;
 use glam::DVec3;
@@ -9,6 +9,7 @@ use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use std::rc::Rc;
 use voltet_core::arithmetic::{decimal, unit_vector};
+use voltet_core::clip::ClipShape;
 use voltet_core::grid::extent::{corners, diagonal};
 use voltet_document::{Edit, Path, links};
 use voltet_graph::{Field, LocatedValue, NodeEntry, ParameterValue, Relative, find_setting};
@@ -32,34 +33,6 @@ const ROUND: usize = 48;
 /// Ends of the edges of a box, as corners are numbered.
 const EDGES: [[usize; 2]; 12] =
     [[0, 1], [2, 3], [4, 5], [6, 7], [0, 2], [1, 3], [4, 6], [5, 7], [0, 4], [1, 5], [2, 6], [3, 7]];
-
-/// Part of space or surface that a node states, world units.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum SpaceShape {
-    Plane {
-        origin: DVec3,
-        normal: DVec3,
-    },
-    Box {
-        low: DVec3,
-        high: DVec3,
-    },
-    Sphere {
-        centre: DVec3,
-        radius: f64,
-    },
-    Cylinder {
-        from: DVec3,
-        to: DVec3,
-        radius: f64,
-    },
-    /// A cylinder without ends.
-    Tube {
-        origin: DVec3,
-        axis: DVec3,
-        radius: f64,
-    },
-}
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Part {
@@ -92,7 +65,8 @@ struct Object {
     stated: Vec<Field>,
     /// True for a slice, whose parameters have other names: a sphere's centre is its origin.
     is_slice: bool,
-    shape: SpaceShape,
+    /// Part of space, or surface of a slice: its cylinder has no ends, and goes from its origin along its axis.
+    shape: ClipShape,
     /// Least and greatest coordinates of the data that it cuts.
     bounds: [DVec3; 2],
     view: View,
@@ -113,8 +87,8 @@ pub(super) fn objects<'a>(
     for node in nodes {
         let Some(bounds) = bounds_at(scene, node) else { continue };
         let mut add = |title: &str, path: Path, stated: &[Field], is_slice: bool| {
-            let Some(shape) = SpaceShape::read(stated, is_slice, bounds) else { return };
-            let (name, node) = (format!("{} of {title}", shape.word()), node.name.clone());
+            let Some(shape) = stated_shape(stated, is_slice, bounds) else { return };
+            let (name, node) = (format!("{} of {title}", word(&shape)), node.name.clone());
             found.push(Rc::new(Object {
                 node,
                 name,
@@ -193,57 +167,49 @@ fn point(stated: &[Field], key: &str, [low, high]: [DVec3; 2]) -> Option<DVec3> 
     Some(DVec3::from(numbers)).filter(|point| point.is_finite() && list.len() == 3)
 }
 
-impl SpaceShape {
-    /// The shape that a clip or a slice states; `None` of one that is not sound.
-    fn read(stated: &[Field], is_slice: bool, bounds: [DVec3; 2]) -> Option<SpaceShape> {
-        let at = |key: &str| point(stated, key, bounds);
-        let text = |key: &str| find_setting(stated, key).and_then(LocatedValue::text);
-        let radius = || {
-            let setting = find_setting(stated, "radius")?;
-            let share = setting.text().and_then(Relative::parse);
-            let of_diagonal = match share {
-                Some(Relative::Share(share)) => Some(share * diagonal(bounds)),
-                _ => None,
-            };
-            setting.number().or(of_diagonal).filter(|radius| *radius > 0.0 && radius.is_finite())
-        };
-        let normal = |usual: Option<DVec3>| {
-            let stated = if find_setting(stated, "normal").is_some() { at("normal") } else { usual };
-            stated.map(unit_vector).filter(|normal| *normal != DVec3::ZERO)
-        };
-        if is_slice {
-            let is_stated = find_setting(stated, "origin").is_some();
-            let origin = if is_stated { at("origin")? } else { 0.5 * (bounds[0] + bounds[1]) };
-            return Some(match text("shape") {
-                Some("sphere") => SpaceShape::Sphere { centre: origin, radius: radius()? },
-                Some("cylinder") => {
-                    SpaceShape::Tube { origin, axis: normal(Some(DVec3::X))?, radius: radius()? }
-                }
-                _ => SpaceShape::Plane { origin, normal: normal(Some(DVec3::X))? },
-            });
-        }
-        match text("kind")? {
-            "plane" => Some(SpaceShape::Plane { origin: at("origin")?, normal: normal(None)? }),
-            "box" => {
-                let (low, high) = (at("low")?, at("high")?);
-                low.cmplt(high).all().then_some(SpaceShape::Box { low, high })
-            }
-            "sphere" => Some(SpaceShape::Sphere { centre: at("centre")?, radius: radius()? }),
-            "cylinder" => {
-                let (from, to) = (at("from")?, at("to")?);
-                (from != to).then_some(SpaceShape::Cylinder { from, to, radius: radius()? })
-            }
+/// The shape that a clip or a slice states; `None` of one that is not sound.
+fn stated_shape(stated: &[Field], is_slice: bool, bounds: [DVec3; 2]) -> Option<ClipShape> {
+    let text = |key: &str| find_setting(stated, key).and_then(LocatedValue::text);
+    let at = |key: &str| point(stated, key, bounds);
+    // A slice need not state all.
+    let at_or = |key: &str, usual: DVec3| match find_setting(stated, key) {
+        None if is_slice => Some(usual),
+        _ => at(key),
+    };
+    let origin = || at_or("origin", 0.5 * (bounds[0] + bounds[1]));
+    let normal = || at_or("normal", DVec3::X).map(unit_vector);
+    let radius = || {
+        let setting = find_setting(stated, "radius")?;
+        let of_diagonal = match setting.text().and_then(Relative::parse) {
+            Some(Relative::Share(share)) => Some(share * diagonal(bounds)),
             _ => None,
+        };
+        setting.number().or(of_diagonal)
+    };
+    let shape = match (text(if is_slice { "shape" } else { "kind" }), is_slice) {
+        (Some("plane"), false) => ClipShape::Plane { origin: origin()?, normal: normal()? },
+        (Some("box"), false) => ClipShape::Box { low: at("low")?, high: at("high")? },
+        (Some("sphere"), false) => ClipShape::Sphere { centre: at("centre")?, radius: radius()? },
+        (Some("cylinder"), false) => {
+            ClipShape::Cylinder { from: at("from")?, to: at("to")?, radius: radius()? }
         }
-    }
+        (_, false) => return None,
+        (Some("sphere"), true) => ClipShape::Sphere { centre: origin()?, radius: radius()? },
+        (Some("cylinder"), true) => {
+            let (from, axis) = (origin()?, diagonal(bounds) * normal()?);
+            ClipShape::Cylinder { from, to: from + axis, radius: radius()? }
+        }
+        (_, true) => ClipShape::Plane { origin: origin()?, normal: normal()? },
+    };
+    shape.check().is_ok().then_some(shape)
+}
 
-    fn word(&self) -> &'static str {
-        match self {
-            SpaceShape::Plane { .. } => "plane",
-            SpaceShape::Box { .. } => "box",
-            SpaceShape::Sphere { .. } => "sphere",
-            SpaceShape::Cylinder { .. } | SpaceShape::Tube { .. } => "cylinder",
-        }
+fn word(shape: &ClipShape) -> &'static str {
+    match shape {
+        ClipShape::Plane { .. } => "plane",
+        ClipShape::Box { .. } => "box",
+        ClipShape::Sphere { .. } => "sphere",
+        ClipShape::Cylinder { .. } => "cylinder",
     }
 }
 
@@ -305,25 +271,26 @@ impl Object {
 
     fn polylines(&self) -> Vec<Vec<DVec3>> {
         match self.shape {
-            SpaceShape::Plane { origin, normal } => {
+            ClipShape::Plane { origin, normal } => {
                 let mut outline = cut(self.bounds, origin, normal);
                 outline.extend(outline.first().copied());
                 let middle = self.middle(origin, normal);
                 vec![outline, vec![middle, middle + ARROW * self.size() * normal]]
             }
-            SpaceShape::Box { low, high } => {
+            ClipShape::Box { low, high } => {
                 let points = corners([low, high]);
                 EDGES.map(|ends| ends.map(|end| points[end]).to_vec()).to_vec()
             }
-            SpaceShape::Sphere { centre, radius } => {
+            ClipShape::Sphere { centre, radius } => {
                 DVec3::AXES.map(|axis| circle(centre, axis, radius)).to_vec()
             }
-            SpaceShape::Cylinder { from, to, radius } => cylinder([from, to], radius),
-            SpaceShape::Tube { origin, axis, radius } => {
-                let mut lines = cylinder(self.shown_ends(origin, axis), radius);
-                lines.push(vec![origin, origin + ARROW * self.size() * axis]);
+            ClipShape::Cylinder { from, to, radius } if self.is_slice => {
+                let axis = unit_vector(to - from);
+                let mut lines = cylinder(self.shown_ends(from, axis), radius);
+                lines.push(vec![from, from + ARROW * self.size() * axis]);
                 lines
             }
+            ClipShape::Cylinder { from, to, radius } => cylinder([from, to], radius),
         }
     }
 
@@ -340,11 +307,11 @@ impl Object {
         };
         let rim = |at: DVec3, way: DVec3, radius: f64| (Part::Radius, at + radius * way, Motion::Along(way));
         match self.shape {
-            SpaceShape::Plane { origin, normal } => {
+            ClipShape::Plane { origin, normal } => {
                 let at = self.middle(origin, normal);
                 vec![(Part::Position, at, Motion::Along(normal)), tip(at, normal)]
             }
-            SpaceShape::Box { low, high } => {
+            ClipShape::Box { low, high } => {
                 let [least, most] = [low.max(self.bounds[0]), high.min(self.bounds[1])];
                 let whole = 0.5 * (low + high);
                 // In the middle of what is seen of the face.
@@ -356,25 +323,24 @@ impl Object {
                 };
                 (0..3).flat_map(|axis| [face(axis, false), face(axis, true)]).collect()
             }
-            SpaceShape::Sphere { centre, radius } => {
+            ClipShape::Sphere { centre, radius } => {
                 vec![(Part::Position, centre, Motion::Aside), rim(centre, sides[0], radius)]
             }
-            SpaceShape::Cylinder { from, to, radius } => vec![
+            ClipShape::Cylinder { from, to, radius } if self.is_slice => {
+                let axis = unit_vector(to - from);
+                vec![(Part::Position, from, Motion::Aside), tip(from, axis), rim(from, beside(axis), radius)]
+            }
+            ClipShape::Cylinder { from, to, radius } => vec![
                 (Part::End(0), from, Motion::Aside),
                 (Part::End(1), to, Motion::Aside),
                 rim(0.5 * (from + to), beside(unit_vector(to - from)), radius),
-            ],
-            SpaceShape::Tube { origin, axis, radius } => vec![
-                (Part::Position, origin, Motion::Aside),
-                tip(origin, axis),
-                rim(origin, beside(axis), radius),
             ],
         }
     }
 
     fn part_name(&self, part: Part) -> String {
         match (part, self.shape) {
-            (Part::Position, SpaceShape::Sphere { .. }) => "centre".into(),
+            (Part::Position, ClipShape::Sphere { .. }) => "centre".into(),
             (Part::Position, _) => "position".into(),
             (Part::Direction, _) => "direction".into(),
             (Part::Face(axis, is_upper), _) => {
@@ -396,15 +362,15 @@ impl Object {
             vec![("radius", self.length((to - centre).dot(way).max(least)))]
         };
         match (part, self.shape) {
-            (Part::Position, SpaceShape::Plane { origin: before, .. }) => vec![origin(before + to - from)],
-            (Part::Direction, SpaceShape::Plane { origin: before, normal }) => {
+            (Part::Position, ClipShape::Plane { origin: before, .. }) => vec![origin(before + to - from)],
+            (Part::Direction, ClipShape::Plane { origin: before, normal }) => {
                 // The plane turns about the grip in its middle.
                 let about = self.middle(before, normal);
                 let is_there = about.distance(before) < WRITTEN * self.size();
                 let moved = (!is_there).then(|| origin(about));
                 moved.into_iter().chain([turned(about)]).collect()
             }
-            (Part::Face(axis, is_upper), SpaceShape::Box { low, high }) => {
+            (Part::Face(axis, is_upper), ClipShape::Box { low, high }) => {
                 let (mut end, key) = if is_upper { (high, "high") } else { (low, "low") };
                 end[axis] = match is_upper {
                     true => to[axis].max(low[axis] + least),
@@ -412,12 +378,12 @@ impl Object {
                 };
                 vec![point(key, end)]
             }
-            (Part::Position, SpaceShape::Sphere { .. }) if !self.is_slice => vec![point("centre", to)],
+            (Part::Position, ClipShape::Sphere { .. }) if !self.is_slice => vec![point("centre", to)],
             (Part::Position, _) => vec![origin(to)],
-            (Part::Direction, SpaceShape::Tube { origin, .. }) => vec![turned(origin)],
-            (Part::Radius, SpaceShape::Sphere { centre, .. }) => radius(centre),
-            (Part::Radius, SpaceShape::Cylinder { from, to, .. }) => radius(0.5 * (from + to)),
-            (Part::Radius, SpaceShape::Tube { origin, .. }) => radius(origin),
+            (Part::Direction, ClipShape::Cylinder { from, .. }) => vec![turned(from)],
+            (Part::Radius, ClipShape::Sphere { centre, .. }) => radius(centre),
+            (Part::Radius, ClipShape::Cylinder { from, .. }) if self.is_slice => radius(from),
+            (Part::Radius, ClipShape::Cylinder { from, to, .. }) => radius(0.5 * (from + to)),
             (Part::End(end), _) => vec![point(["from", "to"][end], to)],
             _ => Vec::new(),
         }
@@ -477,11 +443,9 @@ impl Movable for Object {
         self.polylines().into_iter().flat_map(of).collect()
     }
 
-    fn grips(&self) -> Vec<PictureGrip> {
-        let grip = |(number, (part, at, _)): (usize, (Part, DVec3, Motion))| {
-            Some(PictureGrip { number, name: self.part_name(part), place: self.view.place(at)? })
-        };
-        self.parts().into_iter().enumerate().filter_map(grip).collect()
+    fn places(&self) -> Vec<(String, Option<[f64; 2]>)> {
+        let place = |(part, at, _): (Part, DVec3, Motion)| (self.part_name(part), self.view.place(at));
+        self.parts().into_iter().map(place).collect()
     }
 
     fn moved(&self, grip: usize, to: [f64; 2]) -> Vec<Edit> {

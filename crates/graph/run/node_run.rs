@@ -82,7 +82,7 @@ impl<'a> NodeRun<'a> {
     fn run_part(&self, runs: &PartRuns, part: usize) -> Result<PartOutputs> {
         let (store, is_mapped) = (self.store.for_one_step(), &runs.division.is_mapped);
         let is_first = runs.is_first_run(part);
-        let mut revision = 0;
+        let mut last_revision = 0;
         let whole = |(done, &is_mapped): (&Option<Done>, &bool)| done.clone().filter(|_| !is_mapped);
         let mut all_done: Vec<Option<Done>> = self.done.iter().zip(is_mapped).map(whole).collect();
         for &place in self.graph.order.iter().filter(|&&place| is_mapped[place]) {
@@ -111,11 +111,7 @@ impl<'a> NodeRun<'a> {
             for (output, value) in values.iter().enumerate() {
                 runs.add_bounds((place, output), value);
             }
-            let outputs = values.into_iter().map(|value| {
-                revision += 1;
-                (value, Revision(revision))
-            });
-            all_done[place] = Some(Done { outputs: outputs.collect(), ..Done::default() });
+            all_done[place] = Some(with_revisions(values, &mut last_revision));
         }
         let of_part = |(done, &is_mapped): (Option<Done>, &bool)| done.filter(|_| is_mapped);
         Ok(all_done.into_iter().zip(is_mapped).map(of_part).collect())
@@ -182,7 +178,7 @@ impl<'a> NodeRun<'a> {
         step: usize,
     ) -> Result<Value> {
         let store = self.store.for_one_step();
-        let mut revision = 0;
+        let mut last_revision = 0;
         let mut all_done: Vec<Option<Done>> = vec![None; self.graph.nodes.len()];
         for &FeedingNode { place: i, ref parameters, ref demand } in feeding {
             self.progress().check_cancelled()?;
@@ -191,11 +187,7 @@ impl<'a> NodeRun<'a> {
             let parameters = parameters.get(step).unwrap_or(&parameters[0]);
             let mut call = run.context(parameters, demand, inputs_of(node, &all_done), (false, false));
             let values = node.run(&mut call)?;
-            let outputs = values.into_iter().map(|value| {
-                revision += 1;
-                (value, Revision(revision))
-            });
-            all_done[i] = Some(Done { outputs: outputs.collect(), ..Done::default() });
+            all_done[i] = Some(with_revisions(values, &mut last_revision));
         }
         let value = all_done[last].as_ref().and_then(|done| done.outputs.get(output)).map(|o| o.0.clone());
         value.ok_or_else(|| Error::run("the node that feeds an input gave nothing"))
@@ -334,6 +326,15 @@ impl RunServices for NodeRun<'_> {
             None => make(),
         }
     }
+}
+
+/// Outputs of a node that ran for one step or part, each with a revision of its own behind the last.
+fn with_revisions(values: Vec<Value>, last: &mut u64) -> Done {
+    let outputs = values.into_iter().map(|value| {
+        *last += 1;
+        (value, Revision(*last))
+    });
+    Done { outputs: outputs.collect(), ..Done::default() }
 }
 
 /// Origins of the values of these nodes, which ran. States of files are those before the nodes ran, or those now where they did not.

@@ -370,8 +370,8 @@ fn is_flags(array: &PieceArray) -> bool {
 
 /// Flags of a patch of a file in which others have some; `other`: an array of the patch.
 fn no_flags(other: &Stored, count: usize) -> PieceArray {
-    let compute: Compute = Arc::new(move |_| Ok(vec![0.0; count]));
-    let stored = Stored::of_f64(&other.source, GHOST_TYPE, 1, count as u64, Encoding::Computed(compute));
+    let none = move |_: &Meter| Ok(vec![0.0; count]);
+    let stored = Stored::computed(&other.source, GHOST_TYPE, 1, count as u64, none);
     PieceArray::new(Association::Cell, stored)
 }
 

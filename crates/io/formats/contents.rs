@@ -180,6 +180,18 @@ impl PieceArray {
         }
     }
 
+    /// An array that is computed when it is asked for. `counts`: of points and of cells.
+    pub fn computed(
+        source: &Arc<Source>,
+        head: &FileArray,
+        counts: [u64; 2],
+        compute: impl Fn(&Meter) -> Result<Vec<f64>> + Send + Sync + 'static,
+    ) -> PieceArray {
+        let &FileArray { ref name, association, component_count } = head;
+        let tuple_count = counts[usize::from(association == Association::Cell)];
+        PieceArray::new(association, Stored::computed(source, name, component_count, tuple_count, compute))
+    }
+
     /// Its header.
     pub fn head(&self) -> FileArray {
         let Stored { name, component_count, .. } = &self.stored;
@@ -198,6 +210,11 @@ impl Piece {
             blocks: CellBlocks::default(),
             is_old_order: false,
         }
+    }
+
+    /// The part with its blocks.
+    pub fn with_blocks(self, blocks: CellBlocks) -> Piece {
+        Piece { blocks, ..self }
     }
 
     /// The arrays of points or of cells.
@@ -319,6 +336,17 @@ impl Stored {
             tuple_count: Some(tuple_count),
             encoding,
         }
+    }
+
+    /// An array of 64-bit numbers that is computed when it is asked for.
+    pub fn computed(
+        source: &Arc<Source>,
+        name: &str,
+        component_count: usize,
+        tuple_count: u64,
+        compute: impl Fn(&Meter) -> Result<Vec<f64>> + Send + Sync + 'static,
+    ) -> Stored {
+        Stored::of_f64(source, name, component_count, tuple_count, Encoding::Computed(Arc::new(compute)))
     }
 
     /// That its file may hold as many values as the headers promise: with compression, as many as the codec can make of the whole file.

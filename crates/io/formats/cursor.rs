@@ -180,6 +180,14 @@ impl Cursor {
         }
     }
 
+    /// Passes over empty lines, and lines that begin with #.
+    pub fn skip_comments(&mut self) -> Result<()> {
+        while self.peek()? == Some(b'#') {
+            self.line()?;
+        }
+        Ok(())
+    }
+
     /// The next word; `None` at the end.
     pub fn word(&mut self) -> Result<Option<&[u8]>> {
         self.skip_space()?;

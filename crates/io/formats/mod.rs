@@ -93,13 +93,13 @@ pub use inspect::{ArraySummary, BlockSummary, Summary};
 pub use outline::Outline;
 pub use parts::{PieceBorders, PieceSize};
 pub use quantities::{ArrayChoice, differ};
-pub use request::{Component, Request, SelectedArrays, TimeStep};
+pub use request::{Component, Request, SelectedArrays, TimeStep, list as quoted_names};
 pub use source::existing_file;
 pub use surfaces::{SURFACE_FILES, read_surface};
 pub use voltet_core::grid::{Association, CellValues, Options};
 pub use voltet_core::reading::FileArray;
 
-use contents::{CellBlocks, Compute, Dataset, Encoding, ExternalFormat, Geometry, Piece, PieceArray, Stored};
+use contents::{Dataset, ExternalFormat, Geometry, Piece, PieceArray};
 use piece_share::Share;
 use request::Format;
 use source::{Source, printable, text_of};
@@ -429,20 +429,12 @@ fn open_external(source: &Arc<Source>, request: &Request, chosen: &SelectedArray
     let added = Arc::new(ExternalFormat::new(opened));
     let array = |(place, array): (usize, &FileArray)| {
         let of = added.clone();
-        let compute: Compute =
-            Arc::new(move |meter| of.take(Some(place), |read| read.arrays.remove(&place), meter.progress()));
-        let (tuple_count, encoding) = (head.tuple_count(array), Encoding::Computed(compute));
-        let stored = Stored::of_f64(source, &array.name, array.component_count, tuple_count, encoding);
-        PieceArray::new(array.association, stored)
+        PieceArray::computed(source, array, [head.point_count, head.cell_count], move |meter| {
+            of.take(Some(place), |read| read.arrays.remove(&place), meter.progress())
+        })
     };
-    let piece = Piece {
-        point_count: head.point_count,
-        cell_count: head.cell_count,
-        arrays: head.arrays.iter().enumerate().map(array).collect(),
-        geometry: Geometry::Added(added),
-        blocks: CellBlocks::default(),
-        is_old_order: false,
-    };
+    let arrays = head.arrays.iter().enumerate().map(array).collect();
+    let piece = Piece::new([head.point_count, head.cell_count], Geometry::Added(added), arrays);
     Ok(Dataset {
         format: head.format,
         pieces: vec![piece],

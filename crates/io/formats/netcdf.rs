@@ -5,6 +5,7 @@
 //! brings date and unit conversions along; the header is small enough to be read here.
 
 use super::contents::{Encoding, Stored};
+use super::cursor::Cursor;
 use super::numbers::{ByteOrder, NumberType};
 use super::source::Source;
 use std::collections::HashMap;
@@ -80,8 +81,9 @@ fn damaged(what: &str) -> Error {
 impl NetcdfFile {
     /// Reads the header.
     pub fn open(source: Arc<Source>) -> Result<NetcdfFile> {
-        let mut header = Header { source: source.clone(), at: 0, bytes: Vec::new(), place: 0, version: 1 };
-        header.version = header.take(4)?[3];
+        let mut header = Header { cursor: Cursor::new(&source), version: 1 };
+        header.cursor.binary = Some(ByteOrder::Big);
+        header.version = header.cursor.bytes(4)?[3];
         let record_count = header.count()?;
         let dimensions = header.list(DIMENSIONS, |header| {
             header.name()?;
@@ -185,36 +187,14 @@ fn record_len(variables: &[(String, Variable)]) -> Option<u64> {
 
 /// The header as it is read.
 struct Header {
-    source: Arc<Source>,
-    /// Place after `bytes` in the file.
-    at: u64,
-    bytes: Vec<u8>,
-    /// Place within `bytes`.
-    place: usize,
+    cursor: Cursor,
     version: u8,
 }
 
-/// Bytes that are read at once.
-const BUFFER: u64 = 1 << 16;
-
 impl Header {
-    fn take(&mut self, len: u64) -> Result<&[u8]> {
-        let left = (self.bytes.len() - self.place) as u64;
-        if left < len {
-            let more = (len - left).max(BUFFER.min(self.source.len() - self.at));
-            let read = self.source.read(self.at, more)?;
-            self.at += more;
-            self.bytes.drain(..self.place);
-            self.bytes.extend(read);
-            self.place = 0;
-        }
-        self.place += len as usize;
-        Ok(&self.bytes[self.place - len as usize..self.place])
-    }
-
     /// A whole number of so many bytes.
-    fn number(&mut self, len: u64) -> Result<u64> {
-        Ok(self.take(len)?.iter().fold(0, |number, &byte| number << 8 | u64::from(byte)))
+    fn number(&mut self, len: usize) -> Result<u64> {
+        Ok(self.cursor.bytes(len)?.iter().fold(0, |number, &byte| number << 8 | u64::from(byte)))
     }
 
     /// A count or length, which is longer in version 5.
@@ -225,7 +205,8 @@ impl Header {
     /// Bytes that are filled up to 4.
     fn padded(&mut self, len: u64) -> Result<&[u8]> {
         let padded = len.checked_next_multiple_of(4).ok_or_else(|| damaged("a length"))?;
-        Ok(&self.take(padded)?[..len as usize])
+        let padded = usize::try_from(padded).map_err(|_| damaged("a length"))?;
+        Ok(&self.cursor.bytes(padded)?[..len as usize])
     }
 
     fn name(&mut self) -> Result<String> {

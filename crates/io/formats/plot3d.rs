@@ -11,7 +11,7 @@
 use self::Formula::{Scalar, Vector};
 use super::blocks;
 use super::contents::{
-    CellBlocks, Compute, Dataset, Encoding, Geometry, Meter, Piece, PieceArray, Stored, structured_counts,
+    CellBlocks, Dataset, Encoding, Geometry, Meter, Piece, PieceArray, Stored, structured_counts,
 };
 use super::numbers::{self, ByteOrder, NumberType};
 use super::request::{Format, Request};
@@ -88,9 +88,6 @@ fn piece(
     request: &Request,
 ) -> Result<Piece> {
     let (point_count, cell_count) = structured_counts(grid.dimensions)?;
-    let computed = |name: &str, component_count: usize, compute: Compute| {
-        Stored::of_f64(source, name, component_count, point_count, Encoding::Computed(compute))
-    };
     let mut arrays = Vec::new();
     let mut add = |stored: Stored| arrays.push(PieceArray::new(Association::Point, stored));
     let [x, y, z, rest @ ..] = &grid.planes[..] else {
@@ -115,18 +112,12 @@ fn piece(
             let name = wanted.map(stem).find(|name| quantity.is_called(name)).unwrap_or(name.to_string());
             let component_count = if matches!(formula, Vector(_)) { 3 } else { 1 };
             let planes = planes.clone();
-            let compute: Compute = Arc::new(move |meter| derive(&planes, formula, meter));
-            add(computed(&name, component_count, compute));
+            let compute = move |meter: &Meter| derive(&planes, formula, meter);
+            add(Stored::computed(source, &name, component_count, point_count, compute));
         }
     }
-    Ok(Piece {
-        point_count,
-        cell_count,
-        geometry: Geometry::Curvilinear { dimensions: grid.dimensions, points },
-        arrays,
-        blocks: CellBlocks::One(block),
-        is_old_order: false,
-    })
+    let geometry = Geometry::Curvilinear { dimensions: grid.dimensions, points };
+    Ok(Piece::new([point_count, cell_count], geometry, arrays).with_blocks(CellBlocks::One(block)))
 }
 
 /// A quantity from the planes of a solution.

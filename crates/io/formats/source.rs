@@ -110,6 +110,11 @@ impl Source {
         Arc::new(Source { file: None, path, len: self.len, is_copy: false, number })
     }
 
+    /// True for a gzip archive.
+    pub fn is_packed(&self) -> Result<bool> {
+        Ok(self.head(2)? == [0x1f, 0x8b])
+    }
+
     /// A gzip archive as what it holds, of which `limit` bytes at most, in a file without a name.
     pub fn unpacked(&self, limit: Option<u64>) -> Result<Arc<Source>> {
         let failed = |error| Error::run("the file cannot be unpacked").got(error).in_file(&self.path);

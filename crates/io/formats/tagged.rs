@@ -2,7 +2,7 @@
 //! points, cells and arrays here.
 
 use super::blocks::selected;
-use super::contents::{CellBlocks, Compute, Dataset, Encoding, Meter, Piece, PieceArray, Stored};
+use super::contents::{CellBlocks, Compute, Dataset, Meter, Piece, PieceArray};
 use super::lazy::{GatheredCells, MeshTags, Tags, geometry, missing_node};
 use super::request::Request;
 use super::source::Source;
@@ -122,22 +122,12 @@ pub(super) fn dataset(
     let open = Arc::new(OpenMesh { mesh, blocks: blocks.clone(), block_places, is_selected, tags });
     let arrays = arrays.into_iter().enumerate().map(|(place, array)| {
         let (of, n, association) = (open.clone(), array.component_count, array.association);
-        let compute: Compute = Arc::new(move |_| of.values(place, n, association));
-        let tuple_count = if association == Association::Cell { counts[1] } else { counts[0] };
-        let encoding = Encoding::Computed(compute);
-        PieceArray::new(association, Stored::of_f64(source, &array.name, n, tuple_count, encoding))
+        let compute = move |_: &Meter| of.values(place, n, association);
+        PieceArray::computed(source, &array, [counts[0], counts[1]], compute)
     });
-    let mut piece = Piece {
-        point_count: counts[0],
-        cell_count: counts[1],
-        arrays: arrays.collect(),
-        geometry: geometry(counts, {
-            let of = open.clone();
-            move |_| Ok((of.read_nodes()?, of.read_elements()?.0.into_cells()))
-        }),
-        is_old_order: false,
-        blocks: CellBlocks::One(0),
-    };
+    let of = open.clone();
+    let geometry = geometry(counts, move |_| Ok((of.read_nodes()?, of.read_elements()?.0.into_cells())));
+    let mut piece = Piece::new([counts[0], counts[1]], geometry, arrays.collect());
     if has_blocks {
         let numbers: Compute = Arc::new(move |_: &Meter| Ok(open.read_elements()?.1));
         piece.blocks = CellBlocks::Each { numbers, grid: None };

@@ -8,7 +8,8 @@ use crate::core::parameters::suggest;
 use crate::core::{Error, Result, agreeing, counted};
 use crate::graph::{ParameterValue, Registry, RunReport};
 use crate::io::formats::{
-    Association, FileArray, Outline, Request, TimeStep, blocks_named, files_beside, outline, steps,
+    Association, FileArray, Outline, Request, TimeStep, blocks_named, files_beside, outline, quoted_names,
+    steps,
 };
 use crate::nodes::external_formats;
 use crate::nodes::files::{Use, collision, is_standard_output, is_stream, refuse_unwritable};
@@ -62,7 +63,7 @@ pub fn convert(arguments: &Convert, registry: &Registry) -> Outcome {
         if !some.is_empty() {
             lines.push(format!(
                 "arrays that some steps lack: {}",
-                names(some.iter().map(|array| &*array.name))
+                quoted_names(some.iter().map(|array| &*array.name))
             ));
         }
         if ghost_count > 0 {
@@ -269,7 +270,8 @@ fn not_written(
 ) -> Vec<String> {
     let mut lines = Vec::new();
     if !left.is_empty() {
-        let (arrays, names) = (counted(left.len(), "array"), names(left.iter().map(|array| &*array.name)));
+        let (arrays, names) =
+            (counted(left.len(), "array"), quoted_names(left.iter().map(|array| &*array.name)));
         lines.push(format!("{arrays} not named by --arrays: {names}"));
     }
     if let Ok(selected) = blocks_named(&outline.blocks, &arguments.blocks)
@@ -278,7 +280,11 @@ fn not_written(
         let all = outline.blocks.iter().zip(selected);
         let out: Vec<&str> = all.filter(|(_, is_in)| !is_in).map(|(name, _)| name.as_str()).collect();
         if !out.is_empty() {
-            lines.push(format!("{} not named by --blocks: {}", counted(out.len(), "block"), names(out)));
+            lines.push(format!(
+                "{} not named by --blocks: {}",
+                counted(out.len(), "block"),
+                quoted_names(out)
+            ));
         }
     }
     if !outline.blocks.is_empty() {
@@ -293,7 +299,7 @@ fn not_written(
     let whole: Vec<&str> = whole.filter(|name| *name != crate::io::formats::BLOCK).collect();
     if !whole.is_empty() {
         let are = agreeing(&whole.len(), "is written as a float", "are written as floats");
-        lines.push(format!("types of whole numbers: {} {are}", names(whole)));
+        lines.push(format!("types of whole numbers: {} {are}", quoted_names(whole)));
     }
     let (steps, out) =
         (outline.time_steps.len(), outputs.iter().filter(|output| output.step.is_some()).count());
@@ -305,18 +311,6 @@ fn not_written(
         ));
     }
     lines
-}
-
-/// Names in quotes, each once, shortened where there are many.
-fn names<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
-    let mut quoted: Vec<String> = Vec::new();
-    for name in names {
-        let name = format!("'{name}'");
-        if !quoted.contains(&name) {
-            quoted.push(name);
-        }
-    }
-    shortened(&quoted)
 }
 
 fn shortened(texts: &[String]) -> String {

@@ -92,7 +92,8 @@ impl WidgetSampler {
         }
         let cutoff = context.model.cutoff();
         let glow = context.glow_scale()?;
-        let is_lost = |cutoff: f64| cutoff < MIN_CUTOFF && widgets.iter().any(LaneWidget::is_exponential);
+        let is_lost =
+            |cutoff: f64| cutoff < MIN_CUTOFF && widgets.iter().any(|widget| widget.traits().is_exponential);
         if cutoff.is_some_and(is_lost) {
             return Err(FallbackReason::Samples);
         }
@@ -249,7 +250,9 @@ impl<L: Lanes> SampledSegments<'_, '_, L> {
         integrate: impl FnOnce(&mut Self, bool) -> ([L::F; 3], L::F),
     ) -> ([L::F; 3], L::F) {
         let one_color = match self.active {
-            [active] if self.glow.is_none() && !active.widget.has_colors() => Some(active.widget.color),
+            [active] if self.glow.is_none() && !active.widget.traits().has_colors => {
+                Some(active.widget.color)
+            }
             _ => None,
         };
         // A flag, not a constant: a second copy of all widgets' values would double what is compiled.
@@ -268,7 +271,7 @@ impl<L: Lanes> SampledSegments<'_, '_, L> {
         let zero = L::F::splat(0.0);
         let mut sum = Samples { rate: [zero; N], glow: [[zero; 3]; N] };
         for number in 0..self.active.len() {
-            if self.active[number].widget.has_colors() {
+            if self.active[number].widget.traits().has_colors {
                 self.add_colored(number, &t, colors, &mut sum);
             } else {
                 let values = self.active[number].widget.values(self.segments, self.fields, &t);
@@ -292,7 +295,7 @@ impl<L: Lanes> SampledSegments<'_, '_, L> {
         let mut sum = Samples { rate: [zero; SIDE_BY_SIDE], glow: [[zero; 3]; SIDE_BY_SIDE] };
         for number in 0..self.active.len() {
             let ActiveWidget { widget, follows, .. } = &self.active[number];
-            if widget.has_colors() {
+            if widget.traits().has_colors {
                 self.add_colored(number, &t, colors, &mut sum);
             } else if !follows {
                 let values = widget.values(self.segments, self.fields, &t);

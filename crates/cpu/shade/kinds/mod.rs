@@ -38,8 +38,8 @@ pub struct LaneWidget {
     support: Option<SupportBounds>,
 }
 
-/// A profile compiled for vector lanes. Control points, colours, steps and paths are optional: a kind without them is in the rest of
-/// their `match`es; the others have no rest.
+/// A profile compiled for vector lanes. Control points, colours, steps, densities along segments and paths are optional: a kind without
+/// them is in the rest of their `match`es; the others have no rest.
 enum VectorProfile {
     Uniform,
     Gaussian(LaneGaussian),
@@ -83,6 +83,18 @@ pub(crate) enum OrderRequirement {
     Always,
     /// 64 bits: panels in 32 left 7e-4 of the colour.
     Bits64,
+}
+
+/// Traits of a widget that follow from its kind.
+pub(crate) struct KindTraits {
+    /// Kernel tier that integrates it first.
+    pub tier: KernelTier,
+    /// Requirement where order matters.
+    pub order: OrderRequirement,
+    /// True if its profile is e^(−x²) of something, which 32 bits round to 0 far out.
+    pub is_exponential: bool,
+    /// True if its colour varies.
+    pub has_colors: bool,
 }
 
 /// Calls for each widget whose support some segments of a vector may meet, with its number and these lanes; returns the lanes (bits) that
@@ -168,35 +180,27 @@ impl LaneWidget {
         }
     }
 
-    /// Kernel tier that integrates it first.
-    pub(super) fn tier(&self) -> KernelTier {
-        match self.profile {
-            VectorProfile::Uniform | VectorProfile::Gaussian(_) | VectorProfile::Wave(_) => {
-                KernelTier::ClosedForm
-            }
+    /// Traits that follow from the kind.
+    #[inline]
+    pub(super) fn traits(&self) -> KindTraits {
+        use KernelTier as Tier;
+        use OrderRequirement as Order;
+        let (tier, order, is_exponential, has_colors) = match self.profile {
+            VectorProfile::Uniform => (Tier::ClosedForm, Order::Panels, false, false),
+            VectorProfile::Gaussian(_) => (Tier::ClosedForm, Order::Panels, true, false),
+            VectorProfile::Wave(_) => (Tier::ClosedForm, Order::Bits64, false, false),
             // Pieces that a region cuts have closed forms in 64 bits only.
-            VectorProfile::PiecewiseLinear(_) if self.region.is_some() => KernelTier::Bits64,
-            VectorProfile::PiecewiseLinear(_) => KernelTier::ClosedForm,
-            VectorProfile::TriangularGaussian(_)
-            | VectorProfile::GaussianNd(_)
-            | VectorProfile::TriangularGaussianNd(_)
-            | VectorProfile::Table(_) => KernelTier::Panels,
-            VectorProfile::None => KernelTier::Bits64,
-        }
-    }
-
-    /// Requirement where order matters.
-    pub(super) fn order_requirement(&self) -> OrderRequirement {
-        match self.profile {
-            VectorProfile::Uniform | VectorProfile::Gaussian(_) | VectorProfile::GaussianNd(_) => {
-                OrderRequirement::Panels
+            VectorProfile::PiecewiseLinear(_) if self.region.is_some() => {
+                (Tier::Bits64, Order::Always, false, true)
             }
-            VectorProfile::PiecewiseLinear(_) | VectorProfile::Table(_) => OrderRequirement::Always,
-            VectorProfile::Wave(_)
-            | VectorProfile::TriangularGaussian(_)
-            | VectorProfile::TriangularGaussianNd(_)
-            | VectorProfile::None => OrderRequirement::Bits64,
-        }
+            VectorProfile::PiecewiseLinear(_) => (Tier::ClosedForm, Order::Always, false, true),
+            VectorProfile::Table(_) => (Tier::Panels, Order::Always, false, true),
+            VectorProfile::TriangularGaussian(_) => (Tier::Panels, Order::Bits64, true, false),
+            VectorProfile::GaussianNd(_) => (Tier::Panels, Order::Panels, true, false),
+            VectorProfile::TriangularGaussianNd(_) => (Tier::Panels, Order::Bits64, true, false),
+            VectorProfile::None => (Tier::Bits64, Order::Bits64, false, false),
+        };
+        KindTraits { tier, order, is_exponential, has_colors }
     }
 
     /// Control points of a piecewise-linear profile.
@@ -417,13 +421,7 @@ impl LaneWidget {
             VectorProfile::Wave(wave) => {
                 array!(|j| wave.value::<L>(&segments.at(L::F::splat(t[j]))) * density)
             }
-            VectorProfile::Gaussian(_)
-            | VectorProfile::PiecewiseLinear(_)
-            | VectorProfile::TriangularGaussian(_)
-            | VectorProfile::GaussianNd(_)
-            | VectorProfile::TriangularGaussianNd(_)
-            | VectorProfile::Table(_)
-            | VectorProfile::None => [L::F::splat(0.0); N],
+            _ => [L::F::splat(0.0); N],
         }
     }
 }
@@ -432,7 +430,7 @@ impl LaneWidget {
 impl LaneWidget {
     /// True if it is uniform or a Gaussian of any kind, so that segments have a [`RegionPath`] through it.
     pub fn has_path(&self) -> bool {
-        matches!(self.profile, VectorProfile::Uniform) || self.is_exponential()
+        matches!(self.profile, VectorProfile::Uniform) || self.traits().is_exponential
     }
 
     /// Lanes whose paths may meet it.
@@ -473,11 +471,7 @@ impl LaneWidget {
                 present = present.and(there);
                 (Some(path), share)
             }
-            VectorProfile::Uniform
-            | VectorProfile::Wave(_)
-            | VectorProfile::PiecewiseLinear(_)
-            | VectorProfile::Table(_)
-            | VectorProfile::None => (None, segments.inside(region).share),
+            _ => (None, segments.inside(region).share),
         };
         RegionPath { path, fraction, present }
     }
@@ -495,26 +489,6 @@ impl LaneWidget {
         self.density
     }
 
-    /// True if its colour varies.
-    pub(super) fn has_colors(&self) -> bool {
-        matches!(self.profile, VectorProfile::PiecewiseLinear(_) | VectorProfile::Table(_))
-    }
-
-    /// True if its profile is e^(−x²) of something, which 32 bits round to 0 far out.
-    pub(super) fn is_exponential(&self) -> bool {
-        match self.profile {
-            VectorProfile::Gaussian(_)
-            | VectorProfile::TriangularGaussian(_)
-            | VectorProfile::GaussianNd(_)
-            | VectorProfile::TriangularGaussianNd(_) => true,
-            VectorProfile::Uniform
-            | VectorProfile::Wave(_)
-            | VectorProfile::PiecewiseLinear(_)
-            | VectorProfile::Table(_)
-            | VectorProfile::None => false,
-        }
-    }
-
     /// Value at its peak; `density_scale`: as in [`WidgetContext`].
     pub(super) fn peak_value(&self, density_scale: f64) -> f64 {
         match &self.profile {
@@ -529,13 +503,7 @@ impl LaneWidget {
         match &self.profile {
             VectorProfile::Gaussian(gaussian) => gaussian.unsure(segments),
             VectorProfile::GaussianNd(nd) => nd.unsure(),
-            VectorProfile::Uniform
-            | VectorProfile::Wave(_)
-            | VectorProfile::PiecewiseLinear(_)
-            | VectorProfile::Table(_)
-            | VectorProfile::TriangularGaussian(_)
-            | VectorProfile::TriangularGaussianNd(_)
-            | VectorProfile::None => 0,
+            _ => 0,
         }
     }
 

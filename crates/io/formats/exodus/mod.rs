@@ -9,9 +9,7 @@ mod names;
 mod variables;
 
 use super::blocks;
-use super::contents::{
-    CellBlocks, Compute, Dataset, Encoding, ExternalFormat, Geometry, Meter, Piece, PieceArray, Stored,
-};
+use super::contents::{CellBlocks, Dataset, ExternalFormat, Geometry, Meter, Piece, PieceArray, Stored};
 use super::hdf5;
 use super::netcdf;
 use super::numbers::NumberType;
@@ -347,14 +345,9 @@ impl Selection<'_> {
         let mut arrays = self.node_arrays()?;
         arrays.extend(self.element_arrays(&read, cell_count));
         let mesh = self.mesh(&read, cell_count)?;
-        Ok(Piece {
-            point_count: self.part.node_count,
-            cell_count,
-            geometry: Geometry::Added(Arc::new(ExternalFormat::new(Box::new(mesh)))),
-            arrays,
-            blocks: CellBlocks::Runs(runs),
-            is_old_order: false,
-        })
+        let geometry = Geometry::Added(Arc::new(ExternalFormat::new(Box::new(mesh))));
+        let counts = [self.part.node_count, cell_count];
+        Ok(Piece::new(counts, geometry, arrays).with_blocks(CellBlocks::Runs(runs)))
     }
 
     fn mesh(&self, read: &[ReadBlock], cell_count: u64) -> Result<Mesh> {
@@ -476,9 +469,8 @@ impl Selection<'_> {
             let without =
                 read.iter().filter(|own| !is_there(own)).map(|own| self.number(own.block)).collect();
             let (source, count) = (variables.clone(), places.len());
-            let compute: Compute = Arc::new(move |meter| of_blocks(&source, &blocks, step, count, meter));
-            let stored =
-                Stored::of_f64(variables.source(), &name, count, cell_count, Encoding::Computed(compute));
+            let compute = move |meter: &Meter| of_blocks(&source, &blocks, step, count, meter);
+            let stored = Stored::computed(variables.source(), &name, count, cell_count, compute);
             arrays.push(PieceArray {
                 component_names: components,
                 blocks_without: without,

@@ -35,7 +35,7 @@ pub(super) struct FaceOwners {
 impl FaceOwners {
     /// Reads them.
     pub fn read(mesh: &MeshPaths) -> Result<FaceOwners> {
-        let labels = |path: &PathBuf| FoamFile::open(path, mesh.part.as_ref(), false)?.labels();
+        let labels = |path: &PathBuf| FoamFile::read(path, mesh.part.as_ref(), FoamFile::labels);
         let (owner, neighbour) = (labels(&mesh.owner)?, labels(&mesh.neighbour)?);
         if neighbour.len() > owner.len() {
             let most = format!("at most {}", owner.len());
@@ -63,7 +63,7 @@ pub(super) struct FaceCells {
 impl FaceCells {
     /// Reads them.
     pub fn read(mesh: &MeshPaths) -> Result<FaceCells> {
-        let (points, ends) = FoamFile::open(&mesh.faces, mesh.part.as_ref(), false)?.faces()?;
+        let (points, ends) = FoamFile::read(&mesh.faces, mesh.part.as_ref(), FoamFile::faces)?;
         let FaceOwners { owner, neighbour, cell_count } = FaceOwners::read(mesh)?;
         if owner.len() != ends.len() {
             return Err(misfit("owners of faces", owner.len(), ends.len(), &mesh.owner));
@@ -250,7 +250,7 @@ impl CellZones {
         let Some(path) = &mesh.zones else { return Ok(CellZones::default()) };
         let mut zones = CellZones::default();
         for (place, (name, cells)) in
-            FoamFile::open(path, mesh.part.as_ref(), false)?.zones()?.into_iter().enumerate()
+            FoamFile::read(path, mesh.part.as_ref(), FoamFile::zones)?.into_iter().enumerate()
         {
             zones.names.push(name);
             zones.cells.extend(cells.into_iter().map(|cell| (cell, place as u32)));

@@ -56,11 +56,6 @@ const LIST_TYPES: [(&str, u64, bool); 6] = [
 impl FoamFile {
     /// The patches of a mesh.
     pub fn patches(&mut self) -> Result<Vec<MeshPatch>> {
-        let patches = self.list_of_patches();
-        self.in_file(patches)
-    }
-
-    fn list_of_patches(&mut self) -> Result<Vec<MeshPatch>> {
         let (count, _) = self.list_head()?;
         let mut patches = Vec::new();
         for _ in 0..count {
@@ -100,11 +95,6 @@ impl FoamFile {
     /// The entries of a field about patches; none of a field that has none.
     pub fn patch_entries(&mut self, component_count: usize) -> Result<Vec<PatchEntry>> {
         let values = self.field_values(component_count)?;
-        let entries = self.entries_behind(values, component_count);
-        self.in_file(entries)
-    }
-
-    fn entries_behind(&mut self, values: FieldValues, component_count: usize) -> Result<Vec<PatchEntry>> {
         if let (FieldValues::List(count), true) = (values, self.binary.is_some()) {
             let size = self.scalar.size().unwrap_or(1) * component_count;
             self.cursor.skip(count.saturating_mul(size as u64))?;

@@ -8,14 +8,9 @@ use voltet_core::{Error, Result};
 impl FoamFile {
     /// Points of all faces, and the ends of the faces' parts.
     pub fn faces(&mut self) -> Result<(Vec<u32>, Vec<u32>)> {
-        let faces = self.list_of_faces();
-        self.in_file(faces)
-    }
-
-    fn list_of_faces(&mut self) -> Result<(Vec<u32>, Vec<u32>)> {
         if self.class == "faceCompactList" {
-            let mut ends = self.list_of_labels()?;
-            let points = self.list_of_labels()?;
+            let mut ends = self.labels()?;
+            let points = self.labels()?;
             if ends.first() != Some(&0) || !ends.is_sorted() || ends.last() != Some(&(points.len() as u32)) {
                 let error = self.cursor.error("the faces are damaged");
                 return Err(error.expected("ascending offsets from 0 to the number of their points"));

@@ -59,7 +59,7 @@ impl Field {
         // A field with other values, or without any, is an error once it is read.
         let values = file.field_values(kind.1);
         if let (Some(order), false, Ok(FieldValues::List(count))) = (file.binary, file.is_packed, values) {
-            bytes_of_tuples = Some((count, file.scalar, order, file.position()));
+            bytes_of_tuples = Some((count, file.scalar, order, file.cursor.position()));
         }
         let unit = file.dimensions.as_deref().and_then(unit);
         Ok(Some(Field {
@@ -123,9 +123,10 @@ fn load_field(
     tuple_count: u64,
     meter: &Meter,
 ) -> Result<Vec<f64>> {
-    let mut file = FoamFile::open(path, part, false)?;
-    match file.field_values(component_count)? {
-        FieldValues::List(count) if count == tuple_count => file.scalars(count * component_count as u64),
+    FoamFile::read(path, part, |file| match file.field_values(component_count)? {
+        FieldValues::List(count) if count == tuple_count => {
+            file.numbers(file.scalar, count * component_count as u64)
+        }
         FieldValues::List(count) => Err(misfit("values of the field", count as usize, tuple_count, path)),
         FieldValues::Uniform(tuple) => {
             let number_count = tuple_count.saturating_mul(component_count as u64);
@@ -133,5 +134,5 @@ fn load_field(
             refuse_beyond_memory(meter.progress(), what, number_count.saturating_mul(8))?;
             Ok(tuple.iter().copied().cycle().take(number_count as usize).collect())
         }
-    }
+    })
 }

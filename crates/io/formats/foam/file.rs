@@ -7,6 +7,7 @@ use crate::formats::cursor::Cursor;
 use crate::formats::numbers::{self, ByteOrder, NumberType, Target};
 use crate::formats::source::Source;
 use crate::formats::text::is_space;
+use crate::formats::xml::has_mark;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -17,8 +18,6 @@ use voltet_core::{Error, Result};
 const HEAD_BYTES: u64 = 1 << 16;
 /// Class of files that hold those of all processors.
 const COLLATED: &str = "decomposedBlockData";
-/// First bytes of a packed file.
-const PACKED: [u8; 2] = [0x1f, 0x8b];
 
 /// A file behind its head.
 pub(super) struct FoamFile {
@@ -81,10 +80,10 @@ pub(super) fn names(folder: &Path) -> Vec<String> {
 /// True for a file, or a packed one, that begins as those of OpenFOAM. Errors: a packed one is damaged.
 pub(super) fn has_head(path: &Path) -> Result<bool> {
     let Ok(mut source) = Source::open(path) else { return Ok(false) };
-    if source.head(2)? == PACKED {
+    if source.is_packed()? {
         source = source.unpacked(Some(HEAD_BYTES)).map_err(|error| error.in_file(path))?;
     }
-    Ok(source.head(4096)?.windows(8).any(|window| window == b"FoamFile"))
+    Ok(has_mark(&source.head(4096)?, "FoamFile"))
 }
 
 impl FoamFile {
@@ -96,13 +95,23 @@ impl FoamFile {
         })
     }
 
+    /// Opens a file, or a part of one, and reads what follows its head.
+    pub fn read<T>(
+        path: &Path,
+        part: Option<&CollatedPart>,
+        read: impl FnOnce(&mut FoamFile) -> Result<T>,
+    ) -> Result<T> {
+        let mut file = FoamFile::open(path, part, false)?;
+        read(&mut file).map_err(|error| error.in_file(path))
+    }
+
     fn of_path(path: &Path, part: Option<&CollatedPart>, head_only: bool) -> Result<FoamFile> {
         let known = part.and_then(|part| {
             part.known.lock().unwrap_or_else(PoisonError::into_inner).get(path).cloned()?.unpacked
         });
         let is_known = known.is_some();
         let mut source = known.map_or_else(|| Source::open(path), Ok)?;
-        let is_packed = is_known || source.head(2)? == PACKED;
+        let is_packed = is_known || source.is_packed()?;
         if is_packed && !is_known {
             source = source.unpacked((head_only && part.is_none()).then_some(HEAD_BYTES))?;
         }
@@ -224,11 +233,6 @@ impl FoamFile {
         }
     }
 
-    /// An error that names the file.
-    pub fn in_file<T>(&self, result: Result<T>) -> Result<T> {
-        result.map_err(|error| error.in_file(&self.path))
-    }
-
     /// The next word, sign of punctuation or text in quotes; `None` at the end.
     pub fn token(&mut self) -> Result<Option<String>> {
         loop {
@@ -312,11 +316,6 @@ impl FoamFile {
 
     /// A list of labels.
     pub fn labels(&mut self) -> Result<Vec<u32>> {
-        let labels = self.list_of_labels();
-        self.in_file(labels)
-    }
-
-    pub fn list_of_labels(&mut self) -> Result<Vec<u32>> {
         let (count, is_uniform) = self.list_head()?;
         if is_uniform {
             return Err(self.cursor.error("a list of labels holds one value for all").expected("each label"));
@@ -334,27 +333,14 @@ impl FoamFile {
         }
     }
 
-    /// Number of the points that follow, of which nothing is read.
-    pub fn point_count(&mut self) -> Result<u64> {
-        let count = self.list_head().map(|head| head.0);
-        self.in_file(count)
-    }
-
     /// Coordinates of points.
     pub fn points(&mut self) -> Result<Vec<f64>> {
-        let count = self.list_head();
-        let count = self.in_file(count)?.0.saturating_mul(3);
-        let points = self.numbers(self.scalar, count);
-        self.in_file(points)
+        let count = self.list_head()?.0.saturating_mul(3);
+        self.numbers(self.scalar, count)
     }
 
     /// Names of zones with their cells.
     pub fn zones(&mut self) -> Result<Vec<(String, Vec<u32>)>> {
-        let zones = self.list_of_zones();
-        self.in_file(zones)
-    }
-
-    fn list_of_zones(&mut self) -> Result<Vec<(String, Vec<u32>)>> {
         let (count, _) = self.list_head()?;
         let mut zones = Vec::new();
         for _ in 0..count {
@@ -368,7 +354,7 @@ impl FoamFile {
             loop {
                 match self.required("an entry of a zone")?.as_str() {
                     "}" => break,
-                    "cellLabels" => cells = self.list_of_labels()?,
+                    "cellLabels" => cells = self.labels()?,
                     _ => {}
                 }
             }
@@ -379,11 +365,6 @@ impl FoamFile {
 
     /// Moves to the values of a field within the mesh; `component_count` numbers make a tuple.
     pub fn field_values(&mut self, component_count: usize) -> Result<FieldValues> {
-        let values = self.internal_field(component_count);
-        self.in_file(values)
-    }
-
-    fn internal_field(&mut self, component_count: usize) -> Result<FieldValues> {
         loop {
             let key = self.token()?.ok_or_else(|| {
                 let error = self.cursor.error("the field has no values within the mesh");
@@ -461,17 +442,6 @@ impl FoamFile {
                 _ => {}
             }
         }
-    }
-
-    /// The numbers of a list whose head was read.
-    pub fn scalars(&mut self, count: u64) -> Result<Vec<f64>> {
-        let values = self.numbers(self.scalar, count);
-        self.in_file(values)
-    }
-
-    /// Place in the file.
-    pub fn position(&self) -> u64 {
-        self.cursor.position()
     }
 }
 

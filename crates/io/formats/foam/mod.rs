@@ -347,7 +347,8 @@ struct FolderMesh {
 impl FolderMesh {
     fn open(part: &CaseFolder, region: &str, time: f64) -> Result<FolderMesh> {
         let paths = part.mesh(region, time)?;
-        let point_count = FoamFile::open(&paths.points, paths.part.as_ref(), true)?.point_count()?;
+        let head = FoamFile::open(&paths.points, paths.part.as_ref(), true)?.list_head();
+        let (point_count, _) = head.map_err(|error| error.in_file(&paths.points))?;
         let cell_count = cell_count(&paths)?;
         let zones = CellZones::read(&paths, cell_count)?;
         Ok(FolderMesh { paths, point_count, cell_count, zones })
@@ -421,14 +422,9 @@ fn piece(
         let cells = (0..cell_count as usize).filter(|&cell| selection.contains(cell));
         Ok(cells.map(|cell| selection.block(cell) as f64).collect())
     });
-    Ok(Piece {
-        point_count,
-        cell_count: selected_count,
-        arrays,
-        geometry: geometry(counts, move |_| read_mesh(&mesh, cell_count, &of, boundary.as_deref())),
-        blocks: CellBlocks::Each { numbers, grid: None },
-        is_old_order: false,
-    })
+    let geometry = geometry(counts, move |_| read_mesh(&mesh, cell_count, &of, boundary.as_deref()));
+    let piece = Piece::new([point_count, selected_count], geometry, arrays);
+    Ok(piece.with_blocks(CellBlocks::Each { numbers, grid: None }))
 }
 
 fn read_mesh(
@@ -437,7 +433,7 @@ fn read_mesh(
     selection: &CellSelection,
     boundary: Option<&MeshBoundary>,
 ) -> Result<(Vec<DVec3>, Cells)> {
-    let read_points = || FoamFile::open(&mesh.points, mesh.part.as_ref(), false)?.points();
+    let read_points = || FoamFile::read(&mesh.points, mesh.part.as_ref(), FoamFile::points);
     let read_cells = || {
         let faces = FaceCells::read(mesh)?;
         if faces.cell_count as u64 != cell_count {

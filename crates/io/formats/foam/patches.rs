@@ -65,6 +65,7 @@ impl MeshBoundary {
         let entries = match file.patch_entries(component_count) {
             Ok(entries) => entries,
             Err(error) => {
+                let error = error.in_file(field);
                 warnings
                     .push(format!("Values on patches are not read, means of cells stand for them: {error}"));
                 return Ok((all, warnings));
@@ -75,7 +76,7 @@ impl MeshBoundary {
         }
         let faces = self.faces(mesh)?;
         let mut end_before = 0;
-        for patch in FoamFile::open(&self.path, mesh.part.as_ref(), false)?.patches()? {
+        for patch in FoamFile::read(&self.path, mesh.part.as_ref(), FoamFile::patches)? {
             if patch.face_count == 0 {
                 continue;
             }

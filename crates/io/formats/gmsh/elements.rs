@@ -50,55 +50,11 @@ const PYRAMID: [u8; 13] = [0, 1, 2, 3, 4, 5, 8, 10, 6, 7, 9, 11, 12];
 /// Corners, two nodes on each edge, one on each face.
 const CUBIC_TETRAHEDRON: [u8; 20] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 11, 10, 15, 14, 13, 12, 17, 19, 18, 16];
 
-/// Type and number of nodes of elements that are no volume, or that are passed over.
-const PASSED_OVER: [(u64, u16); 47] = [
-    (1, 2),
-    (2, 3),
-    (3, 4),
-    (8, 3),
-    (9, 6),
-    (10, 9),
-    (15, 1),
-    (16, 8),
-    (20, 9),
-    (21, 10),
-    (22, 12),
-    (23, 15),
-    (24, 15),
-    (25, 21),
-    (26, 4),
-    (27, 5),
-    (28, 6),
-    (36, 16),
-    (37, 25),
-    (38, 36),
-    (39, 12),
-    (40, 16),
-    (41, 20),
-    (42, 28),
-    (43, 36),
-    (44, 45),
-    (45, 55),
-    (46, 66),
-    (47, 49),
-    (48, 64),
-    (49, 81),
-    (50, 100),
-    (51, 121),
-    (52, 18),
-    (53, 21),
-    (54, 24),
-    (55, 27),
-    (56, 30),
-    (57, 24),
-    (58, 28),
-    (59, 32),
-    (60, 36),
-    (61, 40),
-    (62, 7),
-    (63, 8),
-    (64, 9),
-    (65, 10),
+/// Number of nodes of an element of each type that is no volume, or that is passed over; 0: a type of volumes, or none.
+const PASSED_OVER: [u8; 66] = [
+    0, 2, 3, 4, 0, 0, 0, 0, 3, 6, 9, 0, 0, 0, 0, 1, 8, 0, 0, 0, 9, 10, 12, 15, 15, 21, 4, 5, 6, 0, 0, 0, 0,
+    0, 0, 0, 16, 25, 36, 12, 16, 20, 28, 36, 45, 55, 66, 49, 64, 81, 100, 121, 18, 21, 24, 27, 30, 24, 28,
+    32, 36, 40, 7, 8, 9, 10,
 ];
 
 /// Elements of one type and physical group that follow one another.
@@ -137,9 +93,10 @@ fn element_type(number: u64) -> Result<(Option<&'static GmshElement>, usize)> {
         let count = if number == 14 { 14 } else { volume.order.len() };
         return Ok((Some(volume), count));
     }
-    match PASSED_OVER.iter().find(|flat| flat.0 == number) {
-        Some(flat) => Ok((None, flat.1.into())),
-        None => Err(Error::run("elements of this type of Gmsh are not read").got(number).expected(
+    let passed_over = usize::try_from(number).ok().and_then(|number| PASSED_OVER.get(number));
+    match passed_over {
+        Some(&node_count @ 1..) => Ok((None, node_count.into())),
+        _ => Err(Error::run("elements of this type of Gmsh are not read").got(number).expected(
             "tetrahedra of the orders 1 to 3; hexahedra, prisms and pyramids of the orders 1 and 2",
         )),
     }

@@ -12,7 +12,7 @@ mod views;
 use self::mesh::{GroupCounts, MeshFile, MeshSection, header};
 use self::views::View;
 use super::blocks::selected;
-use super::contents::{CellBlocks, Compute, Dataset, Encoding, Piece, PieceArray, Stored};
+use super::contents::{CellBlocks, Compute, Dataset, Piece, PieceArray};
 use super::cursor::Cursor;
 use super::lazy::geometry;
 use super::numbers::NumberType;
@@ -20,7 +20,8 @@ use super::request::{Format, Request};
 use super::source::Source;
 use std::collections::HashMap;
 use std::sync::Arc;
-use voltet_core::grid::{Association, CellValues};
+use voltet_core::grid::CellValues;
+use voltet_core::reading::FileArray;
 use voltet_core::{Error, Result, counted};
 
 /// First words of every file.
@@ -258,27 +259,13 @@ fn piece(file: Arc<MeshFile>, node_count: u64, counts: &GroupCounts, arrays: Vec
     let point_count = if file.is_split { counts.corners } else { node_count };
     let arrays = arrays.into_iter().map(|array| {
         let (association, component_count) = (array.association(), array.component_count());
-        let tuple_count = if association == Association::Cell { counts.cells } else { point_count };
-        let (name, of) = (array.name.clone(), file.clone());
-        let compute: Compute = Arc::new(move |_| array.load(&of));
-        let encoding = Encoding::Computed(compute);
-        PieceArray::new(
-            association,
-            Stored::of_f64(&file.source, &name, component_count, tuple_count, encoding),
-        )
+        let head = FileArray { name: array.name.clone(), association, component_count };
+        let of = file.clone();
+        PieceArray::computed(&file.source, &head, [point_count, counts.cells], move |_| array.load(&of))
     });
-    Piece {
-        point_count,
-        cell_count: counts.cells,
-        arrays: arrays.collect(),
-        geometry: geometry([point_count, counts.cells, counts.corners], {
-            let of = file.clone();
-            move |_| of.read_geometry()
-        }),
-        blocks: CellBlocks::Each {
-            numbers: Arc::new(move |_| Ok(file.read_volumes()?.block_numbers())),
-            grid: None,
-        },
-        is_old_order: false,
-    }
+    let of = file.clone();
+    let geometry = geometry([point_count, counts.cells, counts.corners], move |_| of.read_geometry());
+    let piece = Piece::new([point_count, counts.cells], geometry, arrays.collect());
+    let numbers: Compute = Arc::new(move |_| Ok(file.read_volumes()?.block_numbers()));
+    piece.with_blocks(CellBlocks::Each { numbers, grid: None })
 }

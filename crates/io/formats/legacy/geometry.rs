@@ -81,7 +81,7 @@ impl LegacyGeometry {
             return Ok((point_count, self.cells.as_ref().map_or(0, |cells| cells.count)));
         }
         let dimensions = self.dimensions.unwrap_or([0; 3]);
-        let counts = structured_counts(dimensions).map_err(|error| scanner.locate(error))?;
+        let counts = structured_counts(dimensions).map_err(|error| scanner.cursor.locate(error))?;
         let wrong = |what: &str, found: u64, accepted: u64| {
             Err(Error::run(format!("the number of {what} does not fit DIMENSIONS"))
                 .got(found)

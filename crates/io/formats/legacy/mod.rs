@@ -12,6 +12,7 @@ use self::attributes::{attribute, field};
 use self::geometry::LegacyGeometry;
 use self::scanner::Scanner;
 use super::contents::{CellBlocks, Dataset, Piece, PieceArray, TIME};
+use super::numbers::ByteOrder;
 use super::request::{Format, Request};
 use super::source::Source;
 use super::xml::is_before;
@@ -40,9 +41,9 @@ fn open(source: Arc<Source>, _: &Request) -> Result<Dataset> {
     let version = first.get(MAGIC.len()..).unwrap_or("").trim().to_owned();
     scanner.rest_of_line()?;
     let mode = scanner.required("ASCII or BINARY")?;
-    scanner.binary = match mode.to_ascii_uppercase().as_str() {
-        "ASCII" => false,
-        "BINARY" => true,
+    scanner.cursor.binary = match mode.to_ascii_uppercase().as_str() {
+        "ASCII" => None,
+        "BINARY" => Some(ByteOrder::Big),
         _ => {
             let found = format!("'{mode}'");
             return Err(scanner.error("the third line is wrong").got(found).expected("ASCII or BINARY"));
@@ -124,7 +125,7 @@ fn open(source: Arc<Source>, _: &Request) -> Result<Dataset> {
     let is_old_order = version.split(' ').next_back().is_some_and(|version| is_before(version, [5, 0]));
     let blocks = CellBlocks::default();
     dataset.pieces.push(Piece { point_count, cell_count, geometry, arrays, blocks, is_old_order });
-    let mode = if scanner.binary { "binary" } else { "ASCII" };
+    let mode = if scanner.is_binary() { "binary" } else { "ASCII" };
     dataset.format = format!("legacy VTK {version} {kind}, {mode}");
     Ok(dataset)
 }

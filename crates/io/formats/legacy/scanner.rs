@@ -1,28 +1,16 @@
 //! A position in a legacy file, from which words, numbers and the places of arrays are taken.
 
 use crate::formats::contents::{Encoding, Stored, tuples};
+use crate::formats::cursor::Cursor;
 use crate::formats::numbers::{ByteOrder, NumberType};
 use crate::formats::source::Source;
-use crate::formats::text::{is_space, line_ends, word_starts};
 use std::sync::Arc;
 use voltet_core::{Error, Result, counted};
 
-/// Bytes of the file that are kept at a time.
-const WINDOW: u64 = 1 << 18;
-/// No word or line outside arrays is longer in a sound file.
-const LONGEST: usize = 1 << 14;
-/// Bytes whose words are counted at once.
-const BLOCK: usize = 254;
-
-/// A position in a legacy file.
+/// A position in a legacy file. Arrays are bytes where the cursor has a byte order; else words.
 pub(super) struct Scanner {
     pub source: Arc<Source>,
-    /// True if arrays are bytes; else words.
-    pub binary: bool,
-    window: Vec<u8>,
-    window_at: u64,
-    at: u64,
-    line: usize,
+    pub cursor: Cursor,
     /// Components of the last array.
     component_count: usize,
 }
@@ -30,65 +18,20 @@ pub(super) struct Scanner {
 impl Scanner {
     /// At the beginning of the file.
     pub fn new(source: Arc<Source>) -> Self {
-        Scanner {
-            source,
-            binary: false,
-            window: Vec::new(),
-            window_at: 0,
-            at: 0,
-            line: 1,
-            component_count: 0,
-        }
+        Scanner { cursor: Cursor::new(&source), source, component_count: 0 }
     }
 
-    /// An error at this place.
     pub fn error(&self, what: impl Into<String>) -> Error {
-        self.locate(Error::run(what))
+        self.cursor.error(what)
     }
 
-    pub fn locate(&self, error: Error) -> Error {
-        // Lines mean nothing once bytes that look like line ends have been passed.
-        if self.binary { error.at_item(format!("byte {}", self.at)) } else { error.at_line(self.line) }
-    }
-
-    fn peek(&mut self) -> Result<Option<u8>> {
-        let index = self.at.wrapping_sub(self.window_at);
-        if let Some(&byte) = self.window.get(index as usize)
-            && self.at >= self.window_at
-        {
-            return Ok(Some(byte));
-        }
-        if self.at >= self.source.len() {
-            return Ok(None);
-        }
-        self.window = self.source.read(self.at, (self.source.len() - self.at).min(WINDOW))?;
-        self.window_at = self.at;
-        Ok(self.window.first().copied())
-    }
-
-    fn step(&mut self, byte: u8) {
-        self.at += 1;
-        self.line += usize::from(byte == b'\n');
+    pub fn is_binary(&self) -> bool {
+        self.cursor.binary.is_some()
     }
 
     /// The next word; `None` at the end of the file.
     pub fn word(&mut self) -> Result<Option<String>> {
-        let mut word = Vec::new();
-        while let Some(byte) = self.peek()? {
-            if byte.is_ascii_whitespace() {
-                if !word.is_empty() {
-                    break;
-                }
-                self.step(byte);
-                continue;
-            }
-            word.push(byte);
-            self.step(byte);
-            if word.len() > LONGEST {
-                return Err(self.error("a word is too long"));
-            }
-        }
-        Ok((!word.is_empty()).then(|| String::from_utf8_lossy(&word).into_owned()))
+        Ok(self.cursor.word()?.map(|word| String::from_utf8_lossy(word).into_owned()))
     }
 
     /// The next word, which must be there.
@@ -117,30 +60,18 @@ impl Scanner {
 
     /// The rest of the line, without its end.
     pub fn rest_of_line(&mut self) -> Result<Option<String>> {
-        let mut line = Vec::new();
-        let mut any = false;
-        while let Some(byte) = self.peek()? {
-            any = true;
-            self.step(byte);
-            if byte == b'\n' {
-                break;
-            }
-            line.push(byte);
-            if line.len() > LONGEST {
-                return Err(self.error("a line is too long"));
-            }
-        }
-        Ok(any.then(|| String::from_utf8_lossy(&line).trim().to_owned()))
+        let line = self.cursor.line()?;
+        Ok(line.map(|line| String::from_utf8_lossy(line).trim().to_owned()))
     }
 
-    /// The next word in lower case if it is one of `accepted`; else the position stays.
+    /// Passes over the next word if it is this one, in any case of letters; else the position stays.
     pub fn word_if(&mut self, accepted: &str) -> Result<bool> {
-        let (at, line) = (self.at, self.line);
+        let start = self.cursor.clone();
         // What follows may be the bytes of an array: no error if it is no word.
         if self.word().is_ok_and(|word| word.is_some_and(|word| word.eq_ignore_ascii_case(accepted))) {
             return Ok(true);
         }
-        (self.at, self.line) = (at, line);
+        self.cursor = start;
         Ok(false)
     }
 
@@ -175,7 +106,7 @@ impl Scanner {
 
     /// The type of colours.
     pub fn color_type(&self) -> NumberType {
-        if self.binary { NumberType::U8 } else { NumberType::F32 }
+        if self.is_binary() { NumberType::U8 } else { NumberType::F32 }
     }
 
     /// An array whose values begin after this line (binary) or here (words), and steps over it.
@@ -187,7 +118,7 @@ impl Scanner {
         tuple_count: u64,
     ) -> Result<Option<Stored>> {
         self.component_count = component_count;
-        if self.binary {
+        if self.is_binary() {
             self.rest_of_line()?;
         }
         let count = tuple_count.checked_mul(component_count as u64).ok_or_else(|| {
@@ -198,15 +129,15 @@ impl Scanner {
             self.skip_text(count)?;
             return Ok(None);
         };
-        let begin = self.at;
-        let encoding = if self.binary {
+        let begin = self.cursor.position();
+        let encoding = if self.is_binary() {
             let len = number_type.byte_count(count).unwrap_or(u64::MAX);
             self.source.check(begin, len).map_err(|error| error.at_item(name))?;
-            self.at += len;
+            self.cursor.skip(len)?;
             Encoding::Bytes(begin)
         } else {
             self.skip_words(count, name)?;
-            Encoding::Text(std::iter::once(begin..self.at).collect())
+            Encoding::Text(std::iter::once(begin..self.cursor.position()).collect())
         };
         Ok(Some(Stored {
             source: self.source.clone(),
@@ -239,66 +170,31 @@ impl Scanner {
     }
 
     fn skip_words(&mut self, count: u64, name: &str) -> Result<()> {
-        let (mut seen, mut inside) = (0, false);
-        while seen < count || inside {
-            let Some(_) = self.peek()? else {
-                if inside && seen == count {
-                    break;
-                }
-                return Err(self
-                    .error(format!("the array '{name}' ends early"))
-                    .got(counted(seen, "value"))
-                    .expected(count));
-            };
-            // One byte is there; go through all that the window holds, in blocks while they hold too few words.
-            let mut index = (self.at - self.window_at) as usize;
-            while let Some(block) = self.window.get(index..index + BLOCK) {
-                let starts = u64::from(word_starts(block, !inside, is_space));
-                if seen + starts >= count {
-                    break;
-                }
-                seen += starts;
-                inside = block.last().is_some_and(|&last| !is_space(last));
-                self.line += line_ends(block);
-                index += BLOCK;
-            }
-            for &byte in &self.window[index..] {
-                let space = is_space(byte);
-                if space && seen == count {
-                    inside = false;
-                    break;
-                }
-                seen += u64::from(!space && !inside);
-                inside = !space;
-                self.line += usize::from(byte == b'\n');
-                index += 1;
-            }
-            self.at = self.window_at + index as u64;
-        }
-        Ok(())
+        let start = self.cursor.clone();
+        self.cursor.skip_numbers(count, 0).or_else(|_| {
+            let found = counted(start.range_to(&self.cursor).word_count()?, "value");
+            Err(self.error(format!("the array '{name}' ends early")).got(found).expected(count))
+        })
     }
 
     /// Skips text values: lines, or bytes with their number before them.
     fn skip_text(&mut self, count: u64) -> Result<()> {
-        if !self.binary {
+        if !self.is_binary() {
             self.rest_of_line()?;
         }
         for _ in 0..count {
-            if self.peek()?.is_none() {
+            if self.cursor.left() == 0 {
                 return Err(self.error("the file ends early").expected(format_args!("{count} texts")));
             }
-            if !self.binary {
+            if !self.is_binary() {
                 self.rest_of_line()?;
                 continue;
             }
             // The two highest bits say how many bytes the length takes (vtkDataWriter::WriteArray).
-            let lead = self.peek()?.unwrap_or(0);
-            let width = [8, 4, 2, 1][usize::from(lead >> 6)];
-            let bytes = self.source.read(self.at, width)?;
-            let len = bytes[1..].iter().fold(u64::from(lead & 0x3F), |len, &byte| len << 8 | u64::from(byte));
-            self.at += width;
-            self.source.check(self.at, len)?;
-            self.at += len;
+            let lead = self.cursor.bytes(1)?[0];
+            let rest = self.cursor.bytes([7, 3, 1, 0][usize::from(lead >> 6)])?;
+            let len = rest.iter().fold(u64::from(lead & 0x3F), |len, &byte| len << 8 | u64::from(byte));
+            self.cursor.skip(len)?;
         }
         Ok(())
     }

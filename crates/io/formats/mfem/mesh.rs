@@ -4,7 +4,7 @@
 use super::elements::MfemElements;
 use super::numbering::MfemNodes;
 use super::shapes::SHAPES;
-use super::space::{GridFunction, skip_comments};
+use super::space::GridFunction;
 use crate::formats::cursor::Cursor;
 use crate::formats::numbers::NumberType;
 use crate::formats::source::Source;
@@ -147,7 +147,7 @@ pub(super) fn position(tuple: &[f64]) -> DVec3 {
 
 /// Passes over a word that must follow.
 fn keyword(cursor: &mut Cursor, word: &str) -> Result<()> {
-    skip_comments(cursor)?;
+    cursor.skip_comments()?;
     let found = cursor.word()?.map_or(String::new(), |found| String::from_utf8_lossy(found).into_owned());
     if found == word {
         return Ok(());

@@ -20,7 +20,7 @@ use self::orders::ContinuousLayout;
 use self::shapes::SHAPES;
 use self::space::{FieldSpace, GridFunction};
 use super::blocks::selected;
-use super::contents::{CellBlocks, Compute, Dataset, Encoding, Piece, PieceArray, Stored};
+use super::contents::{CellBlocks, Compute, Dataset, Piece, PieceArray, Stored};
 use super::cursor::Cursor;
 use super::lazy::{GatheredCells, geometry};
 use super::numbers::NumberType;
@@ -33,6 +33,7 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::grid::{Association, Cells};
+use voltet_core::reading::FileArray;
 use voltet_core::{Error, Result, counted};
 
 /// The declaration.
@@ -41,8 +42,6 @@ pub(super) const FORMAT: Format =
 
 /// First lines of meshes that are read.
 const VERSIONS: [&[u8]; 3] = [b"MFEM mesh v1.0", b"MFEM mesh v1.2", b"MFEM mesh v1.3"];
-/// First bytes of packed files.
-const PACKED: [u8; 2] = [0x1f, 0x8b];
 /// Name of the array of the elements' attributes.
 const ATTRIBUTE: &str = "attribute";
 
@@ -186,7 +185,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
 /// A file that another names, unpacked where it is packed.
 fn unpacked(by: &Path, path: &Path, number: usize) -> Result<Arc<Source>> {
     let source = open_named(by, path, number)?;
-    if source.head(2)? == PACKED { source.unpacked(None) } else { Ok(source) }
+    if source.is_packed()? { source.unpacked(None) } else { Ok(source) }
 }
 
 /// Names of the blocks of elements by their attributes; none where there is one attribute without a name. An attribute has the name of the
@@ -282,42 +281,30 @@ fn piece(part: MfemPart, attributes: &[i32], is_selected: &[bool], order: u32) -
     let mut arrays: Vec<PieceArray> = fields
         .into_iter()
         .map(|field| {
-            let (name, component_count) = (field.name.clone(), field.component_count);
-            let association = field.space.association();
-            let tuple_count = if association == Association::Cell { cell_count } else { point_count };
+            let (component_count, association) = (field.component_count, field.space.association());
+            let head = FileArray { name: field.name.clone(), association, component_count };
             let of = cells.clone();
-            let load: Compute = Arc::new(move |_| {
+            PieceArray::computed(&source, &head, [point_count, cell_count], move |_| {
                 let values = field.load(&of.nodes, &of.mesh.elements)?;
                 Ok(match association {
                     Association::Cell => of.of_chosen(values, component_count),
                     Association::Point => values,
                 })
-            });
-            let encoding = Encoding::Computed(load);
-            PieceArray::new(
-                association,
-                Stored::of_f64(&source, &name, component_count, tuple_count, encoding),
-            )
+            })
         })
         .collect();
     let of = cells.clone();
-    let load: Compute = Arc::new(move |_| {
+    let stored = Stored::computed(&source, ATTRIBUTE, 1, cell_count, move |_| {
         let all = of.mesh.elements.attributes.iter().map(|&own| f64::from(own)).collect();
         Ok(of.of_chosen(all, 1))
     });
-    let stored = Stored::of_f64(&source, ATTRIBUTE, 1, cell_count, Encoding::Computed(load));
     arrays.push(PieceArray::new(Association::Cell, Stored { number_type: NumberType::I32, ..stored }));
     let of = cells.clone();
     let numbers: Compute =
         Arc::new(move |_| Ok(of.of_chosen(of.blocks.iter().map(|&block| f64::from(block)).collect(), 1)));
-    Ok(Piece {
-        point_count,
-        cell_count,
-        arrays,
-        geometry: geometry([point_count, cell_count, corner_count], move |_| cells.read()),
-        blocks: CellBlocks::Each { numbers, grid: None },
-        is_old_order: false,
-    })
+    let geometry = geometry([point_count, cell_count, corner_count], move |_| cells.read());
+    let piece = Piece::new([point_count, cell_count], geometry, arrays);
+    Ok(piece.with_blocks(CellBlocks::Each { numbers, grid: None }))
 }
 
 /// The files that reading a path opens besides; none for other formats.

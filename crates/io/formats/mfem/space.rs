@@ -140,7 +140,7 @@ impl GridFunction {
         name: &str,
         path: &Path,
     ) -> Result<std::result::Result<GridFunction, String>> {
-        skip_comments(cursor)?;
+        cursor.skip_comments()?;
         let head = cursor.text_line("FiniteElementSpace")?;
         if head == "QuadratureSpace" {
             return Ok(Err(head));
@@ -176,13 +176,13 @@ impl GridFunction {
             _ => return Err(damaged(&ordering, "Ordering: 0 or 1")),
         };
         if is_newer {
-            skip_comments(cursor)?;
+            cursor.skip_comments()?;
             let line = cursor.text_line("End: MFEM FiniteElementSpace v1.0")?;
             if !line.starts_with("End:") {
                 return Ok(Err(format!("{collection} with {line}")));
             }
         }
-        skip_comments(cursor)?;
+        cursor.skip_comments()?;
         // Meshes of the versions 1.2 and 1.3 go on after their nodes.
         let values = cursor.rest();
         let values = match cursor.skip_past(b"mfem_")? {
@@ -300,14 +300,6 @@ fn layouts<'a>(
         let layout = ContinuousLayout::new(nodes, elements, order, is_bergot);
         if is_even { layout.with_even_points() } else { layout }
     })
-}
-
-/// Passes over empty lines and comments.
-pub(super) fn skip_comments(cursor: &mut Cursor) -> Result<()> {
-    while cursor.peek()? == Some(b'#') {
-        cursor.line()?;
-    }
-    Ok(())
 }
 
 /// The error about a space that is not read.

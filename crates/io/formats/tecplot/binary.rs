@@ -475,8 +475,7 @@ impl BinaryFile {
         };
         let stored = |variable| self.stored(zone, variable);
         let arrays = arrays(own, self.variables.len(), self.axes, stored);
-        let piece = Piece::new([own.node_count, own.cell_count], geometry, arrays);
-        Piece { blocks: CellBlocks::One(block), ..piece }
+        Piece::new([own.node_count, own.cell_count], geometry, arrays).with_blocks(CellBlocks::One(block))
     }
 }
 

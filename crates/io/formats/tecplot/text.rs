@@ -3,7 +3,7 @@
 //! Source: Tecplot 360 data format guide, "ASCII data".
 
 use super::zones::{ZoneHead, ZoneKind, arrays, axes, dataset, polyhedra};
-use crate::formats::contents::{CellBlocks, Compute, Dataset, Encoding, Piece, Stored};
+use crate::formats::contents::{CellBlocks, Dataset, Meter, Piece, Stored};
 use crate::formats::cursor::{Cursor, Place};
 use crate::formats::lazy::{GatheredCells, geometry};
 use crate::formats::numbers::{self, NumberType};
@@ -68,20 +68,14 @@ fn piece(file: &Arc<TecplotFile>, zone: usize, block: usize) -> Piece {
     let (point_count, cell_count) = (own.node_count, own.cell_count);
     let stored = |variable: usize| {
         let of = file.clone();
-        let compute: Compute = Arc::new(move |_| of.values(zone, variable));
-        let (name, encoding) = (&file.variables[variable], Encoding::Computed(compute));
-        Stored::of_f64(&file.source, name, 1, own.len(variable), encoding)
+        let compute = move |_: &Meter| of.values(zone, variable);
+        Stored::computed(&file.source, &file.variables[variable], 1, own.len(variable), compute)
     };
     let of = file.clone();
     let corner_count = cell_count.saturating_mul(own.kind.corners().max(4));
-    Piece {
-        point_count,
-        cell_count,
-        arrays: arrays(own, file.variables.len(), file.axes, stored),
-        geometry: geometry([point_count, cell_count, corner_count], move |_| of.read_zone(zone)),
-        blocks: CellBlocks::One(block),
-        is_old_order: false,
-    }
+    let arrays = arrays(own, file.variables.len(), file.axes, stored);
+    let geometry = geometry([point_count, cell_count, corner_count], move |_| of.read_zone(zone));
+    Piece::new([point_count, cell_count], geometry, arrays).with_blocks(CellBlocks::One(block))
 }
 
 impl TecplotFile {
@@ -263,7 +257,7 @@ impl TecplotFile {
             let node_counts = if kind == ZoneKind::Polyhedra { faces[0] } else { 0 };
             let others = if with_others > 0 { [with_others, connections, connections] } else { [0; 3] };
             for count in [node_counts, faces[1], faces[0], faces[0]].into_iter().chain(others) {
-                skip_comments(cursor)?;
+                cursor.skip_comments()?;
                 cursor.skip_numbers(count, 0)?;
             }
         } else if zone.shared_cells.is_none() {
@@ -343,7 +337,7 @@ impl TecplotFile {
 
 /// Polyhedra by the numbers of nodes of their faces, these nodes, the cells on the left of the faces, and those on the right.
 fn read_polyhedra(cursor: &mut Cursor, [face_count, node_count]: [u64; 2], zone: &ZoneHead) -> Result<Cells> {
-    skip_comments(cursor)?;
+    cursor.skip_comments()?;
     let sizes: Vec<u64> = cursor.numbers(NumberType::U64, face_count, "the number of nodes of a face")?;
     let mut bounds = vec![0];
     bounds.extend(sizes.iter().scan(0_u64, |end, size| {
@@ -354,24 +348,16 @@ fn read_polyhedra(cursor: &mut Cursor, [face_count, node_count]: [u64; 2], zone:
         let error = cursor.error("TOTALNUMFACENODES of a zone is wrong").got(node_count);
         return Err(error.expected(format_args!("{}, as its faces say", bounds[bounds.len() - 1])));
     }
-    skip_comments(cursor)?;
+    cursor.skip_comments()?;
     let nodes = cursor.node_numbers(node_count, zone.node_count, "a face")?;
     let mut sides: Vec<i64> = Vec::new();
     for _ in 0..2 {
-        skip_comments(cursor)?;
+        cursor.skip_comments()?;
         // 0 stands for no cell, numbers below for those of other zones.
         let own: Vec<i64> = cursor.numbers(NumberType::I64, face_count, "the number of a cell")?;
         sides.extend(own.iter().map(|&cell| cell.saturating_sub(1)));
     }
     polyhedra(zone, &bounds, &nodes, &sides)
-}
-
-/// Passes over lines of comment between the lists of faces.
-fn skip_comments(cursor: &mut Cursor) -> Result<()> {
-    while cursor.peek()? == Some(b'#') {
-        cursor.line()?;
-    }
-    Ok(())
 }
 
 /// Numbers of text, of which 3*0.5 stands for three.

@@ -100,9 +100,7 @@ fn add(group: &Group, block: Option<usize>, request: &Request, dataset: &mut Dat
     }
     let source = StepGrid { group, step, attributes: attributes(group, dataset)? };
     let blocks = CellBlocks::One(block.unwrap_or(0));
-    dataset
-        .pieces
-        .extend(pieces(&source)?.into_iter().map(|piece| Piece { blocks: blocks.clone(), ..piece }));
+    dataset.pieces.extend(pieces(&source)?.into_iter().map(|piece| piece.with_blocks(blocks.clone())));
     Ok(true)
 }
 
@@ -253,17 +251,9 @@ fn unstructured(source: &StepGrid) -> Result<Vec<Piece>> {
                 let components = components(array, 1)?;
                 Ok(PieceArray::new(association, array.rows(name, span(from, count), components)?))
             });
-            pieces.push(Piece {
-                point_count,
-                cell_count,
-                geometry: Geometry::Unstructured {
-                    points: points.rows("Points", span(point, point_count), 3)?,
-                    cells: Box::new(cells),
-                },
-                arrays: arrays.collect::<Result<_>>()?,
-                blocks: CellBlocks::default(),
-                is_old_order: false,
-            });
+            let points = points.rows("Points", span(point, point_count), 3)?;
+            let geometry = Geometry::Unstructured { points, cells: Box::new(cells) };
+            pieces.push(Piece::new([point_count, cell_count], geometry, arrays.collect::<Result<_>>()?));
         }
         point = point.saturating_add(point_count);
         cell = cell.saturating_add(cell_count);

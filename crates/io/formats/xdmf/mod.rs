@@ -14,6 +14,7 @@ use super::contents::{
 };
 use super::request::{Format, Request, list};
 use super::source::{Source, text_of};
+use super::xml::has_mark;
 use super::xml::header::{self, Element};
 use cells::Topology;
 use glam::{DMat3, DVec3};
@@ -37,11 +38,12 @@ const MAX_DEPTH: usize = 16;
 const MAX_GRIDS: usize = 500_000;
 
 fn matches(head: &[u8], path: &Path) -> bool {
-    let has = |mark: &[u8]| head.windows(mark.len()).any(|window| window == mark);
     let is_named = path.extension().is_some_and(|ending| {
         ["xdmf", "xmf", "xdmf2", "xdmf3"].iter().any(|own| ending.eq_ignore_ascii_case(own))
     });
-    head.starts_with(b"<") && !has(b"<VTKFile") && (is_named || has(b"<Xdmf") || has(b"<!DOCTYPE Xdmf"))
+    head.starts_with(b"<")
+        && !has_mark(head, "<VTKFile")
+        && (is_named || has_mark(head, "<Xdmf") || has_mark(head, "<!DOCTYPE Xdmf"))
 }
 
 fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
@@ -116,9 +118,8 @@ impl<'a> Reader<'a> {
             if selected.get(block) != Some(&false) {
                 let piece =
                     self.piece(leaves).map_err(|error| error.at_item(format!("grid '{}'", names[block])))?;
-                self.dataset
-                    .pieces
-                    .extend(piece.map(|piece| Piece { blocks: CellBlocks::One(block), ..piece }));
+                let piece = piece.map(|piece| piece.with_blocks(CellBlocks::One(block)));
+                self.dataset.pieces.extend(piece);
             }
         }
         if !self.flat.is_empty() {

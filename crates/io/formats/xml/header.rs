@@ -4,6 +4,7 @@
 //! is only ever read at the positions that the arrays name. Of the text inside elements only the place is kept.
 
 use crate::formats::source::Source;
+use crate::formats::text::TextRange;
 use quick_xml::events::{BytesStart, Event};
 use std::cell::RefCell;
 use std::io::{BufReader, Read};
@@ -110,6 +111,7 @@ pub(in crate::formats) fn read_as(
         let more = widened.borrow().partition_point(|&widened| widened < position);
         mark + position - more as u64
     };
+    let text = TextRange::new(source, 0..source.len());
     let mut open: Vec<Element> = vec![Element::default()];
     let mut buffer = Vec::new();
     let mut count = 0;
@@ -121,16 +123,13 @@ pub(in crate::formats) fn read_as(
         let event = match event {
             Ok(event) => event,
             Err(error) => {
-                let line = line_of(source, place(reader.error_position()).max(start));
-                return Err(Error::run("the XML is damaged")
-                    .got(error)
-                    .expected(
-                        "XML in the encoding that the first line declares; UTF-8, where it declares none",
-                    )
-                    .at_line(line));
+                let error = Error::run("the XML is damaged").got(error).expected(
+                    "XML in the encoding that the first line declares; UTF-8, where it declares none",
+                );
+                return Err(text.locate(error, place(reader.error_position()).max(start)));
             }
         };
-        let failed = |error: Error| error.at_line(line_of(source, start));
+        let failed = |error: Error| text.locate(error, start);
         match event {
             Event::Start(tag) if tag.name().as_ref() == "AppendedData" => {
                 let element = element(&tag).map_err(failed)?;
@@ -150,8 +149,8 @@ pub(in crate::formats) fn read_as(
                 count += 1;
             }
             Event::End(_) => close(&mut open),
-            Event::Text(text) => {
-                if let Some(inner) = open.last_mut().filter(|_| !text.trim_ascii().is_empty()) {
+            Event::Text(words) => {
+                if let Some(inner) = open.last_mut().filter(|_| !words.trim_ascii().is_empty()) {
                     inner.text.push(start..end);
                 }
             }
@@ -228,17 +227,6 @@ fn appended(source: &Source, element: &Element, at: u64) -> Result<Appended> {
         _ => Err(Error::run("the appended data does not begin with an underscore")
             .expected("'_' after <AppendedData>")),
     }
-}
-
-/// The 1-based line of a byte.
-fn line_of(source: &Source, at: u64) -> usize {
-    let mut stream = Stream { source, at: 0, latin: None }.take(at);
-    let mut buffer = vec![0; 1 << 16];
-    let mut line = 1;
-    while let Ok(count @ 1..) = stream.read(&mut buffer) {
-        line += buffer[..count].iter().filter(|&&b| b == b'\n').count();
-    }
-    line
 }
 
 /// The mark of UTF-8 at the head of a file.

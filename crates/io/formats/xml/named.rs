@@ -29,6 +29,6 @@ pub(in crate::formats) fn open_named(by: &Path, path: &Path, number: usize) -> R
 pub(super) const HEAD: u64 = 1024;
 
 /// True if a mark stands in the head of a file.
-pub(super) fn has_mark(head: &[u8], mark: &str) -> bool {
+pub(in crate::formats) fn has_mark(head: &[u8], mark: &str) -> bool {
     head.windows(mark.len()).any(|window| window == mark.as_bytes())
 }
