@@ -113,14 +113,14 @@ save
 cmp -s "$work/scene.toml" "$work/before.toml" || fail "undo does not give the file back"
 
 # Below the others; its first port lies 22 points below its corner.
-at 400 356
+at 400 316
 key space
 xdotool type --delay 40 histogram
 sleep 0.4
 shot 03-menu
 key Return
 sleep 0.4
-drag 304 127 400 378
+drag 304 127 400 338
 shot 04-wired
 save
 grep -A3 'type = "histogram"' "$work/scene.toml" | grep -q 'volume = "gradient"' || fail "no wire is drawn"
@@ -182,7 +182,7 @@ if [ -n "$data" ]; then
     shot 12-asking
     # The one file of the folder.
     click 480 225
-    click 804 549 # "Open"
+    click 842 549 # "Open"
     until_true rests || true
     sleep 4
     until_true rests || true
@@ -208,7 +208,9 @@ if [ -n "${VOLTET_WRITE_DOCS:-}" ]; then
     sleep 1
     shot 17-quickstart
     end
-    page() { convert "$shots/$1.png" ${3:+-resize "$3"} -colors 256 -strip "png8:docs/src/images/$2.png"; }
+    page() {
+        convert "$shots/$1.png" ${3:+-resize "$3"} -colors 256 -strip -define png:compression-level=9 "png8:docs/src/images/$2.png"
+    }
     page 17-quickstart editor
     page 13-data editor_data
     page 11-empty editor_empty 800x450

@@ -84,8 +84,8 @@ pub struct Fitting {
     pub port: &'static Port,
 }
 
-/// The node types whose name or summary has all words of a text, the best first: whose name begins with it, whose name has it,
-/// then the rest. All types for an empty text, in the order of the registry.
+/// The node types whose name, summary or parameters have all words of a text, the best first: whose name begins with it, whose name has it,
+/// whose summary has it, then the rest. All types for an empty text, in the order of the registry.
 pub fn search(registry: &Registry, text: &str) -> Vec<&'static Node> {
     let text = text.trim().to_lowercase();
     let words: Vec<&str> = text.split_whitespace().collect();
@@ -93,10 +93,13 @@ pub fn search(registry: &Registry, text: &str) -> Vec<&'static Node> {
         let summary = node.summary.to_lowercase();
         let spoken = node.name.replace('-', " ");
         let has = |word: &&str| spoken.contains(*word) || node.name.contains(*word);
-        match words.iter().all(|word| has(word) || summary.contains(*word)) {
+        let says = |word: &&str| has(word) || summary.contains(*word);
+        let states = |word: &&str| node.parameters.iter().any(|parameter| parameter.name.contains(*word));
+        match words.iter().all(|word| says(word) || states(word)) {
             true if node.name.starts_with(&text) || spoken.starts_with(&text) => Some(0),
             true if words.iter().all(has) => Some(1),
-            true => Some(2),
+            true if words.iter().all(says) => Some(2),
+            true => Some(3),
             false => None,
         }
     };

@@ -3,6 +3,7 @@
 
 use crate::Document;
 use crate::path::Path;
+use voltet_core::arithmetic::decimal;
 use voltet_core::{Error, Result};
 use voltet_graph::pipeline::value;
 use voltet_graph::{
@@ -269,19 +270,62 @@ fn names_array(name: &str) -> bool {
     .contains(&name)
 }
 
+/// Extent and view of the data that first values are found by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DataExtent {
+    /// Least and greatest coordinates of the data, world units.
+    pub bounds: [[f64; 3]; 2],
+    /// Direction in which the data are seen.
+    pub forward: [f64; 3],
+}
+
+impl DataExtent {
+    /// Point at shares of the bounds, as finely as a thousandth of them.
+    fn point(&self, shares: [f64; 3]) -> ParameterValue {
+        let [low, high] = self.bounds;
+        let at = |k: usize| decimal(low[k] + shares[k] * (high[k] - low[k]), 1e-3 * (high[k] - low[k]));
+        (0..3).map(at).collect()
+    }
+
+    /// Unit vector along the axis that is nearest to the direction of sight.
+    fn axis(&self) -> ParameterValue {
+        let is_most = |k: usize| (0..3).all(|other| self.forward[other].abs() <= self.forward[k].abs());
+        let axis = (0..3).find(|k| is_most(*k)).unwrap_or(0);
+        (0..3).map(|k| if k == axis { 1f64.copysign(self.forward[k]) } else { 0.0 }).collect()
+    }
+
+    /// A quarter of the diagonal of the bounds.
+    fn radius(&self) -> f64 {
+        let [low, high] = self.bounds;
+        let diagonal = (0..3).map(|k| (high[k] - low[k]).powi(2)).sum::<f64>().sqrt();
+        decimal(0.25 * diagonal, 1e-3 * diagonal)
+    }
+}
+
 /// A new entry of a list of tables, such as a widget: what is required has a value to begin with, in the middle of the data
 /// where it lies in them; but for names of arrays and files.
-pub fn default_value(kind: &VariantSchema) -> ParameterValue {
+pub fn default_value(kind: &VariantSchema, extent: &DataExtent) -> ParameterValue {
     let is_needed = |parameter: &&Parameter| {
         matches!(parameter.default, DefaultValue::Required) || (parameter.name == "sigma")
     };
     let needed = kind.parameters.iter().filter(is_needed);
-    let values = needed.filter_map(|parameter| Some(Field::new(parameter.name, first_value(parameter)?)));
+    let value = |parameter: &Parameter| Some(Field::new(parameter.name, first_value(parameter, extent)?));
+    let values = needed.filter_map(value);
     ParameterValue::Table(std::iter::once(Field::new("kind", kind.name)).chain(values).collect())
 }
 
-/// A value to begin with of a required parameter of an entry, by its name.
-fn first_value(parameter: &Parameter) -> Option<ParameterValue> {
+/// A value to begin with of a required parameter, by its name.
+pub fn first_value(parameter: &Parameter, extent: &DataExtent) -> Option<ParameterValue> {
+    if let ParameterType::Numbers(Some(3), _) = parameter.parameter_type {
+        return Some(match parameter.name {
+            "normal" | "direction" => extent.axis(),
+            "low" => extent.point([0.25; 3]),
+            "high" => extent.point([0.75; 3]),
+            "from" => extent.point([0.5, 0.5, 0.0]),
+            "to" => extent.point([0.5, 0.5, 1.0]),
+            _ => extent.point([0.5; 3]),
+        });
+    }
     // Of s, of s and g, or of any fields.
     let one_or_more = |both: [&str; 2]| match parameter.parameter_type {
         ParameterType::Measured(measured) => match measured.plain {
@@ -294,6 +338,10 @@ fn first_value(parameter: &Parameter) -> Option<ParameterValue> {
     Some(match parameter.name {
         "color" => [1.0, 0.6, 0.2].into_iter().collect(),
         "extinction" => ParameterValue::Number(10.0),
+        "radius" => extent.radius().into(),
+        "text" => "text".into(),
+        "at" => [0.5, 0.5].into_iter().collect(),
+        "values" => ["50 %"].into_iter().collect(),
         "centre" => one_or_more(["50 %", "0 %"]),
         "sigma" => one_or_more(["10 %", "20 %"]),
         "period" => "10 %".into(),

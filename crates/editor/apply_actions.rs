@@ -25,9 +25,6 @@ use voltet_nodes::files::{folder, refuse_unwritable, relative_to};
 /// From a node to what is pasted after it, points.
 const PASTE_OFFSET: f64 = 40.0;
 
-/// Way that a key moves the selected nodes by, points.
-const STEP: f64 = 20.0;
-
 impl Editor {
     pub(crate) fn apply(&mut self, ctx: &Context, action: Action) {
         match action {
@@ -84,7 +81,7 @@ impl Editor {
         self.message = Some((text.into(), false));
     }
 
-    fn edit_one(&mut self, edit: Edit) {
+    pub(crate) fn edit_one(&mut self, edit: Edit) {
         self.edit(edit.label(), &[edit]);
     }
 
@@ -109,9 +106,7 @@ impl Editor {
             }
         }
         // What is new is what is worked on next.
-        if !added.is_empty() {
-            self.select(added);
-        }
+        self.show_new(added);
     }
 
     pub(crate) fn move_camera(&mut self, to: impl FnOnce(View) -> View) {
@@ -150,6 +145,13 @@ impl Editor {
                 self.say("a widget is not cut: Delete takes it away; to cut a node, select it first");
             }
             Command::New => self.unless_unsaved(ctx, Next::Take(Box::default())),
+            Command::Example => {
+                let at = free_path(&std::env::current_dir().unwrap_or_default().join("example"));
+                let text = self.registry.find("wavelet").map(|node| node.example.to_string());
+                if let Some(document) = self.check(text.and_then(|text| begun(text, &at))) {
+                    self.unless_unsaved(ctx, Next::Take(Box::new(document)));
+                }
+            }
             Command::Open => self.unless_unsaved(ctx, Next::Open(None)),
             Command::Quit => self.unless_unsaved(ctx, Next::Quit),
             Command::Run => self.run(ctx),
@@ -264,40 +266,6 @@ impl Editor {
         self.say(text);
     }
 
-    /// Selects the next node in a direction, and has it in view.
-    fn choose_beside(&mut self, way: [f32; 2]) {
-        let beside = self.panels.graph.beside(&self.scene(), way).map(str::to_string);
-        if let Some(node) = beside {
-            self.panels.graph.reveal(&node);
-            self.select([node].into());
-        }
-    }
-
-    /// Selects nodes, for which keys are from then on.
-    pub(crate) fn select(&mut self, names: BTreeSet<String>) {
-        self.selection = names;
-        self.panels.transfer.lose_keys();
-        // What keys do to these is a step of its own.
-        if self.gestures.end_of_keys() {
-            self.gesture = None;
-        }
-    }
-
-    fn shift(&mut self, way: [f64; 2]) {
-        let moved = self.selected().into_iter().map(|name| {
-            let [x, y] = self.document.position(&name);
-            (name, [x + STEP * way[0], y + STEP * way[1]])
-        });
-        let moved: Vec<(String, [f64; 2])> = moved.collect();
-        if !moved.is_empty() {
-            self.edit_one(Edit::MoveNodes(moved));
-        }
-    }
-
-    fn selected(&self) -> Vec<String> {
-        self.selection.iter().cloned().collect()
-    }
-
     pub(crate) fn copy(&self, ctx: &Context) {
         if !self.selection.is_empty() {
             ctx.copy_text(self.document.copy(&self.selected()));
@@ -330,7 +298,7 @@ impl Editor {
 
     fn take_copies(&mut self, outcome: Result<Vec<String>>) {
         if let Some(names) = self.check(outcome) {
-            self.select(names.into_iter().collect());
+            self.show_new(names.into_iter().collect());
         }
     }
 

@@ -171,9 +171,8 @@ impl Compare {
     /// Figures of the difference, and the time of both, in the upper right corner.
     fn say(&self, ui: &Ui, scene: &Scene, whole: Rect) {
         let Some(found) = &self.found else { return };
-        let time = |seconds: Option<f64>| seconds.map_or("?".into(), milliseconds);
         let before = self.remembered.as_ref().and_then(|remembered| remembered.seconds);
-        let text = format!("{}; {} then, {} now", found.text, time(before), time(scene.seconds));
+        let text = found.words(scene.pixels.as_ref().map(|now| &now.picture), [before, scene.seconds]);
         let galley = ui.painter().layout_no_wrap(text, FontId::proportional(12.0), Color32::from_gray(230));
         let place = Align2::RIGHT_TOP.anchor_size(whole.right_top() + vec2(-10.0, 8.0), galley.size());
         ui.painter().rect_filled(place.expand(4.0), 4.0, Color32::from_black_alpha(200));
@@ -203,13 +202,25 @@ impl Difference {
         }
     }
 
+    /// Figures with the seconds of both pictures; where another picture is shown than they are of, what is waited for.
+    fn words(&self, shown: Option<&Arc<Picture>>, seconds: [Option<f64>; 2]) -> String {
+        let [then, now] = seconds.map(|seconds| seconds.map_or("?".into(), milliseconds));
+        match shown.is_some_and(|shown| Arc::ptr_eq(&self.of, shown)) {
+            true => format!("{}; {then} then, {now} now", self.text),
+            false => format!("compared once the full picture is drawn; {then} then"),
+        }
+    }
+
     /// Takes over what was found meanwhile.
     fn take(&mut self, ui: &Ui) {
         let Some(found) = self.job.as_ref().and_then(Job::result) else { return };
         self.job = None;
         match found {
             Ok(Comparison { figures: [most, rms], image }) => {
-                self.text = format!("largest difference {most:.1e}, root mean square {rms:.1e}");
+                self.text = match most {
+                    0.0 => "no difference".into(),
+                    _ => format!("largest difference {most:.1e}, root mean square {rms:.1e}"),
+                };
                 if let Some(image) = image {
                     set_texture(&mut self.texture, ui, "difference", image, TextureOptions::LINEAR);
                 }
@@ -249,5 +260,23 @@ mod tests {
         let image = found.image.unwrap();
         assert_eq!(image.pixels, [Color32::BLACK, Color32::from_rgb(0, 255, 79)]);
         assert!(differ(&before, &now, false).image.is_none());
+    }
+
+    #[test]
+    fn figures_are_said_of_the_picture_that_they_are_of() {
+        let picture = || Arc::new(Picture { width: 1, height: 1, rgba: vec![[0.0; 4]] });
+        let (of, other) = (picture(), picture());
+        let found = Difference {
+            of: of.clone(),
+            job: None,
+            has_image: false,
+            texture: None,
+            text: "no difference".into(),
+        };
+        let seconds = [Some(0.2), Some(3.0)];
+        assert_eq!(found.words(Some(&of), seconds), "no difference; 200 ms then, 3.0 s now");
+        for shown in [Some(&other), None] {
+            assert_eq!(found.words(shown, seconds), "compared once the full picture is drawn; 200 ms then");
+        }
     }
 }

@@ -312,9 +312,10 @@ impl Editor {
             ctx.send_viewport_cmd(ViewportCommand::CancelClose);
             self.command(ctx, Command::Quit);
         }
-        let dropped =
-            ctx.input(|input| input.raw.dropped_files.first().map(|file| file.path().to_path_buf()));
-        dropped.into_iter().for_each(|path| self.actions.push(Action::Begin(path)));
+        let dropped = ctx.input(|input| input.raw.dropped_files.clone());
+        if !dropped.is_empty() {
+            self.take_dropped(&dropped.iter().map(|file| file.path().to_path_buf()).collect::<Vec<_>>());
+        }
         self.close_uppermost(ctx);
         let transfer = &self.panels.transfer;
         let of_widgets = [transfer.takes_keys(), transfer.is_last()];
@@ -564,15 +565,20 @@ fn invite(ui: &mut Ui, scene: &Scene, place: Rect, recent: &[&Path], is_making: 
         }
         let button =
             |text: &str| Button::new(RichText::new(text).size(15.0)).min_size(vec2(rect.width(), 34.0));
-        let open = ui.add(button("Open data or a pipeline …"));
-        if open.on_hover_text("for a data file, a pipeline with a picture is made (Ctrl+O)").clicked() {
-            scene.actions.command(Command::Open);
+        for (text, command, help) in [
+            (
+                "Open data or a pipeline …",
+                Command::Open,
+                "for a data file, a pipeline with a picture is made (Ctrl+O)",
+            ),
+            ("Add a node …", Command::Add, "Space"),
+            ("Begin with an example", Command::Example, "a pipeline that needs no data file"),
+        ] {
+            if ui.add(button(text)).on_hover_text(help).clicked() {
+                scene.actions.command(command);
+            }
+            ui.add_space(4.0);
         }
-        ui.add_space(4.0);
-        if ui.add(button("Add a node …")).on_hover_text("Space").clicked() {
-            scene.actions.command(Command::Add);
-        }
-        ui.add_space(6.0);
         ui.label(RichText::new("or drop a file here").color(weak));
         if recent.is_empty() {
             return;

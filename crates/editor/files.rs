@@ -4,7 +4,8 @@
 use crate::scene::FilePurpose;
 use crate::theme;
 use eframe::egui::{
-    Align, Align2, Context, Key, Layout, Response, RichText, ScrollArea, TextEdit, Ui, Window,
+    Align, Align2, Context, EventFilter, Id, Key, Layout, Modifiers, Response, RichText, ScrollArea,
+    TextEdit, Ui, Window,
 };
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -85,11 +86,9 @@ pub(crate) fn is_pipeline_ending(ending: &str) -> bool {
     ending == "toml" || voltet_io::encode::all_endings().any(|known| known == ending)
 }
 
-/// Ends of the names of data files.
-pub(crate) const DATA: [&str; 15] = [
-    "vtu", "vtk", "vts", "vtr", "vti", "pvtu", "pvd", "vtkhdf", "hdf", "cgns", "xdmf", "xmf", "xyz", "p3d",
-    "x",
-];
+/// Ends of the names of data files, as [`voltet_io::formats`] lists them.
+const DATA: &str = "vtu vts vtr vti pvtu pvts pvtr pvti vtm vtpc vtpd vthb htg pvd vtk series vtkhdf hdf cgns xdmf xmf e exo ex2 g msh mesh \
+                    mfem_root foam case dat tec plt inp ucd avs su2 bdf xyz p3d x";
 
 pub(crate) fn is_pipeline(path: &Path) -> bool {
     path.extension().is_none_or(|end| end == "toml")
@@ -187,9 +186,12 @@ pub(crate) fn ask<T: Copy>(ctx: &Context, title: &str, text: String, answers: &[
         ui.horizontal(|ui| {
             let buttons: Vec<Response> = answers.iter().map(|(text, _)| ui.button(*text)).collect();
             answer = buttons.iter().zip(answers).find(|(button, _)| button.clicked()).map(|(_, (_, of))| *of);
-            // The keys are for the question, whatever had the focus before.
-            if let Some(last) = buttons.last().filter(|_| !buttons.iter().any(Response::has_focus)) {
-                last.request_focus();
+            // The keys are for the question, whatever had the focus before: Tab and the arrows lead from answer to answer.
+            let at = buttons.iter().position(Response::has_focus);
+            let step = at.map_or(-1, |at| at as isize + focus_step(ui, buttons[at].id));
+            let to = step.rem_euclid(buttons.len().max(1) as isize) as usize;
+            if let Some(button) = buttons.get(to).filter(|_| at != Some(to)) {
+                button.request_focus();
             }
         });
     });
@@ -197,6 +199,16 @@ pub(crate) fn ask<T: Copy>(ctx: &Context, title: &str, text: String, answers: &[
         return answers.last().map(|(_, last)| *last);
     }
     answer
+}
+
+/// Steps to the right by which the keys of this frame move the focus in a row of buttons, of which one has it.
+fn focus_step(ui: &Ui, button: Id) -> isize {
+    let [tab, horizontal_arrows, vertical_arrows, escape] = [true, true, true, false];
+    let filter = EventFilter { tab, horizontal_arrows, vertical_arrows, escape };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(button, filter));
+    let pressed = |held: Modifiers, key: Key| isize::from(ui.input_mut(|input| input.consume_key(held, key)));
+    let back = pressed(Modifiers::SHIFT, Key::Tab) + pressed(Modifiers::NONE, Key::ArrowLeft);
+    pressed(Modifiers::NONE, Key::Tab) + pressed(Modifiers::NONE, Key::ArrowRight) - back
 }
 
 impl FilePurpose {
@@ -214,7 +226,7 @@ impl FilePurpose {
         let end = Path::new(name).extension().map(|end| end.to_string_lossy().to_lowercase());
         let end = end.unwrap_or_default();
         match self {
-            FilePurpose::Open => is_pipeline_ending(&end) || DATA.contains(&end.as_str()),
+            FilePurpose::Open => is_pipeline_ending(&end) || DATA.split(' ').any(|data| data == end),
             FilePurpose::SaveAs => is_pipeline_ending(&end),
             FilePurpose::Film => ["mp4", "webm", "gif", "png"].contains(&end.as_str()),
             FilePurpose::Parameter { .. } => true,
@@ -361,21 +373,25 @@ impl FileDialog {
             }
         });
         ui.horizontal(|ui| {
-            let field = ui
-                .add(TextEdit::singleline(&mut self.name).desired_width(360.0).hint_text("a name or a path"));
-            if std::mem::take(&mut self.is_new) {
-                field.request_focus();
-            }
-            let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
             let text = match (&self.purpose, self.warned) {
                 (FilePurpose::Open, _) => "Open",
                 (FilePurpose::SaveAs, false) => "Save",
                 (FilePurpose::SaveAs, true) => "Write over it",
                 (FilePurpose::Film | FilePurpose::Parameter { .. }, _) => "Choose",
             };
-            if (ui.button(text).clicked() || entered) && !self.name.is_empty() {
-                chosen = Some(self.folder.join(&self.name));
-            }
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let is_clicked = ui.button(text).clicked();
+                let field = TextEdit::singleline(&mut self.name).hint_text("a name or a path");
+                let field = ui.add(field.desired_width(f32::INFINITY));
+                ui.ctx().accesskit_node_builder(field.id, |node| node.set_label("name of the file"));
+                if std::mem::take(&mut self.is_new) {
+                    field.request_focus();
+                }
+                let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+                if (is_clicked || entered) && !self.name.is_empty() {
+                    chosen = Some(self.folder.join(&self.name));
+                }
+            });
         });
         if self.warned {
             ui.label("There is a file of that name.");
@@ -407,7 +423,7 @@ pub(crate) fn show_dialog(
     let mut open = true;
     let mut chosen = None;
     Window::new(dialog.purpose.title())
-        .id(eframe::egui::Id::new("asking for a file"))
+        .id(Id::new("asking for a file"))
         .open(&mut open)
         .collapsible(false)
         .default_width(460.0)

@@ -12,8 +12,8 @@ use voltet_core::progress::NoProgress;
 use voltet_core::{Error, Result};
 use voltet_document::Document;
 use voltet_document::links::upstream;
-use voltet_graph::{LocatedValue, NodeEntry, Observer, Registry};
-use voltet_io::formats::{self, Association};
+use voltet_graph::{DefaultValue, LocatedValue, NodeEntry, Observer, Registry};
+use voltet_io::formats::{self, Association, FileArray};
 use voltet_io::memory;
 use voltet_nodes::external_formats;
 
@@ -138,7 +138,7 @@ impl DataSource {
 }
 
 /// Arrays of a data file.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct FileArrays {
     pub choices: Vec<ArrayChoice>,
     /// Blocks by their names, with `/` after each group, once all of the file was read.
@@ -154,7 +154,7 @@ pub(crate) struct FileArrays {
 pub(crate) struct Arrays(Arc<Mutex<HashMap<DataSource, Arc<FileArrays>>>>);
 
 impl Arrays {
-    /// The arrays of the file that feeds a node; empty while they are not known.
+    /// The arrays of the file that feeds a node, and of calculators on the way; empty while they are not known.
     pub fn feeding(
         &self,
         ctx: &Context,
@@ -164,9 +164,18 @@ impl Arrays {
     ) -> Arc<FileArrays> {
         let nodes = &document.pipeline().nodes;
         let feeding = upstream(nodes, node);
-        let reader =
-            nodes.iter().filter(|entry| feeding.contains(&entry.name)).find(|entry| reads(entry, registry));
-        reader.map_or_else(Arc::default, |reader| self.of_reader(ctx, document, registry, reader))
+        let feeding = || nodes.iter().filter(|entry| feeding.contains(&entry.name));
+        let reader = feeding().find(|entry| reads(entry, registry));
+        let of_file =
+            reader.map_or_else(Arc::default, |reader| self.of_reader(ctx, document, registry, reader));
+        let results = feeding().filter(|entry| entry.name != node);
+        let results: Vec<ArrayChoice> = results.filter_map(|entry| result(entry, registry)).collect();
+        if results.is_empty() {
+            return of_file;
+        }
+        let mut found = FileArrays::clone(&of_file);
+        found.choices.extend(results);
+        Arc::new(found)
     }
 
     /// The arrays of the file that a node reads; empty while they are not known.
@@ -208,11 +217,15 @@ fn read_arrays(reader: &NodeEntry, folder: &Path, registry: &Registry, tell: imp
         return tell(nothing());
     };
     let heads = formats::arrays(&path, &request).unwrap_or_default();
-    let of_heads = || heads.iter().flat_map(|head| choices(head, None)).collect();
+    let of_heads = || heads.iter().flat_map(|head| choices(head, None, None)).collect();
     tell(FileArrays { choices: of_heads(), ..FileArrays::default() });
     tell(match formats::inspect(&path, &request, &NoProgress) {
         Ok(found) => FileArrays {
-            choices: found.arrays.iter().flat_map(|array| choices(&array.head, array.range)).collect(),
+            choices: found
+                .arrays
+                .iter()
+                .flat_map(|array| choices(&array.head, array.range, array.unit.as_deref()))
+                .collect(),
             blocks: found.blocks.iter().map(|block| block.name.clone()).collect(),
             to_be_named: found.to_be_named(request.association),
             is_whole: true,
@@ -221,11 +234,21 @@ fn read_arrays(reader: &NodeEntry, folder: &Path, registry: &Registry, tell: imp
     });
 }
 
-fn choices(head: &voltet_core::reading::FileArray, range: Option<[f64; 2]>) -> Vec<ArrayChoice> {
+/// Array that a calculator makes; `None` of other nodes.
+fn result(entry: &NodeEntry, registry: &Registry) -> Option<ArrayChoice> {
+    let declared = registry.node_type(entry).filter(|node| node.name == "calculator")?;
+    let name = declared.parameters.iter().find(|parameter| parameter.name == "name")?;
+    let usual = if let DefaultValue::Text(text) = name.default { Some(text) } else { None };
+    let name = entry.setting("name").and_then(LocatedValue::text).or(usual)?.to_string();
+    Some(ArrayChoice { label: format!("{name}  (computed by {})", entry.name), name })
+}
+
+fn choices(head: &FileArray, range: Option<[f64; 2]>, unit: Option<&str>) -> Vec<ArrayChoice> {
     let place = if head.association == Association::Cell { "cells" } else { "points" };
+    let unit = unit.map_or(String::new(), |unit| format!(" {unit}"));
     let range = range.map_or(String::new(), |[low, high]| {
         let number = |x: f64| short_by(x, 1e-2 * (high - low));
-        format!(", {} to {}", number(low), number(high))
+        format!(", {} to {}{unit}", number(low), number(high))
     });
     let choice = |name: String, range: &str| ArrayChoice { label: format!("{name}  ({place}{range})"), name };
     if head.component_count == 1 {

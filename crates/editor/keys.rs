@@ -25,6 +25,7 @@ const COMMANDS: &[Binding] = {
     use Command::*;
     &[
         ("File", New, "New", &[(CTRL, Key::N)], "new pipeline"),
+        ("File", Example, "Example", &[], ""),
         ("File", Open, "Open …", &[(CTRL, Key::O)], "open a pipeline, a picture with one, or a data file"),
         ("File", Save, "Save", &[(CTRL, Key::S)], "save"),
         ("File", SaveAs, "Save as …", &[(CTRL_SHIFT, Key::S)], "save as"),
@@ -307,6 +308,9 @@ fn rows(ctx: &Context) -> Vec<(String, &'static str)> {
     all.map(|(keys, words)| (shortcut(ctx, keys), words)).collect()
 }
 
+/// Width of the help sheet with keys and mouse beside each other, points.
+const SHEET_WIDTH: f32 = 1140.0;
+
 pub(crate) fn sheet(ctx: &Context, open: &mut bool) {
     let grid = |ui: &mut Ui, name: &str, rows: &[(&str, &str)]| {
         Grid::new(name).num_columns(2).striped(true).min_row_height(0.0).spacing([10.0, 2.0]).show(
@@ -321,11 +325,16 @@ pub(crate) fn sheet(ctx: &Context, open: &mut bool) {
         );
     };
     let room = ctx.content_rect().size() - vec2(60.0, 90.0);
-    Window::new("Keys and mouse").open(open).resizable(true).default_size([room.x.min(1140.0), room.y]).show(
+    // Beside each other where there is room, else below each other.
+    let (layout, width) = match room.x > SHEET_WIDTH {
+        true => (Layout::left_to_right(egui::Align::Min), SHEET_WIDTH),
+        false => (Layout::top_down(egui::Align::Min), 0.55 * SHEET_WIDTH),
+    };
+    Window::new("Keys and mouse").open(open).resizable(true).default_size([room.x.min(width), room.y]).show(
         ctx,
         |ui| {
             ScrollArea::both().max_height(room.y).max_width(room.x).show(ui, |ui| {
-                ui.horizontal_top(|ui| {
+                ui.with_layout(layout, |ui| {
                     let all = rows(ctx);
                     let keys: Vec<(&str, &str)> =
                         all.iter().map(|(keys, words)| (keys.as_str(), *words)).collect();

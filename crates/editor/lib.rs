@@ -3,6 +3,7 @@
 mod apply_actions;
 mod blocks;
 mod compare;
+mod dropped;
 mod editor;
 mod expression;
 mod eyes;
@@ -22,6 +23,7 @@ mod probes;
 mod requests;
 mod scene;
 mod section;
+mod selection;
 mod study;
 mod textures;
 mod theme;

@@ -345,7 +345,7 @@ impl ParameterPanel {
             ui.menu_button("add", |ui| {
                 for kind in kinds {
                     if ui.button(kind.name).on_hover_text(kind.summary).clicked() {
-                        let (list, entry) = (list.clone(), default_value(kind));
+                        let (list, entry) = (list.clone(), default_value(kind, &of.scene.data_extent()));
                         of.scene.actions.edit(Edit::Insert { node: node(), list, place: count, entry });
                         ui.close();
                     }

@@ -13,6 +13,7 @@ use crate::worker::{
 };
 use eframe::egui::Context;
 use std::time::Instant;
+use voltet_core::parameters::ENTRY_NAME;
 use voltet_document::links::{self, upstream};
 use voltet_graph::{NodeEntry, ParameterValue};
 
@@ -126,7 +127,8 @@ impl Editor {
         size: Option<[u32; 2]>,
         coarse_first: bool,
     ) -> RenderRequest {
-        let (nodes, folder) = (links::feeding(all, node), self.document.folder());
+        let (mut nodes, folder) = (links::feeding(all, node), self.document.folder());
+        forget_names(&mut nodes);
         let background = background(all, node);
         let node = node.to_string();
         RenderRequest { nodes, folder, node, size, background, coarse_first, grip_moves: false }
@@ -233,6 +235,18 @@ fn put_in_numbers(nodes: &mut [NodeEntry], look: &str, known: &DataScales) {
     if let Some(list) = list.and_then(|list| transfer::in_numbers(list, known)) {
         // Only a path that leads nowhere is refused.
         let _ = node.set("widgets", &[], ParameterValue::List(list).into());
+    }
+}
+
+/// Takes the names of widgets and such out, of which no picture is made.
+fn forget_names(nodes: &mut [NodeEntry]) {
+    for field in nodes.iter_mut().flat_map(|node| &mut node.settings) {
+        let ParameterValue::List(list) = &mut field.setting.datum else { continue };
+        for entry in list {
+            if let ParameterValue::Table(fields) = &mut entry.datum {
+                fields.retain(|field| field.name != ENTRY_NAME);
+            }
+        }
     }
 }
 

@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 use voltet_core::{Error, Result};
 use voltet_document::arrange::Align;
 use voltet_document::links::upstream;
+use voltet_document::panel::DataExtent;
 use voltet_document::{Document, Edit, Path, links};
 use voltet_graph::{Node, NodeEntry, Port, PortType, Registry, RunReport};
 
@@ -154,6 +155,14 @@ impl<'a> Scene<'a> {
         self.shown_node.is_some_and(|node| self.earlier.contains(node))
     }
 
+    /// The data that are shown, as things that are added find them.
+    pub fn data_extent(&self) -> DataExtent {
+        let joined = |[low, high]: [DVec3; 2], [from, to]: [DVec3; 2]| [low.min(from), high.max(to)];
+        let bounds = self.bounds.values().copied().reduce(joined).unwrap_or([DVec3::ZERO, DVec3::ONE]);
+        let forward = self.view.map_or(DVec3::X, |view| view.target - view.eye);
+        DataExtent { bounds: bounds.map(|end| end.to_array()), forward: forward.to_array() }
+    }
+
     pub fn entry(&self, name: &str) -> Option<&'a NodeEntry> {
         self.entries.get(name).copied()
     }
@@ -260,6 +269,8 @@ pub enum FilePurpose {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Command {
     New,
+    /// A pipeline that needs no data file.
+    Example,
     Open,
     Save,
     SaveAs,

@@ -1,5 +1,6 @@
 //! The section: s on a plane through the data, where a click or a box finds values.
 
+use crate::fields::gradient;
 use crate::picture::{WHOLE, set_texture};
 use crate::scene::{Action, EARLIER, Scene};
 use crate::theme;
@@ -11,6 +12,7 @@ use eframe::egui::{
 };
 use glam::DVec3;
 use std::sync::Arc;
+use voltet_core::colormap::Colormap;
 use voltet_core::{agreeing, noun_of, with_commas};
 use voltet_graph::ArrayRef;
 use voltet_io::encode::viridis;
@@ -27,6 +29,8 @@ pub(crate) struct SectionPanel {
     offset: f64,
     texture: Option<TextureHandle>,
     shown: Option<Arc<Section>>,
+    /// Values of s that have the first and the last colour.
+    range: [f64; 2],
     begun: Option<Pos2>,
     /// For tests.
     #[cfg(test)]
@@ -124,6 +128,12 @@ impl SectionPanel {
             probe(scene, &section, at.map(|x| [x, x]));
         }
         let weak = theme::weak(ui.visuals().dark_mode);
+        ui.horizontal(|ui| {
+            let [low, high] = self.range.map(|s| short_by(s, 1e-2 * (self.range[1] - self.range[0])));
+            ui.label(RichText::new(format!("s from {low}")).small());
+            Colormap::named("viridis").into_iter().for_each(|map| gradient(ui, map));
+            ui.label(RichText::new(format!("to {high}")).small());
+        });
         let words = match response.hover_pos().map(pixel) {
             _ if scene.is_section_earlier => format!("{EARLIER}; computing the section …"),
             Some(at) => under(&section, at),
@@ -146,6 +156,7 @@ impl SectionPanel {
         let of_data = scene.distribution.as_ref();
         let of_data = of_data.and_then(|found| found.known.ranges.get(&ArrayRef::Named("s")).copied());
         let [low, high] = of_data.unwrap_or_else(|| range_of(section));
+        self.range = [low, high];
         let color = |value: &Option<[f64; 2]>| match value {
             Some([s, _]) => colored((s - low) / (high - low)),
             None => Color32::from_gray(24),

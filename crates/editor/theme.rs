@@ -1,8 +1,8 @@
 //! Colours, light and dark, and the shapes of ports.
 
 use eframe::egui::{
-    Color32, Context, Painter, PopupAnchor, Pos2, Response, Rgba, Shape, Stroke, Theme, Tooltip, Ui, Visuals,
-    WidgetInfo, WidgetText, WidgetType, vec2,
+    Color32, Context, Painter, PopupAnchor, Pos2, Rect, Response, Rgba, Shape, Stroke, Theme, Tooltip, Ui,
+    Visuals, WidgetInfo, WidgetText, WidgetType, vec2,
 };
 use voltet_graph::PortType;
 
@@ -77,8 +77,17 @@ pub(crate) fn button(ui: &mut Ui, sign: &str, name: &str, help: &str) -> Respons
 
 /// Shows words beside the pointer, a little away from it, so that they cover nothing that is pointed at.
 pub(crate) fn words_at_pointer(ui: &Ui, name: &str, words: impl Into<WidgetText>) {
+    show_words(ui, name, PopupAnchor::Pointer, 16.0, words);
+}
+
+/// Words that stand beside a rectangle of the window and do not cover it.
+pub(crate) fn words_beside(ui: &Ui, name: &str, rect: Rect, words: impl Into<WidgetText>) {
+    show_words(ui, name, PopupAnchor::ParentRect(rect), 6.0, words);
+}
+
+fn show_words(ui: &Ui, name: &str, anchor: PopupAnchor, gap: f32, words: impl Into<WidgetText>) {
     let (ctx, id) = (ui.ctx().clone(), ui.id().with(name));
-    let tooltip = Tooltip::always_open(ctx, ui.layer_id(), id, PopupAnchor::Pointer).gap(16.0).width(320.0);
+    let tooltip = Tooltip::always_open(ctx, ui.layer_id(), id, anchor).gap(gap).width(320.0);
     tooltip.show(|ui| ui.label(words));
 }
 

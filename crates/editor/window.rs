@@ -4,7 +4,7 @@ use crate::editor::{Editor, Start};
 use crate::files::{Recent, is_pipeline};
 use crate::film::Film;
 use crate::keys::InputQueue;
-use crate::panes::WindowLayout;
+use crate::panes::{Layouts, Pane};
 use crate::study::Study;
 use crate::theme;
 use eframe::egui::{Context, RawInput, Ui, Vec2, ViewportBuilder, ViewportCommand};
@@ -49,12 +49,12 @@ pub fn run(file: Option<&Path>, registry: &Registry, services: Services) -> Resu
     }
     let data = file.filter(|path| !is_pipeline(path)).map(Path::to_path_buf);
     let kept = state_folder().map(|folder| folder.join("window"));
-    let layout = kept.as_deref().and_then(WindowLayout::read);
+    let layouts = kept.as_deref().map(Layouts::read).unwrap_or_default();
     let options = NativeOptions {
         viewport: ViewportBuilder::default()
             .with_title("voltet")
             .with_app_id("voltet")
-            .with_inner_size(layout.map_or(SIZE, |layout| layout.size))
+            .with_inner_size(layouts.last_size().unwrap_or(SIZE))
             .with_min_inner_size(MIN_SIZE),
         renderer: Renderer::Glow,
         // Text and textures need no depth, and smooth edges come from feathering.
@@ -76,7 +76,6 @@ pub fn run(file: Option<&Path>, registry: &Registry, services: Services) -> Resu
         if let Some(place) = voltet_document::Recovery::usual() {
             editor.keep_in(place);
         }
-        editor.panels.panes = layout.map(|layout| layout.panes()).unwrap_or_default();
         editor.recent = Recent::usual();
         if let Some(path) = editor.document.path().map(Path::to_path_buf) {
             editor.recent.add(&path);
@@ -84,7 +83,7 @@ pub fn run(file: Option<&Path>, registry: &Registry, services: Services) -> Resu
         if let Some(data) = data {
             editor.open_any(&context.egui_ctx, &data);
         }
-        Ok(Box::new(Window { kept, ..Window::new(editor) }))
+        Ok(Box::new(Window { kept, layouts, ..Window::new(editor) }))
     };
     eframe::run_native("voltet", options, Box::new(made)).map_err(|error| failed(&error))
 }
@@ -112,14 +111,16 @@ pub(crate) struct Window {
     pub editor: Editor,
     title: String,
     pub presses: InputQueue,
-    /// The file in which the layout is kept, and the size of the last frame, points.
+    /// The file in which layouts are kept, they, and the size of the last frame, points.
     kept: Option<PathBuf>,
+    layouts: Layouts,
     size: Vec2,
 }
 
 impl Window {
     pub fn new(editor: Editor) -> Window {
-        Window { editor, title: String::new(), presses: InputQueue::default(), kept: None, size: Vec2::ZERO }
+        let (title, presses, layouts) = (String::new(), InputQueue::default(), Layouts::default());
+        Window { editor, title, presses, kept: None, layouts, size: Vec2::ZERO }
     }
 }
 
@@ -131,7 +132,8 @@ impl App for Window {
         }
         self.editor.panels.time.film.end();
         if let Some(file) = self.kept.as_deref().filter(|_| self.size != Vec2::ZERO) {
-            WindowLayout::from_panes(self.size, &self.editor.panels.panes).write(file);
+            self.layouts.keep(self.size, &self.editor.panels.panes);
+            self.layouts.write(file);
         }
     }
 
@@ -142,8 +144,17 @@ impl App for Window {
     }
 
     fn ui(&mut self, ui: &mut Ui, _frame: &mut Frame) {
-        self.size = ui.ctx().content_rect().size();
+        let size = ui.ctx().content_rect().size();
+        if size != self.size {
+            self.layouts.take_up(size, &mut self.editor.panels.panes);
+            self.size = size;
+        }
+        let shares = |panes: &[Pane; 3]| panes.each_ref().map(|pane| pane.share_or(0.0));
+        let before = shares(&self.editor.panels.panes);
         self.editor.frame(ui);
+        if shares(&self.editor.panels.panes) != before {
+            self.layouts.keep(size, &self.editor.panels.panes);
+        }
         let ctx = ui.ctx();
         let document = self.editor.document();
         let name =

@@ -90,6 +90,7 @@ fn every_node_type_has_its_group_and_is_found_by_words() {
     assert_eq!(names("rend")[..2], ["renderer", "gpu-renderer"]);
     assert_eq!(names("transfer function")[0], "transfer-function");
     assert_eq!(names("writer image")[0], "image-writer");
+    assert!(names("clip").contains(&"renderer"), "by a parameter");
     assert_eq!(names("rendrer"), ["renderer"]);
     assert!(names("zzzzzz").is_empty());
     let fitting = |all: Vec<voltet_document::Fitting>| -> Vec<(&str, &str)> {

@@ -2,7 +2,7 @@
 
 use super::GraphView;
 use crate::scene::Scene;
-use eframe::egui::{Rect, Vec2, vec2};
+use eframe::egui::{Context, Rect, Vec2, vec2};
 use voltet_document::links;
 
 /// Weight of a way aside, beside one in the direction of the key.
@@ -49,10 +49,14 @@ impl GraphView {
         self.revealed = Some(node.to_string());
     }
 
-    /// Moves the view until the node to be revealed is in it.
-    pub(super) fn show_revealed(&mut self, scene: &Scene) {
+    /// Moves the view until the node to be revealed is in it; all of it, once it was drawn.
+    pub(super) fn show_revealed(&mut self, ctx: &Context, scene: &Scene) {
         let Some(entry) = self.revealed.take().and_then(|name| scene.entry(&name)) else { return };
-        let frame = self.places.frame(scene, entry);
+        let (frame, is_known) = self.places.known_frame(scene, entry);
+        if !is_known {
+            self.revealed = Some(entry.name.clone());
+            ctx.request_repaint();
+        }
         let corner = |x: f32, y: f32| self.to_window()([f64::from(x), f64::from(y)]);
         let frame =
             Rect::from_min_max(corner(frame.left(), frame.top()), corner(frame.right(), frame.bottom()));

@@ -201,8 +201,12 @@ impl GraphView {
         if words.is_some() && !still && !is_down {
             ui.ctx().request_repaint_after(Duration::from_secs_f32(REST - rest));
         }
-        if let Some(words) = words.filter(|_| still) {
-            theme::words_at_pointer(ui, "words", words);
+        let frame = self.places.drawn.iter().rev().find(|(name, _)| Some(name.as_str()) == node);
+        match (words.filter(|_| still), frame.filter(|_| port.is_none())) {
+            // Its ports can be reached meanwhile.
+            (Some(words), Some((_, frame))) => theme::words_beside(ui, "words", *frame, words),
+            (Some(words), None) => theme::words_at_pointer(ui, "words", words),
+            (None, _) => {}
         }
     }
 
@@ -243,7 +247,7 @@ impl GraphView {
             self.bring_into_view(scene);
             ui.ctx().request_repaint();
         }
-        self.show_revealed(scene);
+        self.show_revealed(ui.ctx(), scene);
         let over = ui.rect_contains_pointer(self.view.clip_rect) && self.menu.is_none();
         let (factor, at, delta, pans) = ui.input(|input| {
             let pointer = &input.pointer;

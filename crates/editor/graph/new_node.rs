@@ -5,8 +5,9 @@ use super::places::{Places, usual_size};
 use crate::scene::Scene;
 use eframe::egui::{Rect, pos2};
 use voltet_core::Result;
+use voltet_document::panel::first_value;
 use voltet_document::{Document, Edit, Fitting, links};
-use voltet_graph::{DefaultValue, Field, Node, NodeEntry, ParameterType, PortType};
+use voltet_graph::{DefaultValue, Field, Node, NodeEntry, Parameter, ParameterType, PortType};
 
 /// Least distance to other nodes, and the step by which a free place is sought, points.
 const GAP: f32 = 14.0;
@@ -99,16 +100,23 @@ fn is_camera(node: &Node) -> bool {
     node.outputs.iter().any(|port| port.port_type == PortType::Camera)
 }
 
-/// Settings of a new node: a view of all the data for a camera, the name of a file for a writer.
+/// Settings of a new node: a view of all the data for a camera, the name of a file for a writer, and values to begin with of what others
+/// require.
 fn first_settings(scene: &Scene, node: &Node) -> Vec<Field> {
     if is_camera(node) && node.parameters.iter().any(|parameter| parameter.name == "view") {
         return vec![Field::new("view", "isometric")];
     }
-    let is_file = |parameter: &&voltet_graph::Parameter| {
+    let is_file = |parameter: &&Parameter| {
         matches!(parameter.parameter_type, ParameterType::OutputPath)
             && matches!(parameter.default, DefaultValue::Required)
     };
-    let Some(file) = node.parameters.iter().find(is_file) else { return Vec::new() };
+    let Some(file) = node.parameters.iter().find(is_file) else {
+        let (needed, extent) = (node.parameters.iter(), scene.data_extent());
+        let needed = needed.filter(|parameter| matches!(parameter.default, DefaultValue::Required));
+        let value =
+            |parameter: &Parameter| Some(Field::new(parameter.name, first_value(parameter, &extent)?));
+        return needed.filter_map(value).collect();
+    };
     let (stem, ending) = match node.inputs.first().map(|port| port.port_type) {
         Some(PortType::Image) => ("picture", "png"),
         Some(PortType::Grid | PortType::Volume) => ("grid", "vtu"),

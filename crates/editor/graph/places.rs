@@ -89,6 +89,12 @@ impl Places {
         Rect::from_min_size(pos2(x as f32, y as f32), size)
     }
 
+    /// The frame of a node, or its upper part while its height is not known; true in the former case.
+    pub fn known_frame(&self, scene: &Scene, entry: &NodeEntry) -> (Rect, bool) {
+        let (frame, is_known) = (self.frame(scene, entry), self.known.contains_key(&entry.name));
+        (if is_known { frame } else { frame.with_max_y(frame.top() + BARE as f32) }, is_known)
+    }
+
     /// Position of a port (the document's points).
     pub fn port(&self, scene: &Scene, entry: &NodeEntry, name: &str, is_input: bool) -> [f64; 2] {
         let [x, y] = scene.document.position(&entry.name);

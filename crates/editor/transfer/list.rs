@@ -104,7 +104,7 @@ impl TransferPanel {
     /// Another plane, all of it shown.
     pub(super) fn set_axes(&mut self, axes: [ArrayRef; 2]) {
         if self.axes() != axes {
-            (self.axes, self.shown, self.drag) = (Some(axes), None, None);
+            (self.axes, self.shown, self.drag, self.plane) = (Some(axes), None, None, None);
         }
     }
 
@@ -379,6 +379,10 @@ impl TransferPanel {
             }
         }
         ui.horizontal_wrapped(|ui| {
+            if texts.is_empty() {
+                // The plane below stays where it is while nothing is known.
+                ui.label(weak(" ".into()));
+            }
             for (i, (text, help)) in texts.into_iter().enumerate() {
                 let text = if i > 0 { format!("· {text}") } else { text };
                 ui.label(weak(text)).on_hover_text(help);

@@ -151,7 +151,9 @@ impl TransferPanel {
             pos2(whole.left() + MARGIN[0], whole.top() + 2.0),
             pos2(whole.right() - if has_curve { MARGIN[2] } else { 8.0 }, whole.bottom() - MARGIN[1]),
         );
+        // What was shown stays until the next histogram is there.
         let shown = self.shown.or_else(|| look.histogram().map(plane::whole));
+        let shown = shown.or(self.plane.map(|plane| plane.shown));
         look.place_on(Plane { rect, shown: shown.unwrap_or([[0.0, 1.0]; 2]), ..look.plane });
         self.plane = Some(look.plane);
         self.draw(ui, &look);
@@ -203,11 +205,21 @@ impl TransferPanel {
         }
         if look.scene.distribution.is_none() {
             let fault = look.scene.distribution_fault.as_ref();
-            let fault = fault.map(|fault| look.scene.reason("histogram", fault));
-            let text = fault.unwrap_or_else(|| "computing the histogram …".into());
+            let text = match fault.map(|fault| look.scene.reason("histogram", fault)) {
+                Some(fault) => fault,
+                None if volume_of(look.scene, &look.node.name).is_some() => {
+                    "computing the histogram …".into()
+                }
+                None => {
+                    "no histogram: no picture is drawn with this transfer function and a volume yet".into()
+                }
+            };
             let galley =
                 ui.painter().layout(text, FontId::proportional(12.0), theme::weak(dark), rect.width() - 20.0);
-            let place = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());
+            // Below the offer of a first widget.
+            let middle =
+                if look.widgets.is_empty() { rect.center() + vec2(0.0, 44.0) } else { rect.center() };
+            let place = Align2::CENTER_CENTER.anchor_size(middle, galley.size());
             ui.painter().galley(place.min, galley, theme::weak(dark));
         }
     }

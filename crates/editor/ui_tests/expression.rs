@@ -120,3 +120,31 @@ fn a_function_under_the_pointer_shows_its_signature() {
     hand.frames(4);
     assert!(!hand.shown_beginning("atan2(y, x): angle").is_empty());
 }
+
+/// The arrays of the data come with units, and those of calculators before this one with the calculator.
+#[test]
+fn arrays_show_units_and_calculators() {
+    let data =
+        "4 1 1 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n1 0 tet 1 2 3 4\n1 1\nT, K\n1 1\n2 2\n3 3\n4 4\n";
+    let text = CALCULATOR.replace("data.vtk", "data.inp")
+        + "\n[nodes.more]\ntype = \"calculator\"\nexpression = \"T\"\n\
+                                                             inputs = { grid = \"sum\" }\n";
+    let mut hand = Hand::with_file(&text, "data.inp", data);
+    let document = hand.editor.document().clone();
+    let registry = voltet_nodes::registry().unwrap();
+    let labels = |hand: &Hand, node: &str| {
+        let found = hand.editor.arrays.feeding(&hand.ctx, &document, &registry, node);
+        found.choices.iter().map(|choice| choice.label.clone()).collect::<Vec<_>>()
+    };
+    let of_file = "T  (points, 1 to 4 K)".to_string();
+    until(&mut hand, "the arrays are found", |hand| labels(hand, "sum").contains(&of_file));
+    let [all, before] = ["more", "sum"].map(|node| labels(&hand, node));
+    assert_eq!(all, [before, vec!["sum  (computed by sum)".to_string()]].concat());
+    hand.editor.selection = ["more".to_string()].into();
+    hand.frames(3);
+    hand.click_on("more.expression");
+    hand.key(Key::End, Modifiers::NONE);
+    hand.typed("+su");
+    hand.frames(2);
+    assert!(!hand.texts("sum  (computed by sum)").is_empty());
+}

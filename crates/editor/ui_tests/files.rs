@@ -77,19 +77,6 @@ fn a_run_writes_what_a_run_of_the_file_would() {
     said(&mut hand, "the pipeline writes nothing");
 }
 
-#[derive(Debug)]
-struct Dropped(PathBuf);
-
-impl eframe::egui::DroppedFile for Dropped {
-    fn path(&self) -> &Path {
-        &self.0
-    }
-
-    fn bytes(&self) -> Result<Vec<u8>, String> {
-        std::fs::read(&self.0).map_err(|error| error.to_string())
-    }
-}
-
 #[test]
 fn an_empty_window_offers_the_files_opened_last_and_takes_dropped_ones() {
     let mut hand = Hand::new("[pipeline]\nformat = 1\n");
@@ -114,12 +101,24 @@ fn an_empty_window_offers_the_files_opened_last_and_takes_dropped_ones() {
     assert!(hand.texts("Open data or a pipeline …").is_empty());
     // A dropped file is asked about where work is not saved.
     hand.key(Key::X, Modifiers::NONE);
-    let dropped = Arc::new(Dropped(hand.path()));
-    hand.frame_with(RawInput { dropped_files: vec![dropped], ..RawInput::default() }, Modifiers::NONE);
-    hand.frames(2);
+    dropped::drop_files(&mut hand, &["scene.toml"]);
     assert_ne!(hand.text(), "[pipeline]\nformat = 1\n");
     hand.click_on("Discard");
     assert_eq!(hand.text(), "[pipeline]\nformat = 1\n");
+}
+
+#[test]
+fn an_empty_window_offers_an_example_that_needs_no_data() {
+    let mut hand = Hand::new("[pipeline]\nformat = 1\n");
+    hand.click_on("Begin with an example");
+    hand.settle();
+    assert!(hand.text().contains("type = \"wavelet\"") && !hand.editor.document().is_saved());
+    let scene = hand.editor.scene();
+    assert!(
+        scene.faults.is_empty() && scene.failure.is_none() && scene.pixels.is_some(),
+        "{:?}",
+        scene.failure
+    );
 }
 
 /// A tetrahedron whose values begin with this one.

@@ -71,6 +71,34 @@ fn new_nodes_lie_beside_the_others() {
 }
 
 #[test]
+fn a_new_node_is_in_view_wherever_there_is_room_for_it() {
+    let mut hand = Hand::new(TEXT);
+    for number in 0..6 {
+        hand.move_to(pos2(5.0, 400.0), Modifiers::NONE);
+        add(&mut hand, "wavelet");
+        let name = if number == 0 { "wavelet".into() } else { format!("wavelet_{}", number + 1) };
+        let (node, pane) = (hand.rect(&format!("node {name}")), hand.editor.panels.graph.pane());
+        assert!(pane.contains_rect(node), "{name}: {node} in {pane}");
+    }
+    // Copies, too.
+    hand.key(Key::A, Modifiers::COMMAND);
+    hand.command(Command::Duplicate);
+    hand.frames(3);
+    let copied = hand.editor.selection.first().unwrap().clone();
+    let (node, pane) = (hand.rect(&format!("node {copied}")), hand.editor.panels.graph.pane());
+    assert!(pane.contains_rect(node), "{copied}: {node} in {pane}");
+}
+
+#[test]
+fn a_node_is_found_by_what_it_can_do() {
+    let mut hand = Hand::new(TEXT);
+    hand.key(Key::Space, Modifiers::NONE);
+    hand.typed("clip");
+    hand.frames(2);
+    assert!(!hand.texts("  renderer").is_empty(), "it has the parameter");
+}
+
+#[test]
 fn an_input_of_a_transfer_function_offers_transfer_functions_first() {
     let mut hand = Hand::new(&TEXT.replace("transfer_function = \"look\", ", ""));
     let empty = hand.rect("node view").max + vec2(40.0, 40.0);
@@ -100,6 +128,32 @@ fn without_widgets_the_plane_offers_one() {
     assert!(hand.sees("centre of widget 1"), "{}", hand.text());
     // Through the densest place of the data light is left.
     assert!(hand.text().contains("extinction = 0.1"), "{}", hand.text());
+}
+
+#[test]
+fn a_transfer_function_without_a_volume_says_why_it_has_no_histogram() {
+    let mut hand = Hand::new(TEXT);
+    hand.editor.selection.clear();
+    hand.frames(1);
+    hand.key(Key::Space, Modifiers::NONE);
+    hand.typed("transfer");
+    hand.frames(2);
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(4);
+    let why = hand.shown_beginning("no histogram: no picture is drawn with this transfer function");
+    let offer = hand.rect("Add a widget at the peak");
+    assert!(why.len() == 1 && !offer.y_range().contains(why[0].y), "{why:?} {offer}");
+}
+
+#[test]
+fn the_plane_stays_while_the_next_histogram_is_computed() {
+    let mut hand = Hand::new(TEXT);
+    transfer::with_distribution(&mut hand);
+    let before = hand.named("centre of widget 1");
+    hand.editor.worker.forget_query(|output| &mut output.distribution);
+    hand.frame(Vec::new(), Modifiers::NONE);
+    assert!(!hand.texts("computing the histogram …").is_empty());
+    assert_eq!(hand.named("centre of widget 1"), before);
 }
 
 #[test]
@@ -226,6 +280,43 @@ fn panes_keep_their_shares_of_a_window_that_shrinks_and_grows() {
     hand.frames(4);
     let after = sizes(&hand);
     assert!(near(before.0.x, after.0.x) && near(before.1.y, after.1.y), "{before:?} {after:?}");
+}
+
+#[test]
+fn each_size_of_the_window_has_panes_of_its_own() {
+    let [wide, narrow] = [[1600.0, 1000.0], [900.0, 600.0]];
+    let mut hand = Hand::before_window(TEXT, wide, &|_| {});
+    let width = |hand: &Hand| hand.rect("picture picture").width();
+    let pull = |hand: &mut Hand, by: f32| {
+        let border = hand.rect("picture picture").left_center() - vec2(8.0, 0.0);
+        hand.drag(border, border + vec2(by, 0.0));
+    };
+    pull(&mut hand, -200.0);
+    let of_wide = width(&hand);
+    hand.resize(narrow, 1.0);
+    hand.frames(4);
+    pull(&mut hand, 100.0);
+    let of_narrow = width(&hand);
+    assert!(of_narrow / 900.0 < of_wide / 1600.0 - 0.05, "{of_narrow} {of_wide}");
+    for (size, before) in [(wide, of_wide), (narrow, of_narrow)] {
+        hand.resize(size, 1.0);
+        hand.frames(4);
+        assert!((width(&hand) - before).abs() < 3.0, "{size:?}: {before} {}", width(&hand));
+    }
+}
+
+#[test]
+fn the_files_to_open_are_those_that_are_read() {
+    let read = ["a.exo", "b.msh", "c.foam", "d.case", "e.pvtu", "f.vtu.series", "g.toml", "h.PNG", "i.hdf"];
+    let mut hand = Hand::in_folder(TEXT, &|folder| {
+        read.iter().chain(&["j.txt"]).for_each(|name| std::fs::write(folder.join(name), "x").unwrap());
+    });
+    hand.command(Command::Open);
+    hand.frames(2);
+    assert!(read.iter().all(|name| hand.sees(&format!("      {name}"))) && !hand.sees("      j.txt"));
+    // The name is typed in all of the room beside the button.
+    let (field, button) = (hand.rect("name of the file"), hand.rect("Open"));
+    assert!((button.left() - field.right()).abs() < 20.0, "{field} {button}");
 }
 
 #[test]

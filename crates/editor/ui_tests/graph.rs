@@ -14,6 +14,19 @@ fn title(hand: &Hand, node: &str) -> Pos2 {
 }
 
 #[test]
+fn the_words_about_a_node_do_not_cover_it() {
+    let mut hand = Hand::new(TEXT);
+    for name in ["picture", "file", "grid"] {
+        let node = hand.rect(&format!("node {name}"));
+        hand.move_to(node.center(), Modifiers::NONE);
+        hand.pause = 1.0;
+        hand.frames(4);
+        let words = hand.shown_beginning(&format!("{name} ("));
+        assert!(words.len() == 1 && !node.contains(words[0]), "{name}: {words:?} {node}");
+    }
+}
+
+#[test]
 fn a_dragged_node_has_its_place_in_the_file_and_undo_takes_it_back() {
     let mut hand = Hand::new(TEXT);
     let before = hand.editor.document().position("look");

@@ -228,3 +228,25 @@ fn one_ray_meets_what_it_meets_among_several() {
         }
     }
 }
+
+/// Rays through a box meet together, in bundles, what each meets alone.
+#[test]
+fn rays_of_a_box_meet_what_each_meets_alone() {
+    let mut hand = Hand::new(&TEXT.replace("extinction = 4.0", "extinction = 0.05"));
+    let mut probed = |places: Vec<[f64; 2]>| {
+        hand.editor.answers.probed = None;
+        hand.editor.probe(places, crate::scene::ProbePurpose::Values);
+        until(&mut hand, "no answer comes", |hand| hand.editor.scene().probed.is_some());
+        hand.editor.scene().probed.clone().unwrap()
+    };
+    // Three bundles, the last one of a few rays; some of all go past the data.
+    let places: Vec<[f64; 2]> =
+        (0..40).map(|k| [-0.6 + 0.03 * f64::from(k), 0.3 - 0.1 * f64::from(k / 16)]).collect();
+    let all = probed(places.clone());
+    let alone: Vec<_> = places.iter().map(|place| probed(vec![*place])).collect();
+    let sum = |of: &dyn Fn(&crate::worker::PixelProbe) -> f64| alone.iter().map(|one| of(one)).sum::<f64>();
+    assert_eq!(all.values.len() as f64, sum(&|one| one.values.len() as f64));
+    assert_eq!(all.heaviest.len() as f64, sum(&|one| one.heaviest.len() as f64));
+    assert!(all.heaviest.len() > 20 && all.heaviest.len() < 40, "{}", all.heaviest.len());
+    assert!((all.opacity - sum(&|one| one.opacity) / 40.0).abs() < 1e-12);
+}

@@ -1,6 +1,7 @@
 //! The window without a mouse.
 
 use super::*;
+use crate::scene::Command;
 
 /// Adds a node by its name.
 fn add(hand: &mut Hand, name: &str) {
@@ -41,7 +42,9 @@ fn a_whole_round_is_done_by_the_keyboard_alone() {
     hand.key(Key::W, Modifiers::NONE);
     hand.settle();
     assert!(hand.text().contains("kind = \"gaussian\""), "{}", hand.text());
-    // To the first node, and a number of it.
+    // All into view, to the first node, and a number of it.
+    hand.key(Key::F, Modifiers::NONE);
+    hand.frames(5);
     for _ in 0..80 {
         if selected(&hand) == ["wavelet"] {
             break;
@@ -63,6 +66,33 @@ fn a_whole_round_is_done_by_the_keyboard_alone() {
     hand.key(Key::R, Modifiers::COMMAND);
     until(&mut hand, "nothing is written", |hand| hand.said().starts_with("written in"));
     assert!(hand.folder.path().join("picture.png").exists());
+}
+
+#[test]
+fn tab_and_arrows_lead_from_answer_to_answer_of_a_question() {
+    let mut hand = Hand::new(TEXT);
+    hand.key(Key::X, Modifiers::NONE);
+    hand.command(Command::New);
+    hand.frames(3);
+    let focused =
+        |hand: &Hand, name: &str| hand.harness.query_all_by_label(name).any(|node| node.is_focused());
+    assert!(focused(&hand, "Cancel"));
+    let forward = (Key::Tab, Modifiers::NONE);
+    for (key, held, answer) in [
+        (forward.0, forward.1, "Save"),
+        (forward.0, forward.1, "Discard"),
+        (Key::Tab, Modifiers::SHIFT, "Save"),
+        (Key::ArrowLeft, Modifiers::NONE, "Cancel"),
+        (Key::ArrowRight, Modifiers::NONE, "Save"),
+        (Key::ArrowRight, Modifiers::NONE, "Discard"),
+    ] {
+        hand.key(key, held);
+        hand.frames(2);
+        assert!(focused(&hand, answer), "{key:?} {answer}");
+    }
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(3);
+    assert!(hand.editor.unsaved.is_none() && hand.editor.document().pipeline().nodes.is_empty());
 }
 
 #[test]

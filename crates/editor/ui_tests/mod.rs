@@ -2,6 +2,7 @@
 
 mod compare;
 mod digits;
+mod dropped;
 mod earlier;
 mod expression;
 mod eyes;

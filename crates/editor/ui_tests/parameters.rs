@@ -57,16 +57,24 @@ fn a_number_is_typed_relative_to_the_data_and_what_is_wrong_is_said() {
 }
 
 #[test]
-fn what_a_new_widget_begins_with_is_right() {
+fn what_is_added_to_a_list_begins_right() {
     let registry = voltet_nodes::registry().unwrap();
-    let mut hand = Hand::new(TEXT);
-    let rows = hand.editor.document().rows(&registry, "look");
-    let row = rows.iter().find(|row| row.parameter.name == "widgets").unwrap();
-    let voltet_document::panel::Control::Entries(kinds) = row.control else { panic!("a list") };
-    for kind in kinds {
-        let entry = voltet_document::panel::default_value(kind);
-        let list = row.path.clone();
-        let edit = Edit::Insert { node: "look".into(), list, place: 1, entry };
+    let annotation = "[nodes.words]\ntype = \"annotation\"\ninputs = { image = \"picture\" }\n\n[nodes.file]";
+    let text = TEXT.replace("[nodes.file]", annotation);
+    let mut hand = Hand::new(&text);
+    let lists = [("look", "widgets", 1), ("picture", "clip", 0), ("words", "texts", 0)];
+    for (node, list, place, kind) in lists
+        .into_iter()
+        .flat_map(|(node, list, place)| {
+            let rows = hand.editor.document().rows(&registry, node);
+            let row = rows.into_iter().find(|row| row.parameter.name == list).unwrap();
+            let voltet_document::panel::Control::Entries(kinds) = row.control else { panic!("a list") };
+            kinds.iter().map(move |kind| (node, row.path.clone(), place, kind)).collect::<Vec<_>>()
+        })
+        .collect::<Vec<_>>()
+    {
+        let entry = voltet_document::panel::default_value(kind, &hand.editor.scene().data_extent());
+        let edit = Edit::Insert { node: node.into(), list, place, entry };
         hand.editor.edit(edit.label(), &[edit]);
         let faults = hand.editor.document().faults(&registry);
         let is_name = |fault: &voltet_document::Diagnostic| {
@@ -76,7 +84,20 @@ fn what_a_new_widget_begins_with_is_right() {
         hand.frames(2);
         hand.key(Key::Z, Modifiers::COMMAND);
     }
-    assert_eq!(hand.text(), TEXT);
+    assert_eq!(hand.text(), text);
+}
+
+#[test]
+fn a_clip_that_is_added_takes_the_half_before_the_eye_away() {
+    let mut hand = Hand::new(TEXT);
+    select(&mut hand, "picture");
+    hand.click_on("add");
+    hand.click_on("plane");
+    hand.settle();
+    // The eye is at (-28, -38, 24), the middle of the data at the origin.
+    let text = hand.text();
+    assert!(text.contains("origin = [0.0, 0.0, 0.0]") && text.contains("normal = [0.0, 1.0, 0.0]"), "{text}");
+    assert!(hand.editor.scene().failure.is_none() && hand.sees("plane of clip: position"), "{text}");
 }
 
 #[test]
@@ -84,36 +105,22 @@ fn arrays_of_the_data_are_chosen_one_or_several() {
     let text = TEXT
         .replace("type = \"wavelet\"\nresolution = [12, 12, 12] # coarse", "type = \"reader\"\npath = \"data.vtk\"")
         .replace("[nodes.view]", "[nodes.fields]\ntype = \"multi-gradient\"\nfields = [\"heat\"]\ninputs = { grid = \"grid\" }\n\n[nodes.view]");
-    let mut hand = Hand::new(&text);
     let points = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
     let data = format!(
         "# vtk DataFile Version 3.0\ndata\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n{points}CELLS 1 5\n4 0 1 2 3\n\
          CELL_TYPES 1\n10\nPOINT_DATA 4\nSCALARS heat float 1\nLOOKUP_TABLE default\n1 2 3 4\nSCALARS speed float 1\nLOOKUP_TABLE default\n5 6 7 8\n"
     );
-    std::fs::write(hand.folder.path().join("data.vtk"), data).unwrap();
+    // The file is there before the window is: one that comes later is read anew some time after.
+    let mut hand = Hand::with_file(&text, "data.vtk", &data);
     for (node, list, wanted) in [
         ("fields", "speed  (points, 5 to 8)", "fields = [\"heat\", \"speed\"]"),
         ("grid", "heat  (points, 1 to 4)", "scalar = \"heat\""),
     ] {
         select(&mut hand, node);
+        until(&mut hand, "the arrays are found", |hand| !hand.texts("data").is_empty());
+        hand.click(hand.texts("data")[0]);
         // Their ranges are found on a thread of its own.
-        for _ in 0..2000 {
-            hand.frames(1);
-            if !hand.texts("data").is_empty() {
-                break;
-            }
-            std::thread::sleep(Duration::from_millis(5));
-        }
-        for _ in 0..400 {
-            let at = hand.texts("data")[0];
-            hand.click(at);
-            hand.frames(2);
-            if !hand.texts(list).is_empty() {
-                break;
-            }
-            hand.key(Key::Escape, Modifiers::NONE);
-            std::thread::sleep(Duration::from_millis(5));
-        }
+        until(&mut hand, "the ranges are found", |hand| !hand.texts(list).is_empty());
         hand.click_on(list);
         hand.key(Key::Escape, Modifiers::NONE);
         assert!(hand.text().contains(wanted), "{node}: {}", hand.text());

@@ -37,9 +37,13 @@ fn cut(hand: &Hand) -> Vec<String> {
 
 #[test]
 fn no_text_is_cut_on_small_and_dense_screens() {
-    for (size, density) in
-        [([1280.0, 720.0], 1.0), ([1280.0, 720.0], 1.5), ([1280.0, 720.0], 2.0), ([1920.0, 1080.0], 1.0)]
-    {
+    for (size, density) in [
+        ([900.0, 600.0], 1.0),
+        ([1280.0, 720.0], 1.0),
+        ([1280.0, 720.0], 1.5),
+        ([1280.0, 720.0], 2.0),
+        ([1920.0, 1080.0], 1.0),
+    ] {
         let mut hand = on(size, density, TEXT);
         assert_eq!(hand.ctx.pixels_per_point(), density);
         for node in ["grid", "look", "view", "picture", "file"] {

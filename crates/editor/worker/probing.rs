@@ -54,24 +54,36 @@ impl ProbeQuery {
     fn walk(&self, call: &RunContext) -> Result<PixelProbe> {
         let (volume, look) = (call.volume("volume")?, call.look("transfer-function")?);
         let camera = call.camera("camera")?;
-        let transfer_function = look.for_diagonal(diagonal(volume.grid.bounds()));
+        let transfer_function = Arc::new(look.for_diagonal(diagonal(volume.grid.bounds())));
         let camera = Camera { samples: 1, ..*camera };
-        let volume = match self.places[..] {
-            // All cells are looked at once, and few are made ready for rays.
-            [place] => Arc::new(near_ray(&volume, camera, place, call.progress())?),
-            _ => volume,
-        };
-        // What is seen, as the values count: light and silhouettes change colours.
-        let shading = Shading::default();
-        let scene = Scene::new(volume, Arc::new(transfer_function), camera, shading, VisibilityOrder::Exact);
         let surfaces = call.surfaces("surface")?;
-        let scene = Scene { clips: self.clips.clone(), surfaces: surfaces.clone(), ..scene };
-        let forms = CompiledTransferFunction::new(&scene.transfer_function)?;
-        let tracer = Tracer::new(&scene, Box::new(forms.clone()))?;
+        let forms = CompiledTransferFunction::new(&transfer_function)?;
         let mut probed = PixelProbe { rays: self.places.len(), ..PixelProbe::default() };
-        let (mut seen_most, [width, height]) = (0.0, camera.size.map(f64::from));
-        for place in &self.places {
-            call.progress().check_cancelled()?;
+        // All cells are looked at once for each bundle, and few are made ready for rays.
+        for bundle in self.places.chunks(BUNDLE) {
+            let near = Arc::new(near_rays(&volume, camera, bundle, call.progress())?);
+            // What is seen, as the values count: light and silhouettes change colours.
+            let (shading, order) = (Shading::default(), VisibilityOrder::Exact);
+            let scene = Scene::new(near, transfer_function.clone(), camera, shading, order);
+            let scene = Scene { clips: self.clips.clone(), surfaces: surfaces.clone(), ..scene };
+            self.walk_bundle(&scene, &forms, bundle, &mut probed, call.progress())?;
+        }
+        Ok(probed)
+    }
+
+    /// Adds what rays through some of the places meet.
+    fn walk_bundle(
+        &self,
+        scene: &Scene,
+        forms: &CompiledTransferFunction,
+        places: &[[f64; 2]],
+        probed: &mut PixelProbe,
+        progress: &dyn Progress,
+    ) -> Result<()> {
+        let tracer = Tracer::new(scene, Box::new(forms.clone()))?;
+        let (mut seen_most, [width, height]) = (0.0, scene.camera.size.map(f64::from));
+        for place in places {
+            progress.check_cancelled()?;
             let ray = tracer.ray(0.5 * width + place[0] * height, (0.5 - place[1]) * height);
             let walk = tracer.walk(&ray)?;
             probed.opacity += walk.seen.opacity / self.places.len() as f64;
@@ -80,7 +92,7 @@ impl ProbeQuery {
             let mut heaviest = ([0.0; 2], 0.0);
             let [start, direction] = tracer.world(&ray).map(DVec3::from);
             if let [_] = self.places[..] {
-                probed.hit = first_hit(&scene.volume, &forms, &walk, &surfaces, [start, direction]);
+                probed.hit = first_hit(&scene.volume, forms, &walk, &scene.surfaces, [start, direction]);
             }
             for step in &walk.steps {
                 let share = if all > 1e-6 { step.contribution()[3] / all } else { step.length / way };
@@ -102,17 +114,28 @@ impl ProbeQuery {
             let on_surface = probed.hit.as_ref().filter(|hit| hit.is_on_surface).map(|hit| hit.point);
             probed.point = on_surface.or(probed.point);
         }
-        Ok(probed)
+        Ok(())
     }
 }
+
+/// Rays for which cells are made ready together: a row of a box. Between two such rows a probe can be cancelled.
+const BUNDLE: usize = 16;
 
 /// Room for rounding about a cell, as a share of its distance from the eye.
 const ROUNDING: f64 = 1e-9;
 
-/// The cells of a volume whose balls, about the middle of their corners, are met by the ray through a place of the picture. Errors: a newer
-/// query; memory ends.
-fn near_ray(volume: &Volume, camera: Camera, place: [f64; 2], progress: &dyn Progress) -> Result<Volume> {
-    let Some([origin, direction]) = View::from(camera).ray(place) else { return Ok(volume.clone()) };
+/// Margin of a bundle of rays, heights of the picture.
+const MARGIN: f64 = 1e-6;
+
+/// The cells of a volume whose balls, about the middle of their corners, reach into the box of the picture that holds these places. Errors: a
+/// newer query; memory ends.
+fn near_rays(
+    volume: &Volume,
+    camera: Camera,
+    places: &[[f64; 2]],
+    progress: &dyn Progress,
+) -> Result<Volume> {
+    let Some(sides) = sides(camera, places) else { return Ok(volume.clone()) };
     let (grid, stops) = (&volume.grid, AtomicBool::new(false));
     let is_met = |cell: usize| {
         if cell.is_multiple_of(4096) && progress.cancelled() {
@@ -122,12 +145,35 @@ fn near_ray(volume: &Volume, camera: Camera, place: [f64; 2], progress: &dyn Pro
         let corners = grid.tetrahedra[cell].map(corner);
         let middle = 0.25 * corners.iter().sum::<DVec3>();
         let radius = corners.map(|corner| corner.distance(middle)).into_iter().fold(0.0, f64::max);
-        let from = middle - origin;
-        !stops.load(Ordering::Relaxed) && from.cross(direction).length() <= radius + ROUNDING * from.length()
+        let reaches = |[point, inwards]: &[DVec3; 2]| {
+            let from = middle - *point;
+            from.dot(*inwards) >= -(radius + ROUNDING * from.length())
+        };
+        !stops.load(Ordering::Relaxed) && sides.iter().all(reaches)
     };
     let near = whole_cells(grid, is_met, progress)?;
     progress.check_cancelled()?;
     Ok(volume.subset(&near))
+}
+
+/// Planes at the sides of the box of the picture that holds places, [a point, unit normal inwards]; `None` of a view that is not sound.
+fn sides(camera: Camera, places: &[[f64; 2]]) -> Option<[[DVec3; 2]; 4]> {
+    let view = View::from(camera);
+    let end = |axis: usize, of: fn(f64, f64) -> f64, start: f64, margin: f64| {
+        places.iter().map(|place| place[axis]).fold(start, of) + margin
+    };
+    let low = [0, 1].map(|axis| end(axis, f64::min, f64::INFINITY, -MARGIN));
+    let high = [0, 1].map(|axis| end(axis, f64::max, f64::NEG_INFINITY, MARGIN));
+    let middle = view.ray([0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])])?;
+    let corners = [[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]];
+    let mut sides = [[DVec3::ZERO; 2]; 4];
+    for (k, side) in sides.iter_mut().enumerate() {
+        let ([from, along], [origin, direction]) = (view.ray(corners[k])?, view.ray(corners[(k + 1) % 4])?);
+        let normal = along.cross(origin + direction - from).try_normalize()?;
+        let inwards = if normal.dot(middle[0] + middle[1] - from) < 0.0 { -normal } else { normal };
+        *side = [from, inwards];
+    }
+    Some(sides)
 }
 
 impl Query for ProbeQuery {
@@ -314,6 +360,10 @@ impl Query for SectionQuery {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use voltet_core::camera::Projection;
+    use voltet_core::error::ErrorKind;
+    use voltet_core::grid::Grid;
+    use voltet_core::progress::NoProgress;
 
     #[test]
     fn moments_are_those_of_the_values_by_their_shares() {
@@ -329,5 +379,46 @@ mod tests {
         let of_rays = PixelProbe { rays: 20, heaviest, ..PixelProbe::default() };
         assert_eq!(of_rays.moments().unwrap().0, [9.5, 3.0]);
         assert_eq!(of_rays.ranges(0.1), Some([[2.0, 17.0], [3.0, 3.0]]));
+    }
+
+    /// Says that the user asked to stop.
+    struct Cancelled;
+
+    impl Progress for Cancelled {
+        fn report(&self, _stage: &str, _fraction: f64) {}
+
+        fn cancelled(&self) -> bool {
+            true
+        }
+    }
+
+    #[test]
+    fn cells_apart_from_the_rays_are_left_out_and_a_cancelled_probe_prepares_none() {
+        // A hundred cells in a row, each a unit from the next, seen from above.
+        let cell = |k: u32| {
+            let corner = DVec3::new(f64::from(k), 0.0, 0.0);
+            [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].map(|side| corner + 0.5 * side)
+        };
+        let points: Vec<DVec3> = (0..100).flat_map(cell).collect();
+        let tetrahedra: Vec<[u32; 4]> = (0..100).map(|k| [0, 1, 2, 3].map(|corner| 4 * k + corner)).collect();
+        let scalar = vec![1.0; points.len()].into();
+        let grid = Grid { points: points.into(), tetrahedra: tetrahedra.into(), ..Grid::default() };
+        let volume = Volume { grid: Arc::new(grid), scalar, gradient: None, gradient_magnitude: None };
+        for projection in
+            [Projection::Perspective { fov_y: 90.0 }, Projection::Orthographic { height: 200.0 }]
+        {
+            let [eye, target] = [100.0, 0.0].map(|height| DVec3::new(50.0, 0.0, height));
+            let view = View { eye, target, up: DVec3::Y, projection };
+            let camera = view.camera([100, 100]);
+            // A height of the picture is 200 units long: from x = 40 to 60.
+            let row = [-0.05, 0.0, 0.05].map(|right| [right, 0.0]);
+            let near = near_rays(&volume, camera, &row, &NoProgress).unwrap();
+            let count = near.grid.tetrahedra.len();
+            assert!((21..=25).contains(&count), "{count} {projection:?}");
+            let alone = near_rays(&volume, camera, &row[1..2], &NoProgress).unwrap();
+            assert!((1..=2).contains(&alone.grid.tetrahedra.len()), "{projection:?}");
+            let stopped = near_rays(&volume, camera, &row, &Cancelled).unwrap_err();
+            assert_eq!(stopped.kind, ErrorKind::Cancelled);
+        }
     }
 }
