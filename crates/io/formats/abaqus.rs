@@ -6,7 +6,7 @@
 
 use super::contents::Dataset;
 use super::cursor::Cursor;
-use super::named_files;
+use super::named_files::{self, IncludedFiles};
 use super::numbers::{self, NumberType, Target};
 use super::request::{Format, Request};
 use super::source::Source;
@@ -14,9 +14,9 @@ use super::tagged::{
     PART_SHIFT, TaggedElement, TaggedMesh, VisitElement, VisitNode, dataset, number_in_part,
 };
 use super::text::{TextPiece, TextRange};
-use super::xml::{beside, open_named};
+use super::xml::beside;
 use glam::{DQuat, DVec3};
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::grid::code;
@@ -59,10 +59,6 @@ const MAX_IN_RANGES: u64 = 4;
 
 /// Keywords whose lines of data are read, which may stand in a file of their own.
 const WITH_LINES: [&str; 3] = ["NODE", "ELEMENT", "ELSET"];
-
-/// Files that a file may include in all, and within one another.
-const MAX_FILES: usize = 1 << 10;
-const MAX_DEPTH: usize = 16;
 
 /// A line of an element has two numbers with a comma at least.
 const MIN_ELEMENT_BYTES: u64 = 4;
@@ -143,7 +139,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
         let path = set.path.clone();
         scan.set(set).map_err(|error| error.in_file(path))?;
     }
-    let Scan { parts, mut mesh, file_bytes, .. } = scan;
+    let Scan { parts, mut mesh, included: IncludedFiles { file_bytes, .. }, .. } = scan;
     let place = |part: usize, name: &str| Instance {
         part,
         name: name.to_owned(),
@@ -170,7 +166,7 @@ pub(super) fn files_named(path: &Path) -> Vec<PathBuf> {
         let mut scan = Scan::new(&source);
         // What is damaged is an error of the reading itself.
         let is_whole = scan.lines().is_ok();
-        (scan.included, is_whole)
+        (scan.included.paths, is_whole)
     })
 }
 
@@ -183,11 +179,8 @@ struct Scan {
     parts: Vec<String>,
     /// The file that includes the others, those that were included, and how many of these the lines are within.
     path: PathBuf,
-    included: Vec<PathBuf>,
+    included: IncludedFiles,
     depth: usize,
-    /// Bytes of all files, each once, and the paths of these.
-    file_bytes: u64,
-    counted: HashSet<PathBuf>,
     /// The last keyword, without its INPUT, where lines of data go on with it.
     open: Option<Keyword>,
     set_lines: Vec<SetLines>,
@@ -205,10 +198,8 @@ impl Scan {
             part: 0,
             parts: Vec::new(),
             path: source.path().to_owned(),
-            included: Vec::new(),
+            included: IncludedFiles::new(source),
             depth: 0,
-            file_bytes: source.len(),
-            counted: std::fs::canonicalize(source.path()).into_iter().collect(),
             open: None,
             set_lines: Vec::new(),
             range_sum: 0,
@@ -256,19 +247,11 @@ impl Scan {
             let error = self.cursor.error("a keyword does not say which file it includes");
             return Err(error.got(format_args!("*{keyword}")).expected("INPUT= and a file"));
         }
-        if self.depth == MAX_DEPTH || self.included.len() == MAX_FILES {
-            let error = self.cursor.error("the file includes too many others").got(format_args!("'{file}'"));
-            return Err(error.expected(format_args!(
-                "at most {MAX_FILES}, {MAX_DEPTH} within one another, none within itself"
-            )));
-        }
         // As Abaqus and CalculiX do: names are relative to the first file's folder.
         let path = beside(&self.path, file);
-        let source = open_named(&self.path, &path, self.included.len())?;
-        if self.counted.insert(std::fs::canonicalize(&path).unwrap_or_else(|_| path.clone())) {
-            self.file_bytes += source.len();
-        }
-        self.included.push(path.clone());
+        let counted = self.included.count(&path, self.depth + 1);
+        counted.map_err(|error| self.cursor.locate(error.got(format_args!("'{file}'"))))?;
+        let Some(source) = self.included.open(&self.path, &path)? else { return self.go_on() };
         let outer = std::mem::replace(&mut self.cursor, Cursor::new(&source));
         self.depth += 1;
         let read = self.go_on().and_then(|()| self.lines());
@@ -363,10 +346,10 @@ impl Scan {
                     let step = numbers.get(2).copied().unwrap_or(1).max(1);
                     let count = last.saturating_sub(first) / step;
                     self.range_sum = self.range_sum.saturating_add(count);
-                    let is_beyond = |count: u64| count > self.file_bytes / MIN_ELEMENT_BYTES;
+                    let is_beyond = |count: u64| count > self.included.file_bytes / MIN_ELEMENT_BYTES;
                     if is_beyond(count)
                         || is_beyond(self.mesh.sets.len() as u64)
-                        || self.range_sum > self.file_bytes.saturating_mul(MAX_IN_RANGES)
+                        || self.range_sum > self.included.file_bytes.saturating_mul(MAX_IN_RANGES)
                     {
                         let error = lines.error("a set holds more elements than the file").got(line);
                         return Err(error.expected("the first, the last, the step"));

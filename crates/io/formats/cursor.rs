@@ -6,6 +6,7 @@ use super::lazy::count_from_zero;
 use super::numbers::{self, ByteOrder, NumberType, Target, convert};
 use super::source::Source;
 use super::text::{BLOCK, TextRange, is_space, line_ends, word_starts};
+use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use voltet_core::progress::NoProgress;
@@ -17,6 +18,8 @@ const WINDOW: usize = 1 << 18;
 const LONGEST: usize = 1 << 22;
 /// Numbers that are too few for several threads.
 const FEW: u64 = 64;
+/// Numbers of text that one task changes.
+const PART: usize = 1 << 14;
 
 /// A place in a file and its line.
 #[derive(Clone, Copy, Default)]
@@ -322,14 +325,14 @@ impl Cursor {
         self.changed_numbers(number_type, count, what, is_between, |_| ())
     }
 
-    /// As [`Cursor::numbers_between`], changed part by part.
+    /// As [`Cursor::numbers_between`], changed part by part side by side: bytes while a part is in the cache, text once all is parsed.
     fn changed_numbers<T: Target>(
         &mut self,
         number_type: NumberType,
         count: u64,
         what: &str,
         is_between: impl Fn(u8) -> bool + Sync + Copy,
-        change: impl Fn(&mut [T]) + Sync,
+        change: impl Fn(&mut [T]) + Sync + Send,
     ) -> Result<Vec<T>> {
         let start = self.position();
         let Some(order) = self.binary else {
@@ -339,7 +342,7 @@ impl Cursor {
             // A damaged word comes before a table that is too short.
             let parsed = range.numbers(number_type, is_between, &mut numbers, |_| Ok(()));
             parsed.map_err(|error| error.expected(what)).and(passed)?;
-            change(&mut numbers);
+            numbers.par_chunks_mut(PART).for_each(change);
             return Ok(numbers);
         };
         let first = self.clone();

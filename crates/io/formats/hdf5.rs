@@ -6,8 +6,8 @@
 //! is read: a chunk or an array may be no larger than deflate can make of the whole file.
 
 use super::contents::{Encoding, Gather, Stored};
+use super::hdf5_chunks::ChunkRows;
 pub(super) use super::hdf5_chunks::Extent;
-use super::hdf5_chunks::{ChunkRows, filters};
 use super::hdf5_heaps::HeapStorage;
 use super::numbers::{ByteOrder, NumberType};
 use super::source::Source;
@@ -89,7 +89,6 @@ fn open_file(source: &Arc<Source>, linked: &Arc<LinkedFiles>) -> Result<Hdf5File
         .with_max_read_bytes(limit)
         .with_max_object_header_bytes(usize::try_from(source.len()).unwrap_or(usize::MAX))
         .with_chunk_cache_bytes(CHUNK_CACHE)
-        .with_filter_registry(filters())
         .with_external_link_resolver(Arc::new(links));
     HeapStorage::new(source.clone())
         .and_then(|storage| Hdf5File::from_storage_with_options(Arc::new(storage), options))

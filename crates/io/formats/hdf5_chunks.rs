@@ -6,17 +6,12 @@
 use super::codec::Codec;
 use super::source::Source;
 use hdf5_reader::btree_v1::{BTreeV1Key, BTreeV1Node};
-use hdf5_reader::error::Error;
-use hdf5_reader::filters::FilterRegistry;
 use hdf5_reader::messages::filter_pipeline::{FILTER_DEFLATE, FILTER_SHUFFLE};
 use hdf5_reader::messages::{HdfMessage, layout::DataLayout};
 use hdf5_reader::{Dataset, Hdf5File};
 use std::collections::HashSet;
 use std::ops::Range;
 use voltet_core::Result;
-
-/// Number of the filter LZF.
-const LZF: u16 = 32000;
 
 /// Part of an array along one axis: the first number, how many, and the distance between them.
 pub(super) type Extent = (u64, u64, u64);
@@ -292,38 +287,11 @@ fn unshuffle(from: &[u8], to: &mut [u8], value_size: usize) {
     }
 }
 
-/// The filters of the crate, and LZF, which h5py has.
-pub(super) fn filters() -> FilterRegistry {
-    let mut filters = FilterRegistry::new();
-    let damaged = || Error::InvalidData("a chunk of LZF is damaged".to_owned());
-    filters.register(LZF, Box::new(move |_, packed, _| unpack_lzf(packed).ok_or_else(damaged)));
-    filters
-}
-
-/// Bytes that LZF has packed (LibLZF, M. Lehmann): runs of bytes, and copies of what stands up to 8 KiB before. `None`: they are damaged.
-fn unpack_lzf(packed: &[u8]) -> Option<Vec<u8>> {
-    let mut bytes = Vec::with_capacity(packed.len() * 2);
-    let mut rest = packed.iter().copied();
-    while let Some(first) = rest.next() {
-        if first < 32 {
-            for _ in 0..=first {
-                bytes.push(rest.next()?);
-            }
-            continue;
-        }
-        let further = if first >> 5 == 7 { usize::from(rest.next()?) } else { 0 };
-        let distance = usize::from(u16::from_be_bytes([first & 31, rest.next()?])) + 1;
-        for _ in 0..usize::from(first >> 5) + further + 2 {
-            bytes.push(*bytes.get(bytes.len().checked_sub(distance)?)?);
-        }
-    }
-    Some(bytes)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use std::io::Read;
+    use std::sync::Arc;
 
     /// Bytes of a part by the chunks, of which a row at a time is decoded.
     fn decoded(chunks: &ChunkRows, source: &Source, len: usize) -> Vec<u8> {
@@ -359,15 +327,32 @@ mod tests {
         values.flat_map(|value| value.1.iter().copied()).collect()
     }
 
-    #[test]
-    fn every_form_of_chunks_is_that_of_the_crate() {
+    /// A packed file of samples in a folder.
+    fn sample(packed: &[u8]) -> (tempfile::TempDir, Arc<Source>, Hdf5File) {
         let mut bytes = Vec::new();
-        let packed = &include_bytes!("../tests/files/chunks.h5.gz")[..];
         flate2::read::GzDecoder::new(packed).read_to_end(&mut bytes).unwrap();
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("chunks.h5");
+        let path = folder.path().join("a.h5");
         std::fs::write(&path, &bytes).unwrap();
-        let (source, file) = (Source::open(&path).unwrap(), Hdf5File::from_vec(bytes).unwrap());
+        (folder, Source::open(&path).unwrap(), Hdf5File::from_vec(bytes).unwrap())
+    }
+
+    #[test]
+    fn chunks_are_found_by_offsets_of_four_bytes() {
+        let packed = include_bytes!("../tests/files/vtkhdf_short_offsets.vtkhdf.gz");
+        let (_folder, source, file) = sample(packed);
+        assert_eq!(file.superblock().offset_size, 4);
+        let dataset = file.root_group().unwrap().group("VTKHDF").unwrap().dataset("Points").unwrap();
+        let part: Vec<Extent> = dataset.shape().iter().map(|&n| (0, n, 1)).collect();
+        let truth = by_crate(&dataset, &part, 8);
+        let chunks = ChunkRows::find(&file, &dataset, &part, 8).unwrap();
+        assert_eq!(chunks.chunks.len(), 4);
+        assert!(decoded(&chunks, &source, truth.len()) == truth);
+    }
+
+    #[test]
+    fn every_form_of_chunks_is_that_of_the_crate() {
+        let (_folder, source, file) = sample(include_bytes!("../tests/files/chunks.h5.gz"));
         let root = file.root_group().unwrap();
         let names = root.member_names().unwrap().1;
         assert_eq!(names.len(), 13);
@@ -390,7 +375,7 @@ mod tests {
             }
         }
         // A chunk that would end behind the file.
-        let mut damaged = std::fs::read(&path).unwrap();
+        let mut damaged = std::fs::read(source.path()).unwrap();
         for at in 0..damaged.len() - 28 {
             if damaged[at..].starts_with(b"TREE\x01\0") {
                 damaged[at + 24..at + 28].fill(0xff);

@@ -40,7 +40,7 @@ const SMALL: usize = 1 << 11;
 const BLOCK_BYTES: usize = 1 << 14;
 const MAX_BLOCKS: usize = 64;
 
-/// A file of which heaps are read as one row of blocks.
+/// A file of which heaps are read as one row of blocks, and small readings come from blocks of the file: up to 1 MiB of these are kept.
 pub(super) struct HeapStorage {
     file: Arc<RangeRequestStorage>,
     blocks: BlockCacheStorage,

@@ -4,34 +4,37 @@
 //! Source: MSC Nastran quick reference guide, "INCLUDE": the name stands in quotes, within which it may go on over lines, or is a word.
 
 use crate::formats::cursor::Cursor;
+use crate::formats::named_files::IncludedFiles;
 use crate::formats::source::Source;
 use crate::formats::text::TextRange;
-use crate::formats::xml::{beside, open_named};
+use crate::formats::xml::beside;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 
-/// Files that may be included in all, and within one another.
-const MAX_FILES: usize = 1 << 10;
-const MAX_DEPTH: usize = 16;
-/// Bytes of an INCLUDE within which its name ends.
+/// The statement that names a file, and what may stand round the name.
+const STATEMENT: &str = "INCLUDE";
+const QUOTES: [char; 2] = ['\'', '"'];
+/// Bytes of a name in quotes within which it ends.
 const LONGEST: usize = 1 << 12;
 
 /// An input with the files that it includes.
-#[derive(Default)]
 pub(super) struct Deck {
     /// Parts of files with entries, in order.
     pub parts: Vec<TextRange>,
     /// Files that were included.
-    pub included: Vec<PathBuf>,
-    /// Bytes of all files.
-    pub file_bytes: u64,
+    pub included: IncludedFiles,
     /// Files that are within one another, the first before those that it includes.
     open: Vec<PathBuf>,
     has_ended: bool,
 }
 
 impl Deck {
+    /// Without entries yet.
+    pub fn new(first: &Source) -> Deck {
+        Deck { parts: Vec::new(), included: IncludedFiles::new(first), open: Vec::new(), has_ended: false }
+    }
+
     /// Adds a file and those that it includes.
     pub fn add(&mut self, source: &Arc<Source>) -> Result<()> {
         let file = TextRange::new(source, 0..source.len());
@@ -40,7 +43,7 @@ impl Deck {
             |rest| rest[0] == b'\n',
             |piece| {
                 let marks =
-                    piece.lines().filter(|line| starts_with(line, "INCLUDE") || starts_with(line, "ENDDATA"));
+                    piece.lines().filter(|line| starts_with(line, STATEMENT) || starts_with(line, "ENDDATA"));
                 Ok(marks.map(|line| piece.place(line)).collect::<Vec<_>>())
             },
             |found| {
@@ -48,7 +51,6 @@ impl Deck {
                 Ok(true)
             },
         )?;
-        self.file_bytes = self.file_bytes.saturating_add(source.len());
         self.open.push(source.path().to_owned());
         let mut begin = 0;
         for place in places {
@@ -92,14 +94,12 @@ impl Deck {
             let error = Error::run("a file includes itself").got(format_args!("'{name}'"));
             return Err(located(error.expected("files that do not lead back to one that includes them")));
         }
-        if self.open.len() > MAX_DEPTH || self.included.len() == MAX_FILES {
-            let error = Error::run("the file includes too many others").got(format_args!("'{name}'"));
-            let expected = format!("at most {MAX_FILES}, {MAX_DEPTH} within one another");
-            return Err(located(error.expected(expected)));
+        let counted = self.included.count(path, self.open.len());
+        counted.map_err(|error| located(error.got(format_args!("'{name}'"))))?;
+        match self.included.open(&by, path)? {
+            Some(source) => self.add(&source).map_err(|error| error.in_file(path)),
+            None => Ok(()),
         }
-        let source = open_named(&by, path, self.included.len())?;
-        self.included.push(path.clone());
-        self.add(&source).map_err(|error| error.in_file(path))
     }
 }
 
@@ -109,24 +109,37 @@ fn starts_with(line: &[u8], statement: &str) -> bool {
     word.is_some_and(|word| word.eq_ignore_ascii_case(statement.as_bytes()))
 }
 
-/// The name in the INCLUDE that begins here, empty where there is none; `None` for another statement.
+/// The name in the INCLUDE that begins here, empty where there is none; `None` for another statement. Names without quotes stand in its
+/// own line; those in quotes may begin behind comments and blank lines, and go on over lines.
 fn name_of_included(lines: &mut Cursor) -> Result<Option<String>> {
-    let mut text = String::new();
-    while text.len() < LONGEST
-        && let Some(line) = lines.line()?
-    {
-        text.push_str(String::from_utf8_lossy(line).trim());
-        if !starts_with(text.as_bytes(), "INCLUDE") {
-            return Ok(None);
+    let first = match lines.line()? {
+        Some(line) if starts_with(line, STATEMENT) => String::from_utf8_lossy(line).into_owned(),
+        _ => return Ok(None),
+    };
+    let mut text = without_comment(&first.trim_start()[STATEMENT.len()..]).to_owned();
+    if !text.is_empty() && !text.starts_with(QUOTES) {
+        return Ok(text.split_ascii_whitespace().next().map(str::to_owned));
+    }
+    loop {
+        // Within quotes all letters are of the name.
+        if let Some(quote) = text.chars().next()
+            && let Some((name, _)) = text[1..].split_once(quote)
+        {
+            return Ok(Some(name.trim().to_owned()));
         }
-        let rest = text["INCLUDE".len()..].trim_start();
-        let name = match rest.strip_prefix(['\'', '"']) {
-            Some(quoted) => quoted.split_once(&rest[..1]).map(|(name, _)| name.trim()),
-            None => rest.split([' ', '\t', '$']).next().filter(|word| !word.is_empty()),
-        };
-        if let Some(name) = name {
-            return Ok(Some(name.to_owned()));
+        let Some(line) = lines.line()?.filter(|_| text.len() < LONGEST) else { break };
+        let line = String::from_utf8_lossy(line);
+        let more = if text.is_empty() { without_comment(&line) } else { line.trim() };
+        if text.is_empty() && !more.is_empty() && !more.starts_with(QUOTES) {
+            break;
         }
+        text.push_str(more);
     }
     Ok(Some(String::new()))
+}
+
+/// A line before its comment and without white space round it; all of one that begins with a quote.
+fn without_comment(line: &str) -> &str {
+    let line = line.trim();
+    if line.starts_with(QUOTES) { line } else { line.split('$').next().unwrap_or_default().trim_end() }
 }

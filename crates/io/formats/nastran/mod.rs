@@ -54,11 +54,11 @@ const ELEMENTS: [(&str, usize, [u8; 2], &[usize]); 4] = [
 struct NastranMesh(Vec<TextRange>);
 
 fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
-    let mut deck = Deck::default();
+    let mut deck = Deck::new(&source);
     deck.add(&source)?;
     let mesh = NastranMesh(deck.parts);
     let dataset = dataset(&source, "Nastran bulk data".to_owned(), mesh, Vec::new(), request)?;
-    Ok(Dataset { file_bytes: deck.file_bytes, ..dataset })
+    Ok(Dataset { file_bytes: deck.included.file_bytes, ..dataset })
 }
 
 /// The files that a file includes; none for other formats.
@@ -68,10 +68,10 @@ pub(super) fn files_named(path: &Path) -> Vec<PathBuf> {
         return Vec::new();
     }
     named_files::files_named(path, || {
-        let mut deck = Deck::default();
+        let mut deck = Deck::new(&source);
         // What is damaged is an error of the reading itself.
         let is_whole = deck.add(&source).is_ok();
-        (deck.included, is_whole)
+        (deck.included.paths, is_whole)
     })
 }
 
@@ -155,20 +155,34 @@ fn is_end_of_entry(rest: &[u8]) -> bool {
     rest[0] == b'\n' && next().is_some_and(u8::is_ascii_alphabetic)
 }
 
-/// Parses the entries of these names side by side; `take` gets what they give, in order.
+/// Parses the entries of these names side by side; `take` gets what they give, in order. Errors: a line behind an INCLUDE, or the first of
+/// an included file, goes on with an entry, where some of these names came before: it may be one of those.
 fn each_entry<R: Send>(
     parts: &[TextRange],
     names: &[&str],
     parse: impl Fn(&BulkEntry) -> Result<R> + Sync,
     mut take: impl FnMut(R) -> Result<()>,
 ) -> Result<()> {
+    let mut has_entries = false;
     parts.iter().enumerate().try_for_each(|(part, range)| {
         let of_piece = |piece: &TextPiece| entries(piece, part, names, &parse);
-        let read = range.each_piece(is_end_of_entry, of_piece, |results| {
+        let read = range.each_piece(is_end_of_entry, of_piece, |Entries { continued, results }| {
+            if let Some((place, line)) = continued.filter(|_| has_entries) {
+                let error = Error::run("an entry goes on behind an INCLUDE").got(format_args!("'{line}'"));
+                return Err(range.locate(error.expected("all lines of an entry side by side"), place));
+            }
+            has_entries |= !results.is_empty();
             results.into_iter().try_for_each(&mut take).map(|()| true)
         });
         read.map_err(|error| error.in_file(range.path()))
     })
+}
+
+/// Results of the entries of a piece.
+struct Entries<R> {
+    /// Place and text of a line that goes on with an entry before the piece.
+    continued: Option<(u64, String)>,
+    results: Vec<R>,
 }
 
 fn entries<R>(
@@ -176,8 +190,8 @@ fn entries<R>(
     part: usize,
     names: &[&str],
     parse: &impl Fn(&BulkEntry) -> Result<R>,
-) -> Result<Vec<R>> {
-    let mut results = Vec::new();
+) -> Result<Entries<R>> {
+    let (mut results, mut continued, mut is_first) = (Vec::new(), None, true);
     // The entry with its first line.
     let mut open: Option<(BulkEntry, &[u8])> = None;
     for line in piece.lines() {
@@ -190,9 +204,13 @@ fn entries<R>(
         if own.is_empty() || own.starts_with(['+', '*']) {
             if let Some((entry, _)) = &mut open {
                 add_fields(data, &own, &mut entry.fields);
+            } else if is_first {
+                continued = Some((piece.place(line), data.trim().to_owned()));
             }
+            is_first = false;
             continue;
         }
+        is_first = false;
         if let Some((complete, first)) = open.take() {
             results.push(parse(&complete).map_err(|error| piece.locate(error, first))?);
         }
@@ -210,7 +228,7 @@ fn entries<R>(
     if let Some((complete, first)) = open {
         results.push(parse(&complete).map_err(|error| piece.locate(error, first))?);
     }
-    Ok(results)
+    Ok(Entries { continued, results })
 }
 
 impl BulkEntry {

@@ -122,7 +122,7 @@ def arrays():
 
 
 def short_offsets():
-    """The grid of every cell in a file whose offsets and lengths take four bytes, in chunks of LZF."""
+    """The grid of every cell in a file whose offsets and lengths take four bytes, in packed chunks."""
     sizes = h5py.h5p.create(h5py.h5p.FILE_CREATE)
     sizes.set_sizes(4, 4)
     short = h5py.h5f.create(b"vtkhdf_short_offsets.vtkhdf", h5py.h5f.ACC_TRUNC, sizes)
@@ -131,7 +131,7 @@ def short_offsets():
         def copy(name, item):
             if isinstance(item, h5py.Dataset):
                 chunks = tuple(max(1, min(n, 50)) for n in item.shape)
-                to = file.create_dataset(name, data=item[()], chunks=chunks, compression="lzf", shuffle=True, maxshape=item.maxshape)
+                to = file.create_dataset(name, data=item[()], chunks=chunks, compression="gzip", shuffle=True, maxshape=item.maxshape)
             else:
                 to = file.create_group(name)
             for key, value in item.attrs.items():

@@ -241,6 +241,90 @@ fn nastran_includes_files() {
 }
 
 #[test]
+fn nastran_names_the_files_that_it_includes_in_many_ways() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| file(&folder, name, text.as_bytes());
+    let (grids, rest) = ("GRID,1\nGRID,2,,1.\nGRID,3,,,1.\n", "GRID,4,,,,1.\nCTETRA,1,1,1,2,3,4\n");
+    write("b.bdf", grids);
+    write("b$1.bdf", grids);
+    write("empty.bdf", "");
+    for include in [
+        "INCLUDE $ nodes\n 'b.bdf'",
+        "INCLUDE\n$ 'nodes'\n\n  'b.bdf'",
+        "INCLUDE b.bdf$ 'x'",
+        "INCLUDE'b.bdf'",
+        "INCLUDE 'b.bdf' $ it's",
+        "INCLUDE \"b\n$1.bdf\"",
+        "INCLUDE b.bdf\nINCLUDE 'empty.bdf'",
+    ] {
+        let path = write("a.bdf", &format!("{include}\n{rest}"));
+        assert_eq!(tetrahedra(&grid(&path, &mesh())).len(), 1, "{include}");
+        let count = 1 + usize::from(include.contains("empty"));
+        assert_eq!([files_beside(&path).len(), files_read_beside(&path, &mesh()).len()], [count; 2]);
+    }
+    for include in ["INCLUDE\nGRID,1,,0.", "INCLUDE $ 'b.bdf'", "INCLUDE\nb.bdf"] {
+        let path = write("a.bdf", &format!("$\n{include}\n{grids}{rest}"));
+        let found = read(&path, &mesh(), &NoProgress).unwrap_err().to_string();
+        assert!(found.contains("which file it includes") && found.contains("a.bdf:2"), "{include}: {found}");
+    }
+}
+
+#[test]
+fn an_entry_of_nastran_does_not_go_on_behind_an_include() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| file(&folder, name, text.as_bytes());
+    let rest = "GRID,2,,1.\nGRID,3,,,1.\nGRID,4\nCTETRA,1,1,1,2,3,4\n";
+    write("shell.bdf", "PSHELL,1,1,0.1\n");
+    write("goes_on.bdf", "$ the rest\n\n*,9.\n");
+    for (text, place) in [
+        ("GRID*,1,,0.,0.\nINCLUDE 'shell.bdf'\n*,9.\n", "a.bdf:3"),
+        ("GRID*,1,,0.,0.\nINCLUDE 'goes_on.bdf'\n", "goes_on.bdf:3"),
+    ] {
+        let path = write("a.bdf", &format!("{text}{rest}"));
+        for found in [
+            read(&path, &mesh(), &NoProgress).unwrap_err().to_string(),
+            inspect(&path, &mesh(), &NoProgress).unwrap_err().to_string(),
+        ] {
+            assert!(
+                ["goes on behind an INCLUDE", "'*,9.'", place].iter().all(|word| found.contains(word)),
+                "{found}"
+            );
+        }
+    }
+    // Before all entries the same letters are of something else.
+    let text = format!(
+        "SUBCASE 1\nINCLUDE 'shell.bdf'\n          LOAD = 1\nBEGIN BULK\nGRID*,1,,0.,0.\n*,9.\n{rest}"
+    );
+    assert_eq!(grid(&write("a.bdf", &text), &mesh()).points[0], DVec3::new(0.0, 0.0, 9.0));
+}
+
+#[test]
+fn files_that_are_included_again_and_again_are_limited_by_their_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| file(&folder, name, text.as_bytes());
+    // Once and seven times again are below four times the files and a MiB, one more is not.
+    let comment = |sign: &str| format!("{sign} {}\n", "x".repeat(97)).repeat(3500);
+    write("b.bdf", &comment("$"));
+    write("b.inp", &comment("**"));
+    for (name, include, mesh_of) in [
+        ("a.bdf", "INCLUDE 'b.bdf'\n", "GRID,1\nGRID,2,,1.\nGRID,3,,,1.\nGRID,4,,,,1.\nCTETRA,1,1,1,2,3,4\n"),
+        (
+            "a.inp",
+            "*INCLUDE, INPUT=b.inp\n",
+            "*NODE\n1\n2,1\n3,0,1\n4,0,0,1\n*ELEMENT, TYPE=C3D4\n1,1,2,3,4\n",
+        ),
+    ] {
+        let text = |count: usize| format!("{mesh_of}{}", include.repeat(count));
+        assert_eq!(grid(&write(name, &text(7)), &mesh()).tetrahedra.len(), 1);
+        let path = write(name, &text(9));
+        let found = read(&path, &mesh(), &NoProgress).unwrap_err().to_string();
+        let place = format!("{name}:{}", mesh_of.lines().count() + 8);
+        let words = ["too many others", &name.replacen('a', "'b", 1), "bytes of files", &place];
+        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+    }
+}
+
+#[test]
 fn abaqus_has_parts_instances_and_sets() {
     let folder = tempfile::tempdir().unwrap();
     let text = "*Heading\n** a comment\n*Part, name=Block\n*Node\n 1, 0., 0., 0.\n 2, 1., 0.\n 3, 0., 1., 0.\n 4, 0., 0., 1.\n\
@@ -340,6 +424,7 @@ fn abaqus_goes_on_after_an_included_file() {
     let whole = tetrahedra(&grid(&write("whole.inp", &whole), &mesh()));
     write("element.txt", element);
     write("other.txt", other);
+    write("empty.txt", "");
     write("nested.txt", &format!("{element}*INCLUDE, INPUT=other.txt\n"));
     write("before.txt", &format!("*INCLUDE, INPUT=element.txt\n{other}"));
     let include = |name: &str| format!("*INCLUDE, INPUT={name}\n");
@@ -350,6 +435,8 @@ fn abaqus_goes_on_after_an_included_file() {
         format!("\n{}", include("before.txt")),
         format!(", INPUT=element.txt\n{other}"),
         format!(", INPUT=element.txt\n{}", include("other.txt")),
+        format!("\n{}{element}{other}", include("empty.txt")),
+        format!(", INPUT=empty.txt\n{element}{other}"),
     ] {
         let found = grid(&write("a.inp", &format!("*NODE\n{nodes}{keyword}{lines}")), &mesh());
         assert_eq!(tetrahedra(&found), whole, "{lines}");
