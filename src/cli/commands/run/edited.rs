@@ -1,14 +1,15 @@
 //! The film of a pipeline in the editor, saved or not: drawn and written as by `voltet run --film`, with progress for a window.
 
 use super::film::{self, DrawnFrame, Making};
-use super::plan;
-use super::runner::{OneOfSeveral, attempt_all};
+use super::runner::{OneOfSeveral, has_room_ahead};
 use super::task::{Attempt, Outcome, tasks_of};
+use super::{jobs, plan};
 use crate::Document;
 use crate::cli::arguments::Run;
 use crate::core::error::ErrorKind;
 use crate::core::{Error, Result, counted};
-use crate::graph::{Observer, Registry};
+use crate::document::LocatedError;
+use crate::graph::{Observer, Registry, Session};
 use clap::Parser;
 use std::ffi::OsString;
 use voltet_editor::FilmRequest;
@@ -47,16 +48,24 @@ fn made(request: &FilmRequest, registry: &Registry, observer: &dyn Observer) -> 
     crate::document::refuse_conflicts([&plans[0].first], true, &[])?;
     plan::refuse_conflicts(&plans, &arguments)?;
     let (session, tasks) = (crate::nodes::session(), tasks_of(&plans[0]));
+    let quiet = OneOfSeveral(observer);
+    let work =
+        |session: &mut Session, number: usize| tasks[number].attempt(&arguments, registry, session, &quiet);
+    // As the command does it: the error of a step that is read ahead is met when its turn comes.
+    let prepare = |number: usize| {
+        if number > 1 && has_room_ahead() {
+            drop(tasks[number].read_ahead(&arguments, registry, &mut session.beside(), &quiet));
+        }
+    };
     let (mut pictures, mut warnings) =
         (Vec::new(), document.graph.warnings.iter().map(Error::to_string).collect::<Vec<String>>());
     let mut failures: Vec<(String, Error)> = Vec::new();
-    attempt_all(&tasks, (&arguments, registry), &session, &OneOfSeveral(observer), |task, attempt| {
-        let number = task.frame.map_or(0, |(_, number)| number);
+    let take = |number: usize, attempt: &mut dyn FnMut() -> Outcome<Attempt>| {
         let stage = format!("frame {} of {}", number + 1, tasks.len());
         observer.progress("", &stage, number as f64 / tasks.len() as f64);
         let Attempt { document: drawn, outcome, .. } = attempt()?;
         let drawn = drawn.as_ref().unwrap_or(&document);
-        let label = task.frame.map(|(frames, number)| frames.frames[number].label());
+        let label = tasks[number].frame.map(|(frames, number)| frames.frames[number].label());
         let label = label.unwrap_or_default();
         match outcome.map_err(|error| drawn.locate(error)) {
             Ok(report) => {
@@ -72,8 +81,9 @@ fn made(request: &FilmRequest, registry: &Registry, observer: &dyn Observer) -> 
             // The others are drawn, and stay for the next film.
             Err(error) => failures.push((label, error)),
         }
-        Ok(true)
-    })?;
+        Ok::<bool, LocatedError>(true)
+    };
+    jobs::in_order((tasks.len(), 1), || session.beside(), (work, prepare), take)?;
     if let Some((label, error)) = failures.first() {
         let what = format!(
             "{} of {} failed, so that no film is made; {label}: {}",

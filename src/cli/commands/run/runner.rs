@@ -9,8 +9,9 @@ use crate::cli::commands::shared::FAILED;
 use crate::cli::present::Bar;
 use crate::cli::ranks::Launch;
 use crate::core::Result;
+use crate::document::LocatedError;
 use crate::graph::{Observer, Registry, Session};
-use crate::io::memory::has_room_ahead;
+use crate::io::memory;
 
 /// One call of the command: what its runs share.
 pub(super) struct Runner<'a> {
@@ -74,15 +75,25 @@ impl<'a> Runner<'a> {
         self.session.expect(single.map(|plan| &plan.first.graph));
         let Runner { arguments, registry, bar, session, messages, launch } = &mut self;
         let (bar, session, launch) = (&*bar, &*session, *launch);
+        let jobs = usize::from(arguments.jobs);
         let several = OneOfSeveral(bar);
-        let is_alone = arguments.jobs == 1 || tasks.len() == 1;
-        let observer: &dyn Observer = if is_alone { bar } else { &several };
-        let mut goes_on = true;
-        attempt_all(&tasks, (arguments, registry), session, observer, |task, attempt| {
-            messages.begin(task)?;
-            let attempt = attempt();
+        let observer: &dyn Observer = if jobs.min(tasks.len()) > 1 { &several } else { bar };
+        let work = |session: &mut Session, number: usize| {
+            let attempt = tasks[number].attempt(arguments, registry, session, observer);
             bar.clear();
-            let attempt = attempt?;
+            attempt
+        };
+        // The next step is read while one is drawn, where memory is ample. Its errors are met when its turn comes.
+        let prepare = |number: usize| {
+            if number > 1 && has_room_ahead() {
+                drop(tasks[number].read_ahead(arguments, registry, &mut session.beside(), &several));
+            }
+        };
+        let mut goes_on = true;
+        let take = |number: usize, attempt: &mut dyn FnMut() -> Outcome<Attempt>| {
+            let task = tasks[number];
+            messages.begin(task)?;
+            let attempt = attempt()?;
             let is_failed = attempt.outcome.is_err();
             if is_failed {
                 launch.announce_failure();
@@ -92,35 +103,15 @@ impl<'a> Runner<'a> {
                 // The other processes wait for this one.
                 launch.end_all(FAILED);
             }
-            Ok(goes_on)
-        })?;
+            Ok::<bool, LocatedError>(goes_on)
+        };
+        jobs::in_order((tasks.len(), jobs), || session.beside(), (work, prepare), take)?;
         Ok(self.messages.finish(goes_on)?)
     }
 }
 
-/// Attempts to draw pictures, several at a time where that is asked for. `take` has each in turn with a function that waits for its
-/// attempt, and gives false to stop. While one is drawn alone, the next step is read where memory is ample; its errors are met when
-/// its turn comes.
-pub(super) fn attempt_all(
-    tasks: &[Task],
-    (arguments, registry): (&Run, &Registry),
-    session: &Session,
-    observer: &dyn Observer,
-    mut take: impl FnMut(Task, &mut dyn FnMut() -> Outcome<Attempt>) -> Outcome<bool>,
-) -> Outcome<()> {
-    let work =
-        |session: &mut Session, number: usize| tasks[number].attempt(arguments, registry, session, observer);
-    let prepare = |number: usize| {
-        if number > 1 && has_room_ahead() {
-            let mut session = session.beside();
-            drop(tasks[number].read_ahead(arguments, registry, &mut session, &OneOfSeveral(observer)));
-        }
-    };
-    let counts = (tasks.len(), usize::from(arguments.jobs));
-    jobs::in_order(
-        counts,
-        || session.beside(),
-        (work, prepare),
-        |number, attempt| take(tasks[number], attempt),
-    )
+/// True if memory is left for another step beside the one that is drawn: three times what all took so far, of which drawing may take one
+/// again. So a step that can be drawn alone is not refused for one that was read too early.
+pub(super) fn has_room_ahead() -> bool {
+    memory::available().zip(memory::peak()).is_some_and(|(left, most)| left / 3 >= most)
 }
