@@ -152,6 +152,12 @@ pub fn peak() -> Option<u64> {
     kibibytes(&std::fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
 }
 
+/// True if memory is left for other data beside those that are drawn: three times what all took so far, of which drawing may take one
+/// again. So what can be drawn alone is not refused for what was read too early.
+pub fn has_room_ahead() -> bool {
+    available().zip(peak()).is_some_and(|(left, most)| left / 3 >= most)
+}
+
 /// Lets the system's count of it begin anew (Linux: proc(5), clear_refs); whether it does.
 pub fn forget_peak() -> bool {
     std::fs::write("/proc/self/clear_refs", "5").is_ok()

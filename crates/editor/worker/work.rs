@@ -69,7 +69,7 @@ impl WorkerState<'_> {
 
     /// Draws what is wanted, and reads the data of the next picture meanwhile.
     fn picture_and_data(&mut self, number: u64, wanted: &RenderRequest, next: Option<&RenderRequest>) {
-        let Some(next) = next.filter(|_| has_room_ahead()) else {
+        let Some(next) = next.filter(|_| memory::has_room_ahead()) else {
             self.ahead = None;
             return self.picture(number, wanted);
         };
@@ -183,11 +183,6 @@ impl WorkerState<'_> {
         });
         true
     }
-}
-
-/// True if memory is left for other data beside those that are drawn, by the rule of `voltet run`.
-fn has_room_ahead() -> bool {
-    memory::available().zip(memory::peak()).is_some_and(|(left, most)| left / 3 >= most)
 }
 
 /// Reads what a picture will be drawn from, until another one is wanted. What is wrong with the data is said when they are drawn.

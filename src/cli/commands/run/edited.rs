@@ -1,7 +1,7 @@
 //! The film of a pipeline in the editor, saved or not: drawn and written as by `voltet run --film`, with progress for a window.
 
 use super::film::{self, DrawnFrame, Making};
-use super::runner::{OneOfSeveral, has_room_ahead};
+use super::runner::OneOfSeveral;
 use super::task::{Attempt, Outcome, tasks_of};
 use super::{jobs, plan};
 use crate::Document;
@@ -10,6 +10,7 @@ use crate::core::error::ErrorKind;
 use crate::core::{Error, Result, counted};
 use crate::document::LocatedError;
 use crate::graph::{Observer, Registry, Session};
+use crate::io::memory::has_room_ahead;
 use clap::Parser;
 use std::ffi::OsString;
 use voltet_editor::FilmRequest;

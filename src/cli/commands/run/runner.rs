@@ -11,7 +11,7 @@ use crate::cli::ranks::Launch;
 use crate::core::Result;
 use crate::document::LocatedError;
 use crate::graph::{Observer, Registry, Session};
-use crate::io::memory;
+use crate::io::memory::has_room_ahead;
 
 /// One call of the command: what its runs share.
 pub(super) struct Runner<'a> {
@@ -108,10 +108,4 @@ impl<'a> Runner<'a> {
         jobs::in_order((tasks.len(), jobs), || session.beside(), (work, prepare), take)?;
         Ok(self.messages.finish(goes_on)?)
     }
-}
-
-/// True if memory is left for another step beside the one that is drawn: three times what all took so far, of which drawing may take one
-/// again. So a step that can be drawn alone is not refused for one that was read too early.
-pub(super) fn has_room_ahead() -> bool {
-    memory::available().zip(memory::peak()).is_some_and(|(left, most)| left / 3 >= most)
 }
