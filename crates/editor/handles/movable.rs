@@ -4,7 +4,7 @@ use voltet_document::Edit;
 
 /// An object in the picture that grips move. Places are in heights of the picture from its middle, to the right and up.
 pub(super) trait Movable {
-    /// Its kind and its node: "plane of clip".
+    /// Its kind and its node, "plane of clip"; the node alone of what has no kinds.
     fn name(&self) -> &str {
         self.node()
     }

@@ -56,6 +56,15 @@ enum Motion {
     Aside,
 }
 
+/// Part of space of a clip, or surface of a slice, world units.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum StatedShape {
+    /// As of a clip.
+    Clip(ClipShape),
+    /// A cylinder without ends.
+    Tube { origin: DVec3, axis: DVec3, radius: f64 },
+}
+
 struct Object {
     node: String,
     name: String,
@@ -65,8 +74,7 @@ struct Object {
     stated: Vec<Field>,
     /// True for a slice, whose parameters have other names: a sphere's centre is its origin.
     is_slice: bool,
-    /// Part of space, or surface of a slice: its cylinder has no ends, and goes from its origin along its axis.
-    shape: ClipShape,
+    shape: StatedShape,
     /// Least and greatest coordinates of the data that it cuts.
     bounds: [DVec3; 2],
     view: View,
@@ -168,7 +176,7 @@ fn point(stated: &[Field], key: &str, [low, high]: [DVec3; 2]) -> Option<DVec3> 
 }
 
 /// The shape that a clip or a slice states; `None` of one that is not sound.
-fn stated_shape(stated: &[Field], is_slice: bool, bounds: [DVec3; 2]) -> Option<ClipShape> {
+fn stated_shape(stated: &[Field], is_slice: bool, bounds: [DVec3; 2]) -> Option<StatedShape> {
     let text = |key: &str| find_setting(stated, key).and_then(LocatedValue::text);
     let at = |key: &str| point(stated, key, bounds);
     // A slice need not state all.
@@ -196,20 +204,21 @@ fn stated_shape(stated: &[Field], is_slice: bool, bounds: [DVec3; 2]) -> Option<
         (_, false) => return None,
         (Some("sphere"), true) => ClipShape::Sphere { centre: origin()?, radius: radius()? },
         (Some("cylinder"), true) => {
-            let (from, axis) = (origin()?, diagonal(bounds) * normal()?);
-            ClipShape::Cylinder { from, to: from + axis, radius: radius()? }
+            let (origin, axis, radius) = (origin()?, normal()?, radius()?);
+            let is_sound = axis != DVec3::ZERO && radius > 0.0 && radius.is_finite();
+            return is_sound.then_some(StatedShape::Tube { origin, axis, radius });
         }
         (_, true) => ClipShape::Plane { origin: origin()?, normal: normal()? },
     };
-    shape.check().is_ok().then_some(shape)
+    shape.check().is_ok().then_some(StatedShape::Clip(shape))
 }
 
-fn word(shape: &ClipShape) -> &'static str {
+fn word(shape: &StatedShape) -> &'static str {
     match shape {
-        ClipShape::Plane { .. } => "plane",
-        ClipShape::Box { .. } => "box",
-        ClipShape::Sphere { .. } => "sphere",
-        ClipShape::Cylinder { .. } => "cylinder",
+        StatedShape::Clip(ClipShape::Plane { .. }) => "plane",
+        StatedShape::Clip(ClipShape::Box { .. }) => "box",
+        StatedShape::Clip(ClipShape::Sphere { .. }) => "sphere",
+        StatedShape::Clip(ClipShape::Cylinder { .. }) | StatedShape::Tube { .. } => "cylinder",
     }
 }
 
@@ -271,26 +280,25 @@ impl Object {
 
     fn polylines(&self) -> Vec<Vec<DVec3>> {
         match self.shape {
-            ClipShape::Plane { origin, normal } => {
+            StatedShape::Clip(ClipShape::Plane { origin, normal }) => {
                 let mut outline = cut(self.bounds, origin, normal);
                 outline.extend(outline.first().copied());
                 let middle = self.middle(origin, normal);
                 vec![outline, vec![middle, middle + ARROW * self.size() * normal]]
             }
-            ClipShape::Box { low, high } => {
+            StatedShape::Clip(ClipShape::Box { low, high }) => {
                 let points = corners([low, high]);
                 EDGES.map(|ends| ends.map(|end| points[end]).to_vec()).to_vec()
             }
-            ClipShape::Sphere { centre, radius } => {
+            StatedShape::Clip(ClipShape::Sphere { centre, radius }) => {
                 DVec3::AXES.map(|axis| circle(centre, axis, radius)).to_vec()
             }
-            ClipShape::Cylinder { from, to, radius } if self.is_slice => {
-                let axis = unit_vector(to - from);
-                let mut lines = cylinder(self.shown_ends(from, axis), radius);
-                lines.push(vec![from, from + ARROW * self.size() * axis]);
+            StatedShape::Tube { origin, axis, radius } => {
+                let mut lines = cylinder(self.shown_ends(origin, axis), radius);
+                lines.push(vec![origin, origin + ARROW * self.size() * axis]);
                 lines
             }
-            ClipShape::Cylinder { from, to, radius } => cylinder([from, to], radius),
+            StatedShape::Clip(ClipShape::Cylinder { from, to, radius }) => cylinder([from, to], radius),
         }
     }
 
@@ -307,11 +315,11 @@ impl Object {
         };
         let rim = |at: DVec3, way: DVec3, radius: f64| (Part::Radius, at + radius * way, Motion::Along(way));
         match self.shape {
-            ClipShape::Plane { origin, normal } => {
+            StatedShape::Clip(ClipShape::Plane { origin, normal }) => {
                 let at = self.middle(origin, normal);
                 vec![(Part::Position, at, Motion::Along(normal)), tip(at, normal)]
             }
-            ClipShape::Box { low, high } => {
+            StatedShape::Clip(ClipShape::Box { low, high }) => {
                 let [least, most] = [low.max(self.bounds[0]), high.min(self.bounds[1])];
                 let whole = 0.5 * (low + high);
                 // In the middle of what is seen of the face.
@@ -323,14 +331,15 @@ impl Object {
                 };
                 (0..3).flat_map(|axis| [face(axis, false), face(axis, true)]).collect()
             }
-            ClipShape::Sphere { centre, radius } => {
+            StatedShape::Clip(ClipShape::Sphere { centre, radius }) => {
                 vec![(Part::Position, centre, Motion::Aside), rim(centre, sides[0], radius)]
             }
-            ClipShape::Cylinder { from, to, radius } if self.is_slice => {
-                let axis = unit_vector(to - from);
-                vec![(Part::Position, from, Motion::Aside), tip(from, axis), rim(from, beside(axis), radius)]
-            }
-            ClipShape::Cylinder { from, to, radius } => vec![
+            StatedShape::Tube { origin, axis, radius } => vec![
+                (Part::Position, origin, Motion::Aside),
+                tip(origin, axis),
+                rim(origin, beside(axis), radius),
+            ],
+            StatedShape::Clip(ClipShape::Cylinder { from, to, radius }) => vec![
                 (Part::End(0), from, Motion::Aside),
                 (Part::End(1), to, Motion::Aside),
                 rim(0.5 * (from + to), beside(unit_vector(to - from)), radius),
@@ -340,7 +349,7 @@ impl Object {
 
     fn part_name(&self, part: Part) -> String {
         match (part, self.shape) {
-            (Part::Position, ClipShape::Sphere { .. }) => "centre".into(),
+            (Part::Position, StatedShape::Clip(ClipShape::Sphere { .. })) => "centre".into(),
             (Part::Position, _) => "position".into(),
             (Part::Direction, _) => "direction".into(),
             (Part::Face(axis, is_upper), _) => {
@@ -362,15 +371,17 @@ impl Object {
             vec![("radius", self.length((to - centre).dot(way).max(least)))]
         };
         match (part, self.shape) {
-            (Part::Position, ClipShape::Plane { origin: before, .. }) => vec![origin(before + to - from)],
-            (Part::Direction, ClipShape::Plane { origin: before, normal }) => {
+            (Part::Position, StatedShape::Clip(ClipShape::Plane { origin: before, .. })) => {
+                vec![origin(before + to - from)]
+            }
+            (Part::Direction, StatedShape::Clip(ClipShape::Plane { origin: before, normal })) => {
                 // The plane turns about the grip in its middle.
                 let about = self.middle(before, normal);
                 let is_there = about.distance(before) < WRITTEN * self.size();
                 let moved = (!is_there).then(|| origin(about));
                 moved.into_iter().chain([turned(about)]).collect()
             }
-            (Part::Face(axis, is_upper), ClipShape::Box { low, high }) => {
+            (Part::Face(axis, is_upper), StatedShape::Clip(ClipShape::Box { low, high })) => {
                 let (mut end, key) = if is_upper { (high, "high") } else { (low, "low") };
                 end[axis] = match is_upper {
                     true => to[axis].max(low[axis] + least),
@@ -378,12 +389,16 @@ impl Object {
                 };
                 vec![point(key, end)]
             }
-            (Part::Position, ClipShape::Sphere { .. }) if !self.is_slice => vec![point("centre", to)],
+            (Part::Position, StatedShape::Clip(ClipShape::Sphere { .. })) if !self.is_slice => {
+                vec![point("centre", to)]
+            }
             (Part::Position, _) => vec![origin(to)],
-            (Part::Direction, ClipShape::Cylinder { from, .. }) => vec![turned(from)],
-            (Part::Radius, ClipShape::Sphere { centre, .. }) => radius(centre),
-            (Part::Radius, ClipShape::Cylinder { from, .. }) if self.is_slice => radius(from),
-            (Part::Radius, ClipShape::Cylinder { from, to, .. }) => radius(0.5 * (from + to)),
+            (Part::Direction, StatedShape::Tube { origin, .. }) => vec![turned(origin)],
+            (Part::Radius, StatedShape::Clip(ClipShape::Sphere { centre, .. })) => radius(centre),
+            (Part::Radius, StatedShape::Tube { origin, .. }) => radius(origin),
+            (Part::Radius, StatedShape::Clip(ClipShape::Cylinder { from, to, .. })) => {
+                radius(0.5 * (from + to))
+            }
             (Part::End(end), _) => vec![point(["from", "to"][end], to)],
             _ => Vec::new(),
         }
@@ -468,5 +483,39 @@ impl Movable for Object {
             Motion::About(_) | Motion::Aside => at + step * (right * sides[0] + up * sides[1]),
         };
         self.edits(part, at, Some(to))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_axis_of_a_slice_is_the_stated_one_wherever_its_origin_and_its_data_are() {
+        let field = |(name, datum): (&str, ParameterValue)| Field {
+            name: name.into(),
+            origin: Default::default(),
+            setting: datum.into(),
+        };
+        let list = |numbers: [f64; 3]| ParameterValue::List(numbers.map(LocatedValue::from).to_vec());
+        let shape = |normal: [f64; 3], radius: f64, bounds| {
+            let stated = [
+                ("shape", ParameterValue::Text("cylinder".into())),
+                ("origin", list([1e17, -3.0, 2e9])),
+                ("normal", list(normal)),
+                ("radius", ParameterValue::Number(radius)),
+            ];
+            stated_shape(&stated.map(field), true, bounds)
+        };
+        let (origin, axis) = (DVec3::new(1e17, -3.0, 2e9), unit_vector(DVec3::new(1.0, 2.0, 3.0)));
+        for high in [DVec3::ONE, DVec3::ZERO] {
+            let found = shape([1.0, 2.0, 3.0], 0.5, [DVec3::ZERO, high]);
+            assert_eq!(found, Some(StatedShape::Tube { origin, axis, radius: 0.5 }), "{high}");
+        }
+        for (normal, radius) in
+            [([0.0; 3], 0.5), ([1.0; 3], 0.0), ([1.0; 3], f64::NAN), ([1.0; 3], f64::INFINITY)]
+        {
+            assert_eq!(shape(normal, radius, [DVec3::ZERO, DVec3::ONE]), None, "{normal:?} {radius}");
+        }
     }
 }

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use voltet_core::progress::NoProgress;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 
 /// Bytes of the file that are read at a time.
 const WINDOW: usize = 1 << 18;
@@ -207,6 +207,24 @@ impl Cursor {
         Ok(self.window.get(self.at).copied())
     }
 
+    /// Passes over the next word if it is this one, in any case of letters; else the position stays.
+    pub fn word_if(&mut self, accepted: &str) -> Result<bool> {
+        let (start, line) = (self.position(), self.line);
+        self.skip_space()?;
+        while self.window.len() - self.at <= accepted.len() && self.fill()? {}
+        let (word, rest) = self.window[self.at..].split_at_checked(accepted.len()).unwrap_or_default();
+        if word.eq_ignore_ascii_case(accepted.as_bytes()) && rest.first().is_none_or(|&byte| is_space(byte)) {
+            (self.at, self.last_line) = (self.at + word.len(), self.line);
+            return Ok(true);
+        }
+        if start < self.start {
+            self.window.clear();
+            self.start = start;
+        }
+        (self.at, self.line) = ((start - self.start) as usize, line);
+        Ok(false)
+    }
+
     /// True if the file goes on with these bytes, which stay.
     pub fn starts_with(&mut self, bytes: &[u8]) -> Result<bool> {
         while self.window.len() - self.at < bytes.len() && self.fill()? {}
@@ -224,11 +242,18 @@ impl Cursor {
         Ok(bytes)
     }
 
+    /// That so many bytes are left.
+    fn check(&self, count: u64) -> Result<()> {
+        if count <= self.left() {
+            return Ok(());
+        }
+        let error = self.error("the file ends early").got(counted(self.left(), "byte"));
+        Err(error.expected(counted(count, "byte")))
+    }
+
     /// The next `count` bytes, which the file must hold.
     pub fn bytes(&mut self, count: usize) -> Result<&[u8]> {
-        if count as u64 > self.left() {
-            return Err(self.error("the file ends early").got(self.left()).expected(count));
-        }
+        self.check(count as u64)?;
         while self.window.len() - self.at < count {
             self.fill()?;
         }
@@ -238,9 +263,7 @@ impl Cursor {
 
     /// Moves on by `count` bytes, which the file must hold.
     pub fn skip(&mut self, count: u64) -> Result<()> {
-        if count > self.left() {
-            return Err(self.error("the file ends early").got(self.left()).expected(count));
-        }
+        self.check(count)?;
         let inside = (self.window.len() - self.at) as u64;
         if count <= inside {
             self.at += count as usize;
@@ -522,6 +545,25 @@ mod tests {
     }
 
     #[test]
+    fn a_word_is_passed_over_where_it_is_the_one() {
+        let folder = tempfile::tempdir().unwrap();
+        for before in [0, 7, WINDOW - 9, WINDOW - 1, WINDOW] {
+            let text = format!("{}\n\nofFsets\n Offsets2 OFFSETS", "x".repeat(before));
+            let mut cursor = cursor(&folder, text.as_bytes());
+            cursor.until(is_space).unwrap();
+            for other in ["OFFSET", "OFFSETS2", "x"] {
+                assert!(!cursor.word_if(other).unwrap(), "{other} {before}");
+                assert_eq!((cursor.position(), cursor.line_number()), (before as u64, 1), "{before}");
+            }
+            assert!(cursor.word_if("OFFSETS").unwrap(), "{before}");
+            assert_eq!((cursor.last_line(), cursor.left()), (3, 18), "{before}");
+            assert!(!cursor.word_if("OFFSETS").unwrap() && cursor.word_if("offsets2").unwrap());
+            assert!(cursor.word_if("OFFSETS").unwrap() && !cursor.word_if("OFFSETS").unwrap(), "{before}");
+            assert_eq!((cursor.line_number(), cursor.left()), (4, 0), "{before}");
+        }
+    }
+
+    #[test]
     fn a_clone_is_at_the_same_place_without_bytes() {
         let folder = tempfile::tempdir().unwrap();
         let mut cursor = cursor(&folder, b"one two\nthree");
@@ -549,6 +591,7 @@ mod tests {
         let mut long = cursor(&folder, &[b'a'; 3 * WINDOW]);
         long.skip(2 * WINDOW as u64 + 1).unwrap();
         assert_eq!((long.left(), long.bytes(3).unwrap().len()), (WINDOW as u64 - 1, 3));
-        assert!(long.skip(WINDOW as u64).is_err());
+        let short = long.skip(WINDOW as u64).unwrap_err().to_string();
+        assert!(short.contains("found 262140 bytes; expected 262144 bytes"), "{short}");
     }
 }

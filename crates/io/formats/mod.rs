@@ -93,7 +93,7 @@ pub use inspect::{ArraySummary, BlockSummary, Summary};
 pub use outline::Outline;
 pub use parts::{PieceBorders, PieceSize};
 pub use quantities::{ArrayChoice, differ};
-pub use request::{Component, Request, SelectedArrays, TimeStep, list as quoted_names};
+pub use request::{Component, Request, SelectedArrays, TimeStep, list as quoted_names, shortened};
 pub use source::existing_file;
 pub use surfaces::{SURFACE_FILES, read_surface};
 pub use voltet_core::grid::{Association, CellValues, Options};

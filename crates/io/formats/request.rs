@@ -348,12 +348,17 @@ fn unknown(
 
 /// Names in quotes, each once, shortened where there are many.
 pub fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
-    const SHOWN: usize = 12;
     let mut seen = BTreeSet::new();
-    let names: Vec<&str> = names.into_iter().filter(|name| seen.insert(*name)).collect();
-    let shown: Vec<String> = names.iter().take(SHOWN).map(|name| format!("'{name}'")).collect();
-    match names.len().saturating_sub(SHOWN) {
-        0 => shown.join(", "),
-        more => format!("{} and {more} more", shown.join(", ")),
+    let each_once = names.into_iter().filter(|name| seen.insert(*name));
+    shortened(&each_once.map(|name| format!("'{name}'")).collect::<Vec<_>>())
+}
+
+/// Texts in a row, shortened where there are many.
+pub fn shortened(texts: &[String]) -> String {
+    const SHOWN: usize = 12;
+    let shown = texts[..texts.len().min(SHOWN)].join(", ");
+    match texts.len().saturating_sub(SHOWN) {
+        0 => shown,
+        more => format!("{shown} and {more} more"),
     }
 }

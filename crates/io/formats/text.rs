@@ -30,6 +30,11 @@ pub(super) fn is_space(byte: u8) -> bool {
     (byte == b' ') | (byte == b'\n') | (byte == b'\t') | (byte == b'\r') | (byte == b'\x0c')
 }
 
+/// True if a mark stands in the head of a file.
+pub(super) fn has_mark(head: &[u8], mark: &str) -> bool {
+    head.windows(mark.len()).any(|window| window == mark.as_bytes())
+}
+
 /// Number of line ends.
 pub(super) fn line_ends(bytes: &[u8]) -> usize {
     let of_part = |part: &[u8]| part.iter().map(|&byte| u8::from(byte == b'\n')).sum::<u8>();

@@ -9,16 +9,13 @@ use crate::core::{Error, Result, agreeing, counted};
 use crate::graph::{ParameterValue, Registry, RunReport};
 use crate::io::formats::{
     Association, FileArray, Outline, Request, TimeStep, blocks_named, files_beside, outline, quoted_names,
-    steps,
+    shortened, steps,
 };
 use crate::nodes::external_formats;
 use crate::nodes::files::{Use, collision, is_standard_output, is_stream, refuse_unwritable};
 use crate::series::names::{MarkValues, Varying, path_of};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-
-/// Names that a line of the list shows.
-const MAX_NAMES: usize = 12;
 
 /// Name of the pipeline, which is no file.
 const CONVERSION: &str = "conversion";
@@ -311,12 +308,4 @@ fn not_written(
         ));
     }
     lines
-}
-
-fn shortened(texts: &[String]) -> String {
-    let shown = texts[..texts.len().min(MAX_NAMES)].join(", ");
-    match texts.len().saturating_sub(MAX_NAMES) {
-        0 => shown,
-        more => format!("{shown} and {more} more"),
-    }
 }

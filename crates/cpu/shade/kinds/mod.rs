@@ -503,7 +503,13 @@ impl LaneWidget {
         match &self.profile {
             VectorProfile::Gaussian(gaussian) => gaussian.unsure(segments),
             VectorProfile::GaussianNd(nd) => nd.unsure(),
-            _ => 0,
+            VectorProfile::Uniform
+            | VectorProfile::Wave(_)
+            | VectorProfile::PiecewiseLinear(_)
+            | VectorProfile::Table(_)
+            | VectorProfile::TriangularGaussian(_)
+            | VectorProfile::TriangularGaussianNd(_)
+            | VectorProfile::None => 0,
         }
     }
 

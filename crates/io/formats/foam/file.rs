@@ -6,8 +6,7 @@
 use crate::formats::cursor::Cursor;
 use crate::formats::numbers::{self, ByteOrder, NumberType, Target};
 use crate::formats::source::Source;
-use crate::formats::text::is_space;
-use crate::formats::xml::has_mark;
+use crate::formats::text::{has_mark, is_space};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};

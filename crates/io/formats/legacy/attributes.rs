@@ -38,7 +38,7 @@ pub(super) fn attribute(scanner: &mut Scanner, keyword: &str, count: u64) -> Res
                     .expected("1 to 65536")
             })?,
         };
-        if !scanner.word_if("LOOKUP_TABLE")? {
+        if !scanner.cursor.word_if("LOOKUP_TABLE")? {
             let what = format!("the scalars '{name}' do not name their look-up table");
             return Err(scanner.error(what).expected("LOOKUP_TABLE default"));
         }

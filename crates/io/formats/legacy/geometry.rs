@@ -146,7 +146,7 @@ impl LegacyGeometry {
 fn cells(scanner: &mut Scanner) -> Result<CellList> {
     let count: u64 = scanner.number("the number of cells")?;
     let size = scanner.number("the length of the list")?;
-    if scanner.word_if("OFFSETS")? {
+    if scanner.cursor.word_if("OFFSETS")? {
         let number_type = scanner.number_type()?;
         let offsets = scanner.numeric("OFFSETS", number_type, 1, count)?;
         let word = scanner.required("CONNECTIVITY")?;

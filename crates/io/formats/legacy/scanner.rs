@@ -7,6 +7,9 @@ use crate::formats::source::Source;
 use std::sync::Arc;
 use voltet_core::{Error, Result, counted};
 
+/// No word or line outside arrays is longer in a sound file.
+const LONGEST: usize = 1 << 14;
+
 /// A position in a legacy file. Arrays are bytes where the cursor has a byte order; else words.
 pub(super) struct Scanner {
     pub source: Arc<Source>,
@@ -31,7 +34,8 @@ impl Scanner {
 
     /// The next word; `None` at the end of the file.
     pub fn word(&mut self) -> Result<Option<String>> {
-        Ok(self.cursor.word()?.map(|word| String::from_utf8_lossy(word).into_owned()))
+        let word = self.cursor.word()?.map(text);
+        self.short(word, "word")
     }
 
     /// The next word, which must be there.
@@ -60,19 +64,16 @@ impl Scanner {
 
     /// The rest of the line, without its end.
     pub fn rest_of_line(&mut self) -> Result<Option<String>> {
-        let line = self.cursor.line()?;
-        Ok(line.map(|line| String::from_utf8_lossy(line).trim().to_owned()))
+        let line = self.cursor.line()?.map(text);
+        Ok(self.short(line, "line")?.map(|line| line.trim().to_owned()))
     }
 
-    /// Passes over the next word if it is this one, in any case of letters; else the position stays.
-    pub fn word_if(&mut self, accepted: &str) -> Result<bool> {
-        let start = self.cursor.clone();
-        // What follows may be the bytes of an array: no error if it is no word.
-        if self.word().is_ok_and(|word| word.is_some_and(|word| word.eq_ignore_ascii_case(accepted))) {
-            return Ok(true);
+    /// A word or line that is not too long.
+    fn short(&self, found: Option<Option<String>>, what: &str) -> Result<Option<String>> {
+        match found {
+            Some(None) => Err(self.error(format!("a {what} is too long"))),
+            found => Ok(found.flatten()),
         }
-        self.cursor = start;
-        Ok(false)
     }
 
     /// Skips a METADATA block of the last array, which ends with an empty line; the line of a component without a name is empty, too.
@@ -171,7 +172,10 @@ impl Scanner {
 
     fn skip_words(&mut self, count: u64, name: &str) -> Result<()> {
         let start = self.cursor.clone();
-        self.cursor.skip_numbers(count, 0).or_else(|_| {
+        self.cursor.skip_numbers(count, 0).or_else(|error| {
+            if self.cursor.left() > 0 {
+                return Err(error);
+            }
             let found = counted(start.range_to(&self.cursor).word_count()?, "value");
             Err(self.error(format!("the array '{name}' ends early")).got(found).expected(count))
         })
@@ -197,5 +201,37 @@ impl Scanner {
             self.cursor.skip(len)?;
         }
         Ok(())
+    }
+}
+
+/// The text of a word or line; `None` of one that is too long.
+fn text(bytes: &[u8]) -> Option<String> {
+    (bytes.len() <= LONGEST).then(|| String::from_utf8_lossy(bytes).into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_array_that_cannot_be_read_is_not_said_to_end_early() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.vtk");
+        let message = |text: &str, count: u64, left: Option<u64>| {
+            std::fs::write(&path, text).unwrap();
+            let mut scanner = Scanner::new(Source::open(&path).unwrap());
+            if let Some(left) = left {
+                std::fs::OpenOptions::new().write(true).open(&path).unwrap().set_len(left).unwrap();
+            }
+            scanner.array("f", Some(NumberType::F32), 1, count).err().map(|error| error.to_string())
+        };
+        let numbers = "1.5\n".repeat(200_000);
+        assert_eq!(message(&numbers, 200_000, None), None);
+        let short = message(&numbers, 200_001, None).unwrap();
+        assert!(short.contains("'f' ends early") && short.contains("found 200000 values"), "{short}");
+        let unread = message(&numbers, 200_000, Some(500_000)).unwrap();
+        assert!(unread.contains("cannot be read"), "{unread}");
+        let long = message(&("1 ".to_owned() + &"x".repeat(5 << 20) + " 2"), 2, None).unwrap();
+        assert!(long.contains("too long"), "{long}");
     }
 }

@@ -14,7 +14,7 @@ use super::contents::{
 };
 use super::request::{Format, Request, list};
 use super::source::{Source, text_of};
-use super::xml::has_mark;
+use super::text::has_mark;
 use super::xml::header::{self, Element};
 use cells::Topology;
 use glam::{DMat3, DVec3};

@@ -9,12 +9,13 @@ pub(super) mod poly_data;
 mod serial;
 mod trees;
 
-pub(super) use named::{beside, has_mark, open_named};
+pub(super) use named::{beside, open_named};
 pub(super) use serial::is_before;
 
 use super::contents::Dataset;
 use super::request::{Format, Request};
 use super::source::{Source, text_of};
+use super::text::has_mark;
 use header::Element;
 use named::HEAD;
 use parallel::{SERIES, TREES, open_step};

@@ -27,8 +27,3 @@ pub(in crate::formats) fn open_named(by: &Path, path: &Path, number: usize) -> R
 
 /// Bytes of a file within which its type stands.
 pub(super) const HEAD: u64 = 1024;
-
-/// True if a mark stands in the head of a file.
-pub(in crate::formats) fn has_mark(head: &[u8], mark: &str) -> bool {
-    head.windows(mark.len()).any(|window| window == mark.as_bytes())
-}

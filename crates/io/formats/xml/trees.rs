@@ -5,7 +5,7 @@
 //! number. The files of a partitioned data set are pieces of one block. The patches of a .vthb are blocks named by level and number.
 
 use super::header::{self, Element};
-use super::named::{HEAD, beside, has_mark, open_named};
+use super::named::{HEAD, beside, open_named};
 use super::parallel::{PATCHES, TREES, open_step};
 use crate::formats::amr::{self, Patch};
 use crate::formats::blocks;
@@ -13,6 +13,7 @@ use crate::formats::contents::{CellBlocks, Dataset, Geometry, Piece, extent_dime
 
 use crate::formats::request::{Request, list};
 use crate::formats::source::Source;
+use crate::formats::text::has_mark;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

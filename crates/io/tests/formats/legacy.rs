@@ -3,7 +3,7 @@
 use crate::encodings::grid;
 use voltet_core::progress::NoProgress;
 use voltet_io::formats::{Association, Request, inspect, read};
-use voltet_testing::files::legacy::{LEGACY_TYPES, points, structured, unstructured, value};
+use voltet_testing::files::legacy::{LEGACY_TYPES, LegacyWriter, points, structured, unstructured, value};
 use voltet_testing::files::samples::file;
 
 #[test]
@@ -205,7 +205,17 @@ fn mistakes_name_their_line() {
     expect(message(sound.replace("POINTS 12", "POYNTS 12")), &["unknown keyword", "'POYNTS'", "a.vtk:10"]);
     expect(message(sound.replace("12 float", "12 flaot")), &["'flaot'", "double", "a.vtk:10"]);
     expect(message(sound.replace("POINTS 12", "POINTS twelve")), &["'twelve'", "number of points"]);
-    expect(message(sound.replace("POINTS 12", "POINTS 999999999999999999")), &["'POINTS' ends early"]);
+    let end = format!("a.vtk:{}", sound.lines().count() + 1);
+    expect(message(sound.replace("POINTS 12", "POINTS 999999999999999999")), &["'POINTS' ends early", &end]);
+    let line = sound[..sound.find("SCALARS int").unwrap()].lines().count() + 1;
+    for (wrong, what) in [
+        ("SCALARS int int x\nLOOKUP_TABLE", "number of components of 'int'"),
+        ("SCALARS int int 1\nLOOK", "do not name their look-up table"),
+        ("SCALARS int int 1\nLOOKUP_TABLES", "do not name their look-up table"),
+    ] {
+        let text = sound.replace("SCALARS int int 1\nLOOKUP_TABLE", wrong);
+        expect(message(text), &[what, &format!("a.vtk:{line}")]);
+    }
     expect(
         message(sound.replace("POINT_DATA 12", "POINT_DATA 13")),
         &["does not fit the grid", "found 13", "12"],
@@ -217,4 +227,105 @@ fn mistakes_name_their_line() {
     expect(message(sound.replace("8 0 1 4 3", "9 0 1 4 3")), &["cell"]);
     expect(message(sound.replace("DATASET UNSTRUCTURED_GRID", "DATASET POLYDATA")), &["POLYDATA"]);
     expect(message(sound[..sound.len() / 2].to_owned()), &["ends early"]);
+}
+
+/// Words that no sound file has are refused before they fill a message.
+#[test]
+fn words_and_lines_without_an_end_are_too_long() {
+    let folder = tempfile::tempdir().unwrap();
+    let message = |bytes: &[u8]| {
+        let path = file(&folder, "a.vtk", bytes);
+        read(&path, &Request::default(), &NoProgress).unwrap_err().to_string()
+    };
+    // More values than the header counts.
+    let mut bytes = structured("STRUCTURED_POINTS", true);
+    bytes.resize(bytes.len() + (1 << 20), 0);
+    let word = message(&bytes);
+    assert!(word.contains("a word is too long") && word.len() < 300, "{} bytes", word.len());
+    let title = format!("\n{}\nASCII", "x".repeat(1 << 15));
+    let line = message(
+        String::from_utf8_lossy(&structured("STRUCTURED_POINTS", false))
+            .replacen("\na title: POINTS 3 float\nASCII", &title, 1)
+            .as_bytes(),
+    );
+    assert!(line.contains("a line is too long") && line.len() < 300, "{} bytes", line.len());
+}
+
+/// Lengths of texts take 1, 2, 4 or 8 bytes.
+#[test]
+fn binary_texts_of_every_length_are_passed_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let lengths = [
+        (0_u64, 1),
+        (0x3f, 1),
+        (0x40, 2),
+        (0x80, 2),
+        (0x3fff, 2),
+        (0x4000, 4),
+        (0x12345, 4),
+        (3, 4),
+        (5, 8),
+        (0x80, 8),
+        (0x10203, 8),
+        (7, 1),
+    ];
+    let mut out = LegacyWriter { binary: true, bytes: structured("STRUCTURED_POINTS", true) };
+    out.line("FIELD field 2\nnames 1 12 string");
+    let mut places = Vec::new();
+    for (length, width) in lengths {
+        let mark = [3_u64, 2, 1, 0][usize::from(width > 1) + usize::from(width > 2) + usize::from(width > 4)];
+        let head = (length | mark << (8 * width - 2)).to_be_bytes();
+        places.push((out.bytes.len(), width, length));
+        out.bytes.extend(&head[8 - width..]);
+        out.bytes.resize(out.bytes.len() + length as usize, b'\n');
+    }
+    out.line("after 1 12 float");
+    out.values("Float32", (0..12).map(|i| f64::from(i) + 0.5));
+    let after = grid(&file(&folder, "a.vtk", &out.bytes), "after").scalar.unwrap();
+    assert!(after.iter().enumerate().all(|(i, &value)| value == i as f64 + 0.5), "{after:?}");
+    let message = |end: usize| {
+        let path = file(&folder, "a.vtk", &out.bytes[..end]);
+        read(&path, &Request::default(), &NoProgress).unwrap_err().to_string()
+    };
+    for (begin, width, length) in places {
+        let none = message(begin);
+        assert!(none.contains("the file ends early") && none.contains("12 texts"), "{none}");
+        for left in 1..width {
+            let cut = message(begin + left);
+            let found = if left == 2 { "found 1 byte;".into() } else { format!("found {} bytes;", left - 1) };
+            assert!(cut.contains("the file ends early") && cut.contains(&found), "{left} of {width}: {cut}");
+        }
+        if length > 1 {
+            let cut = message(begin + width + 1);
+            assert!(cut.contains(&format!("found 1 byte; expected {length} bytes")), "{cut}");
+        }
+    }
+}
+
+/// Words lie across the ends of all that is read or counted at once, and the last one ends the file.
+#[test]
+fn long_text_arrays_are_passed_over_word_by_word() {
+    let folder = tempfile::tempdir().unwrap();
+    let count = 41 * 40 * 40;
+    let words = |widths: usize| -> String {
+        let word = |i: usize| {
+            let width = if i % 5000 == 1 { 600 } else { i % widths };
+            format!("{i:0width$}{}", [" ", "\n", "\r\n", " \t "][i % 7 % 4])
+        };
+        (0..count).map(word).collect()
+    };
+    for widths in [1, 8, 13] {
+        let text = format!(
+            "# vtk DataFile Version 3.0\nx\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 41 40 40\nORIGIN 0 0 0\nSPACING 1 1 1\n\
+             POINT_DATA {count}\nSCALARS s double\nLOOKUP_TABLE default\n{}FIELD field 1\nafter 1 {count} int\n{}",
+            words(widths),
+            words(widths).trim_end()
+        );
+        assert!(!text.ends_with(char::is_whitespace) && text.len() > 2 * (1 << 18));
+        let path = file(&folder, "a.vtk", text.as_bytes());
+        for name in ["s", "after"] {
+            let scalar = grid(&path, name).scalar.unwrap();
+            assert!(scalar.iter().copied().eq((0..count).map(|i| i as f64)), "{name} {widths}");
+        }
+    }
 }

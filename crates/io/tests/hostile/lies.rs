@@ -288,6 +288,15 @@ fn variables_of_no_size_and_blocks_by_name_alone_are_errors() {
 }
 
 #[test]
+fn a_header_of_netcdf_that_is_cut_ends_early() {
+    let whole = netcdf(0, 1, &[("coordx", 1, 64), ("time_whole", 1, 64)]);
+    for length in 4..whole.len() - 64 {
+        let found = message("a.e", &whole[..length], &scalar("T"));
+        expect(&found, &["the file ends early", "byte", "expected"]);
+    }
+}
+
+#[test]
 fn counts_of_meshes_of_mfem_beyond_the_file_are_errors() {
     let sound = "MFEM mesh v1.3\ndimension\n3\nelements\n1\n1 4 0 1 2 3\nattribute_sets\n1\n\"a\"\n1\n1\nboundary\n1\n1 2 0 1 2\n\
         bdr_attribute_sets\n0\nvertices\n4\n3\n0 0 0\n1 0 0\n0 1 0\n0 0 1\nmfem_mesh_end\n";
