@@ -164,12 +164,12 @@ impl UpstreamArrays {
             let rest = array.strip_prefix(result);
             rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(':'))
         };
-        let of_file = self.of_file.choices.iter();
-        let of_file = of_file.filter(|array| !self.results.iter().any(|own| is_of(&array.name, &own.name)));
-        let results = self.results.iter().enumerate();
-        let results =
-            results.filter(|(k, own)| self.results[k + 1..].iter().all(|next| next.name != own.name));
-        of_file.chain(results.map(|(_, own)| own)).collect()
+        let mut all: Vec<&ArrayChoice> = self.of_file.choices.iter().collect();
+        for result in &self.results {
+            all.retain(|array| !is_of(&array.name, &result.name));
+            all.push(result);
+        }
+        all
     }
 }
 
