@@ -309,23 +309,13 @@ pub fn default_value(kind: &VariantSchema, extent: &DataExtent) -> ParameterValu
         matches!(parameter.default, DefaultValue::Required) || (parameter.name == "sigma")
     };
     let needed = kind.parameters.iter().filter(is_needed);
-    let value = |parameter: &Parameter| Some(Field::new(parameter.name, first_value(parameter, extent)?));
-    let values = needed.filter_map(value);
-    ParameterValue::Table(std::iter::once(Field::new("kind", kind.name)).chain(values).collect())
+    let fields = needed.filter_map(|parameter| first_field(parameter, extent));
+    ParameterValue::Table(std::iter::once(Field::new("kind", kind.name)).chain(fields).collect())
 }
 
-/// A value to begin with of a required parameter, by its name.
-pub fn first_value(parameter: &Parameter, extent: &DataExtent) -> Option<ParameterValue> {
-    if let ParameterType::Numbers(Some(3), _) = parameter.parameter_type {
-        return Some(match parameter.name {
-            "normal" | "direction" => extent.axis(),
-            "low" => extent.point([0.25; 3]),
-            "high" => extent.point([0.75; 3]),
-            "from" => extent.point([0.5, 0.5, 0.0]),
-            "to" => extent.point([0.5, 0.5, 1.0]),
-            _ => extent.point([0.5; 3]),
-        });
-    }
+/// A parameter with a value to begin with, by its name and unit; `None` where these are not known together, or where the declaration
+/// refuses the value.
+pub fn first_field(parameter: &Parameter, extent: &DataExtent) -> Option<Field> {
     // Of s, of s and g, or of any fields.
     let one_or_more = |both: [&str; 2]| match parameter.parameter_type {
         ParameterType::Measured(measured) => match measured.plain {
@@ -335,25 +325,37 @@ pub fn first_value(parameter: &Parameter, extent: &DataExtent) -> Option<Paramet
         },
         _ => both[0].into(),
     };
-    Some(match parameter.name {
-        "color" => [1.0, 0.6, 0.2].into_iter().collect(),
-        "extinction" => ParameterValue::Number(10.0),
-        "radius" => extent.radius().into(),
-        "text" => "text".into(),
-        "at" => [0.5, 0.5].into_iter().collect(),
-        "values" => ["50 %"].into_iter().collect(),
-        "centre" => one_or_more(["50 %", "0 %"]),
-        "sigma" => one_or_more(["10 %", "20 %"]),
-        "period" => "10 %".into(),
-        "points" => [[0.0, 0.1, 0.2, 0.9, 0.0], [1.0, 1.0, 0.6, 0.2, 10.0]]
-            .into_iter()
-            .map(ParameterValue::from_iter)
-            .collect(),
+    let value = match (parameter.name, parameter.unit) {
+        ("normal" | "direction", "world units" | "world space") => extent.axis(),
+        ("origin" | "centre", "world units") => extent.point([0.5; 3]),
+        ("low", "world units") => extent.point([0.25; 3]),
+        ("high", "world units") => extent.point([0.75; 3]),
+        ("from", "world units") => extent.point([0.5, 0.5, 0.0]),
+        ("to", "world units") => extent.point([0.5, 0.5, 1.0]),
+        ("radius", "world units") => extent.radius().into(),
+        ("color", "linear RGB") => [1.0, 0.6, 0.2].into_iter().collect(),
+        ("extinction", "per unit_distance") => ParameterValue::Number(10.0),
+        ("text", _) => "text".into(),
+        ("at", "shares of width and height") => [0.5, 0.5].into_iter().collect(),
+        // Texts below are relative to the data, which the type allows or not.
+        ("values", _) => ["50 %"].into_iter().collect(),
+        ("centre", _) => one_or_more(["50 %", "0 %"]),
+        ("sigma", _) => one_or_more(["10 %", "20 %"]),
+        ("period", _) => "10 %".into(),
+        ("points", "(s, linear RGB, per unit_distance)") => {
+            let rows = [[0.0, 0.1, 0.2, 0.9, 0.0], [1.0, 1.0, 0.6, 0.2, 10.0]];
+            rows.into_iter().map(ParameterValue::from_iter).collect()
+        }
         // The axes of a picture that is a table.
-        "s" | "g" => ["0 %", "100 %"].into_iter().collect(),
-        "region" => ParameterValue::Table(vec![Field::new("s", ParameterValue::from_iter(["25 %", "75 %"]))]),
+        ("s" | "g", _) => ["0 %", "100 %"].into_iter().collect(),
+        ("region", _) => {
+            ParameterValue::Table(vec![Field::new("s", ParameterValue::from_iter(["25 %", "75 %"]))])
+        }
         _ => return None,
-    })
+    };
+    let field = Field::new(parameter.name, value);
+    let checked = Parameters::check(&[*parameter], std::slice::from_ref(&field), &Default::default(), &[]);
+    checked.is_ok().then_some(field)
 }
 
 /// Value of a text typed for a row: a number as it is, "25 %" and "p90" where valid, several numbers with commas or

@@ -146,9 +146,8 @@ impl Editor {
             }
             Command::New => self.unless_unsaved(ctx, Next::Take(Box::default())),
             Command::Example => {
-                let at = free_path(&std::env::current_dir().unwrap_or_default().join("example"));
                 let text = self.registry.find("wavelet").map(|node| node.example.to_string());
-                if let Some(document) = self.check(text.and_then(|text| begun(text, &at))) {
+                if let Some(document) = self.check(text.and_then(|text| begun(text, None))) {
                     self.unless_unsaved(ctx, Next::Take(Box::new(document)));
                 }
             }
@@ -404,7 +403,7 @@ impl Editor {
         let at = free_path(path);
         let (start, path) = (self.start.clone(), path.to_path_buf());
         let name = path.display().to_string();
-        let made = Job::start("start", ctx, move |_| begun(start(&path, &at)?, &at));
+        let made = Job::start("start", ctx, move |_| begun(start(&path, &at)?, Some(at)));
         match self.check(made) {
             Some(job) => {
                 self.say(format!("making a pipeline for {name} …"));

@@ -216,17 +216,22 @@ impl Difference {
         let Some(found) = self.job.as_ref().and_then(Job::result) else { return };
         self.job = None;
         match found {
-            Ok(Comparison { figures: [most, rms], image }) => {
-                self.text = match most {
-                    0.0 => "no difference".into(),
-                    _ => format!("largest difference {most:.1e}, root mean square {rms:.1e}"),
-                };
+            Ok(Comparison { figures, image }) => {
+                self.text = message(figures);
                 if let Some(image) = image {
                     set_texture(&mut self.texture, ui, "difference", image, TextureOptions::LINEAR);
                 }
             }
             Err(error) => self.text = error.to_string(),
         }
+    }
+}
+
+/// Largest difference and root of the mean square in words.
+fn message(figures: [f64; 2]) -> String {
+    match figures {
+        [0.0, 0.0] => "no difference".into(),
+        [most, rms] => format!("largest difference {most:.1e}, root mean square {rms:.1e}"),
     }
 }
 
@@ -260,6 +265,11 @@ mod tests {
         let image = found.image.unwrap();
         assert_eq!(image.pixels, [Color32::BLACK, Color32::from_rgb(0, 255, 79)]);
         assert!(differ(&before, &now, false).image.is_none());
+        assert_eq!(message(differ(&now, &now, false).figures), "no difference");
+        for pixels in [[[f32::NAN; 4], [0.0; 4]], [[0.0; 4], [f32::NAN; 4]]] {
+            let figures = differ(&before, &of(pixels.to_vec()), false).figures;
+            assert_eq!(message(figures), "largest difference NaN, root mean square NaN");
+        }
     }
 
     #[test]

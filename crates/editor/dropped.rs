@@ -35,20 +35,30 @@ impl Editor {
             return self.say("select a widget or a node that has a colour map, then drop the file again");
         };
         let value = relative_to(file, &self.document.folder()).to_string_lossy().into_owned();
-        self.actions.edit(Edit::Set { node, path, value: value.into() });
+        let text = format!("{node}.{path} is now {value}");
+        self.edit_one(Edit::Set { node, path, value: value.into() });
+        if self.message.is_none() {
+            self.say(text);
+        }
     }
 
-    /// The parameter that a colour map goes to: of the widget in hand, else the first of the selected node.
+    /// The parameter that a colour map goes to: of the widget in hand where that was selected last; else of the selected node, there of the
+    /// widget in hand before others.
     fn place_of_map(&self, end: &str) -> Option<(String, KeyPath)> {
-        let [node] = &self.selection.iter().collect::<Vec<_>>()[..] else { return None };
-        let rows = self.document.rows(&self.registry, node);
+        let transfer = &self.panels.transfer;
+        let in_hand = transfer.in_hand();
+        let selected = self.selection.first().filter(|_| self.selection.len() == 1);
+        let node = match in_hand {
+            Some((node, _)) if transfer.is_last() => node,
+            _ => selected?,
+        };
         let mut paths = Vec::new();
-        collect(&rows, end, &mut paths);
-        let in_hand = self.panels.transfer.in_hand().filter(|(of, _)| of == node);
-        let of_widget = in_hand.map(|(_, place)| format!("widgets.{place}."));
+        collect(&self.document.rows(&self.registry, node), end, &mut paths);
+        let of_widget = in_hand.filter(|(of, _)| *of == node).map(|(_, place)| format!("widgets.{place}."));
         let is_in_hand =
             |path: &&KeyPath| of_widget.as_ref().is_some_and(|own| path.to_string().starts_with(own));
-        let path = paths.iter().find(is_in_hand).or(paths.first())?;
+        let others = paths.first().filter(|_| !transfer.is_last());
+        let path = paths.iter().find(is_in_hand).or(others)?;
         Some((node.to_string(), path.clone()))
     }
 }

@@ -78,7 +78,7 @@ impl ExpressionField {
         key: &str,
         text: &mut String,
         width: f32,
-        arrays: &[ArrayChoice],
+        arrays: &[&ArrayChoice],
     ) -> Response {
         let id = Id::new(("expression", key));
         let has_focus = ui.memory(|memory| memory.has_focus(id));
@@ -205,7 +205,7 @@ fn word_at(text: &str, place: usize) -> Option<String> {
 const OF_VECTORS: [&str; 4] = ["mag(", "vorticity(", "divergence(", "q_criterion("];
 
 /// Words that may take the place of the word at the cursor; none where that is one of them.
-fn offers(text: &str, cursor: usize, arrays: &[ArrayChoice]) -> Vec<Offer> {
+fn offers(text: &str, cursor: usize, arrays: &[&ArrayChoice]) -> Vec<Offer> {
     let letters: Vec<char> = text.chars().collect();
     let (before, after) = letters.split_at(cursor.min(letters.len()));
     let is_quote = |c: &char| ['\'', '"'].contains(c);
@@ -248,7 +248,7 @@ fn offers(text: &str, cursor: usize, arrays: &[ArrayChoice]) -> Vec<Offer> {
     };
     let has_words = !is_quoted && !takes_vector;
     let of_words = SIGNATURES.iter().filter(|_| has_words).filter_map(word);
-    let mut all: Vec<(bool, Offer)> = arrays.iter().filter_map(array).chain(of_words).collect();
+    let mut all: Vec<(bool, Offer)> = arrays.iter().copied().filter_map(array).chain(of_words).collect();
     let is_whole = |insert: &str| [&typed, &whole].contains(&&insert.replace(['(', '\'', '"'], ""));
     if all.iter().any(|(_, offer)| is_whole(&offer.insert)) {
         return Vec::new();
@@ -305,6 +305,7 @@ mod tests {
     #[test]
     fn what_is_typed_is_completed_by_arrays_and_functions() {
         let arrays = arrays(&["speed", "V:magnitude", "V:0", "mass fraction", "sine"]);
+        let arrays: Vec<&ArrayChoice> = arrays.iter().collect();
         let of = |text: &str| {
             offers(text, text.chars().count(), &arrays)
                 .into_iter()
@@ -325,6 +326,7 @@ mod tests {
     #[test]
     fn the_whole_word_at_the_cursor_is_replaced() {
         let arrays = arrays(&["speed", "mass fraction"]);
+        let arrays: Vec<&ArrayChoice> = arrays.iter().collect();
         let of = |text: &str, cursor: usize| {
             let found = offers(text, cursor, &arrays).into_iter();
             found.map(|Offer { insert, start, end, .. }| (insert, start, end)).collect::<Vec<_>>()

@@ -4,7 +4,7 @@
 use crate::scene::FilePurpose;
 use crate::theme;
 use eframe::egui::{
-    Align, Align2, Context, EventFilter, Id, Key, Layout, Modifiers, Response, RichText, ScrollArea,
+    Align, Align2, Context, FocusDirection, Id, Key, Layout, Modifiers, Response, RichText, ScrollArea,
     TextEdit, Ui, Window,
 };
 use std::collections::BTreeMap;
@@ -88,7 +88,7 @@ pub(crate) fn is_pipeline_ending(ending: &str) -> bool {
 
 /// Ends of the names of data files, as [`voltet_io::formats`] lists them.
 const DATA: &str = "vtu vts vtr vti pvtu pvts pvtr pvti vtm vtpc vtpd vthb htg pvd vtk series vtkhdf hdf cgns xdmf xmf e exo ex2 g msh mesh \
-                    mfem_root foam case dat tec plt inp ucd avs su2 bdf xyz p3d x";
+                    mfem_root foam case dat tec plt inp ucd avs su2 bdf nas fem xyz p3d x grd grid";
 
 pub(crate) fn is_pipeline(path: &Path) -> bool {
     path.extension().is_none_or(|end| end == "toml")
@@ -102,9 +102,9 @@ pub(crate) fn free_path(path: &Path) -> PathBuf {
     all.find(|path| !path.exists()).unwrap_or_default()
 }
 
-/// A document that is not saved yet, of a text whose paths are relative to where it would be.
-pub(crate) fn begun(text: String, at: &Path) -> Result<Document> {
-    let mut document = Document::from_text(String::new(), Some(at.to_path_buf()));
+/// A document that is not saved yet, of a text whose paths are relative to where it would be; without a place, saving asks for one.
+pub(crate) fn begun(text: String, at: Option<PathBuf>) -> Result<Document> {
+    let mut document = Document::from_text(String::new(), at);
     document.edit(&Edit::Text(text))?;
     Ok(document)
 }
@@ -179,6 +179,7 @@ impl Recover {
 /// the focus at first.
 pub(crate) fn ask<T: Copy>(ctx: &Context, title: &str, text: String, answers: &[(&str, T)]) -> Option<T> {
     let mut answer = None;
+    let step = focus_step(ctx);
     let window = Window::new(title).collapsible(false).resizable(false);
     window.anchor(Align2::CENTER_CENTER, [0.0, 0.0]).show(ctx, |ui| {
         ui.label(text);
@@ -186,9 +187,9 @@ pub(crate) fn ask<T: Copy>(ctx: &Context, title: &str, text: String, answers: &[
         ui.horizontal(|ui| {
             let buttons: Vec<Response> = answers.iter().map(|(text, _)| ui.button(*text)).collect();
             answer = buttons.iter().zip(answers).find(|(button, _)| button.clicked()).map(|(_, (_, of))| *of);
-            // The keys are for the question, whatever had the focus before: Tab and the arrows lead from answer to answer.
+            // The keys are for the question, whatever had the focus before.
             let at = buttons.iter().position(Response::has_focus);
-            let step = at.map_or(-1, |at| at as isize + focus_step(ui, buttons[at].id));
+            let step = at.map_or(-1, |at| at as isize + step);
             let to = step.rem_euclid(buttons.len().max(1) as isize) as usize;
             if let Some(button) = buttons.get(to).filter(|_| at != Some(to)) {
                 button.request_focus();
@@ -201,12 +202,12 @@ pub(crate) fn ask<T: Copy>(ctx: &Context, title: &str, text: String, answers: &[
     answer
 }
 
-/// Steps to the right by which the keys of this frame move the focus in a row of buttons, of which one has it.
-fn focus_step(ui: &Ui, button: Id) -> isize {
-    let [tab, horizontal_arrows, vertical_arrows, escape] = [true, true, true, false];
-    let filter = EventFilter { tab, horizontal_arrows, vertical_arrows, escape };
-    ui.memory_mut(|memory| memory.set_focus_lock_filter(button, filter));
-    let pressed = |held: Modifiers, key: Key| isize::from(ui.input_mut(|input| input.consume_key(held, key)));
+/// Steps to the right by which Tab and the arrows of this frame move the focus in a row of buttons. Called before these are shown: egui
+/// itself moves it no more.
+fn focus_step(ctx: &Context) -> isize {
+    ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None));
+    let pressed =
+        |held: Modifiers, key: Key| isize::from(ctx.input_mut(|input| input.consume_key(held, key)));
     let back = pressed(Modifiers::SHIFT, Key::Tab) + pressed(Modifiers::NONE, Key::ArrowLeft);
     pressed(Modifiers::NONE, Key::Tab) + pressed(Modifiers::NONE, Key::ArrowRight) - back
 }

@@ -149,6 +149,30 @@ pub(crate) struct FileArrays {
     pub is_whole: bool,
 }
 
+/// Arrays that reach a node.
+#[derive(Debug, Default)]
+pub(crate) struct UpstreamArrays {
+    pub of_file: Arc<FileArrays>,
+    /// Results of calculators.
+    results: Vec<ArrayChoice>,
+}
+
+impl UpstreamArrays {
+    /// Choices of different names: a result takes the place of an array of its name and of that one's components.
+    pub fn choices(&self) -> Vec<&ArrayChoice> {
+        let is_of = |array: &str, result: &str| {
+            let rest = array.strip_prefix(result);
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(':'))
+        };
+        let mut all: Vec<&ArrayChoice> = self.of_file.choices.iter().collect();
+        for result in &self.results {
+            all.retain(|array| !is_of(&array.name, &result.name));
+            all.push(result);
+        }
+        all
+    }
+}
+
 /// Arrays of data files; none while a file is being read.
 #[derive(Default)]
 pub(crate) struct Arrays(Arc<Mutex<HashMap<DataSource, Arc<FileArrays>>>>);
@@ -161,7 +185,7 @@ impl Arrays {
         document: &Document,
         registry: &Registry,
         node: &str,
-    ) -> Arc<FileArrays> {
+    ) -> UpstreamArrays {
         let nodes = &document.pipeline().nodes;
         let feeding = upstream(nodes, node);
         let feeding = || nodes.iter().filter(|entry| feeding.contains(&entry.name));
@@ -169,13 +193,7 @@ impl Arrays {
         let of_file =
             reader.map_or_else(Arc::default, |reader| self.of_reader(ctx, document, registry, reader));
         let results = feeding().filter(|entry| entry.name != node);
-        let results: Vec<ArrayChoice> = results.filter_map(|entry| result(entry, registry)).collect();
-        if results.is_empty() {
-            return of_file;
-        }
-        let mut found = FileArrays::clone(&of_file);
-        found.choices.extend(results);
-        Arc::new(found)
+        UpstreamArrays { of_file, results: results.filter_map(|entry| result(entry, registry)).collect() }
     }
 
     /// The arrays of the file that a node reads; empty while they are not known.

@@ -46,10 +46,10 @@ impl Pane {
     }
 }
 
-/// Sizes of the window for which the shares of its panes are kept.
+/// Sizes of the window for which the shares of its panes are kept as a hand left them.
 const MAX_SIZES: usize = 8;
 
-/// A size of the window, points, and the shares of its panes there.
+/// A size of the window, points, and the shares of its panes there; 0 of those that were never shown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Layout {
     size: [f32; 2],
@@ -57,6 +57,10 @@ struct Layout {
 }
 
 impl Layout {
+    fn of_panes(size: Vec2, panes: &[Pane; 3]) -> Layout {
+        Layout { size: size.into(), shares: panes.each_ref().map(|pane| pane.share) }
+    }
+
     fn parse(line: &str) -> Option<Layout> {
         let numbers: Vec<f32> = line.split_whitespace().map_while(|word| word.parse().ok()).collect();
         let [width, height, shares @ ..] = <[f32; 5]>::try_from(numbers).ok()?;
@@ -66,44 +70,57 @@ impl Layout {
     }
 }
 
-/// Shares of the panes by the window's size, which the next window takes over; the last size first.
+/// Shares of the panes, which the next window takes over.
 #[derive(Debug, Default, PartialEq)]
-pub(crate) struct Layouts(Vec<Layout>);
+pub(crate) struct Layouts {
+    /// At the end of the last window.
+    last: Option<Layout>,
+    /// By the window's size, where a hand moved borders; the last one first.
+    by_hand: Vec<Layout>,
+}
 
 impl Layouts {
     /// The layouts in a file, as far as they are sound.
     pub fn read(file: &Path) -> Layouts {
         let text = std::fs::read_to_string(file).unwrap_or_default();
-        Layouts(text.lines().filter_map(Layout::parse).collect())
+        let mut sound = text.lines().filter_map(Layout::parse);
+        Layouts { last: sound.next(), by_hand: sound.take(MAX_SIZES).collect() }
     }
 
-    /// Writes them; where they cannot be kept, the next window does without.
-    pub fn write(&self, file: &Path) {
+    /// Writes them at the end of a window of a size; where they cannot be kept, the next window does without.
+    pub fn write(&mut self, file: &Path, size: Vec2, panes: &[Pane; 3]) {
+        self.last = Some(Layout::of_panes(size, panes));
         let line = |Layout { size, shares }: &Layout| {
             let numbers = size.iter().chain(shares).map(f32::to_string).collect::<Vec<_>>();
             numbers.join(" ") + "\n"
         };
         let made = file.parent().map(std::fs::create_dir_all);
-        let _ = made.map(|_| write_whole(file, self.0.iter().map(line).collect::<String>().as_bytes()));
+        let text: String = self.last.iter().chain(&self.by_hand).map(line).collect();
+        let _ = made.map(|_| write_whole(file, text.as_bytes()));
     }
 
-    /// The last size of the window.
+    /// Size of the last window.
     pub fn last_size(&self) -> Option<[f32; 2]> {
-        self.0.first().map(|layout| layout.size)
+        self.last.map(|layout| layout.size)
     }
 
-    /// Keeps the shares that panes have in a window of a size.
+    /// Panes with the shares of the last window.
+    pub fn last_panes(&self) -> [Pane; 3] {
+        let shares = self.last.map_or([0.0; 3], |layout| layout.shares);
+        shares.map(|share| Pane { share, ..Pane::default() })
+    }
+
+    /// Keeps the shares of panes, of which a hand moved one in a window of a size.
     pub fn keep(&mut self, size: Vec2, panes: &[Pane; 3]) {
-        let (size, shares) = (size.into(), panes.each_ref().map(|pane| pane.share));
-        self.0.retain(|layout| layout.size != size);
-        self.0.insert(0, Layout { size, shares });
-        self.0.truncate(MAX_SIZES);
+        self.by_hand.retain(|layout| Vec2::from(layout.size) != size);
+        self.by_hand.insert(0, Layout::of_panes(size, panes));
+        self.by_hand.truncate(MAX_SIZES);
     }
 
-    /// Gives panes the shares that they had in a window of a size, if it was kept.
+    /// Gives panes the shares that they had in a window of a size, as far as a hand left them so.
     pub fn take_up(&self, size: Vec2, panes: &mut [Pane; 3]) {
-        let Some(known) = self.0.iter().find(|layout| Vec2::from(layout.size) == size) else { return };
-        for (pane, share) in panes.iter_mut().zip(known.shares) {
+        let Some(known) = self.by_hand.iter().find(|layout| Vec2::from(layout.size) == size) else { return };
+        for (pane, share) in panes.iter_mut().zip(known.shares).filter(|(_, share)| *share > 0.0) {
             *pane = Pane { share, ..Pane::default() };
         }
     }
@@ -120,17 +137,21 @@ mod tests {
         let file = folder.path().join("state/window");
         assert_eq!(Layouts::read(&file), Layouts::default());
         let panes = |shares: [f32; 3]| shares.map(|share| Pane { share, ..Pane::default() });
+        let shares = |panes: [Pane; 3]| panes.map(|pane| pane.share);
         let mut layouts = Layouts::default();
         for k in 1..=MAX_SIZES as u16 + 1 {
             layouts.keep(vec2(900.0 + f32::from(k), 600.5), &panes([0.4, 0.0, 0.01 * f32::from(k)]));
         }
-        layouts.write(&file);
+        layouts.write(&file, vec2(700.0, 500.0), &panes([0.1, 0.2, 0.0]));
         let read = Layouts::read(&file);
-        assert_eq!((&read, read.0.len()), (&layouts, MAX_SIZES));
-        assert_eq!(read.last_size(), Some([909.0, 600.5]));
-        let mut taken = panes([0.5; 3]);
-        read.take_up(vec2(903.0, 600.5), &mut taken);
-        assert_eq!(taken.map(|pane| pane.share), [0.4, 0.0, 0.03]);
+        assert_eq!((&read, read.by_hand.len()), (&layouts, MAX_SIZES));
+        assert_eq!((read.last_size(), shares(read.last_panes())), (Some([700.0, 500.0]), [0.1, 0.2, 0.0]));
+        // A pane that was not shown then has the share that it has now, and another size those of now.
+        for (width, wanted) in [(903.0, [0.4, 0.5, 0.03]), (700.0, [0.5; 3])] {
+            let mut taken = panes([0.5; 3]);
+            read.take_up(vec2(width, 600.5), &mut taken);
+            assert_eq!(shares(taken), wanted);
+        }
         for text in ["", "900 600 0.4 0.3", "900 600 0.4 0.3 2", "900 NaN 0.4 0.3 0.2", "x"] {
             std::fs::write(&file, text).unwrap();
             assert_eq!(Layouts::read(&file), Layouts::default(), "{text}");

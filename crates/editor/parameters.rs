@@ -456,7 +456,7 @@ impl ParameterPanel {
                 let width = self.typing.width.min(420.0);
                 let field = &mut self.expression;
                 let text = self.typing.line_in(ui, &key, &now, &mut |ui, text| {
-                    field.show(ui, &key, text, width, &arrays.choices)
+                    field.show(ui, &key, text, width, &arrays.choices())
                 });
                 text.map(ParameterValue::Text)
             }
@@ -494,7 +494,7 @@ impl ParameterPanel {
         let found = of.scene.arrays.feeding(ui.ctx(), of.scene.document, of.scene.registry, of.node);
         let is_reader = of.scene.entry(of.node).is_some_and(|entry| reads(entry, of.scene.registry));
         let names = row.value().map(texts).unwrap_or_default();
-        match block_tree(ui, &names, &found.blocks, is_reader) {
+        match block_tree(ui, &names, &found.of_file.blocks, is_reader) {
             // A list without names is none.
             Some(names) if names.is_empty() => {
                 of.unset(&row.path);
@@ -510,10 +510,11 @@ impl ParameterPanel {
         let several = matches!(row.control, Control::Arrays);
         let mut taken = None;
         let arrays = of.scene.arrays.feeding(ui.ctx(), of.scene.document, of.scene.registry, of.node);
-        if !arrays.choices.is_empty() {
+        let choices = arrays.choices();
+        if !choices.is_empty() {
             let names = row.value().map(texts).unwrap_or_default();
             ComboBox::from_id_salt(("arrays", key)).selected_text("data").width(48.0).show_ui(ui, |ui| {
-                for array in &arrays.choices {
+                for array in choices {
                     let mut is_taken = names.contains(&array.name);
                     if several && ui.checkbox(&mut is_taken, &array.label).changed() {
                         let others = names.iter().filter(|name| **name != array.name);

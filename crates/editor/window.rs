@@ -4,7 +4,7 @@ use crate::editor::{Editor, Start};
 use crate::files::{Recent, is_pipeline};
 use crate::film::Film;
 use crate::keys::InputQueue;
-use crate::panes::{Layouts, Pane};
+use crate::panes::Layouts;
 use crate::study::Study;
 use crate::theme;
 use eframe::egui::{Context, RawInput, Ui, Vec2, ViewportBuilder, ViewportCommand};
@@ -21,6 +21,9 @@ const SIZE: [f32; 2] = [1280.0, 720.0];
 
 /// Least width and height, points.
 const MIN_SIZE: [f32; 2] = [700.0, 500.0];
+
+/// Frames of one size after which no hand is at the window's border any more.
+const STILL: u32 = 4;
 
 /// Functions of the program that the window calls, on threads of their own.
 pub struct Services {
@@ -83,7 +86,7 @@ pub fn run(file: Option<&Path>, registry: &Registry, services: Services) -> Resu
         if let Some(data) = data {
             editor.open_any(&context.egui_ctx, &data);
         }
-        Ok(Box::new(Window { kept, layouts, ..Window::new(editor) }))
+        Ok(Box::new(Window { kept, ..Window::new(editor, layouts) }))
     };
     eframe::run_native("voltet", options, Box::new(made)).map_err(|error| failed(&error))
 }
@@ -111,16 +114,30 @@ pub(crate) struct Window {
     pub editor: Editor,
     title: String,
     pub presses: InputQueue,
-    /// The file in which layouts are kept, they, and the size of the last frame, points.
+    /// The file in which layouts are kept, they, the size of the last frame, points, and the frames since it was another.
     kept: Option<PathBuf>,
     layouts: Layouts,
     size: Vec2,
+    still_count: u32,
 }
 
 impl Window {
-    pub fn new(editor: Editor) -> Window {
-        let (title, presses, layouts) = (String::new(), InputQueue::default(), Layouts::default());
-        Window { editor, title, presses, kept: None, layouts, size: Vec2::ZERO }
+    pub fn new(mut editor: Editor, layouts: Layouts) -> Window {
+        editor.panels.panes = layouts.last_panes();
+        let (title, presses) = (String::new(), InputQueue::default());
+        Window { editor, title, presses, kept: None, layouts, size: Vec2::ZERO, still_count: 0 }
+    }
+
+    /// Gives the panes the shares that a hand gave them at this size, once the window keeps it.
+    fn follow_size(&mut self, ctx: &Context) {
+        let size = ctx.content_rect().size();
+        self.still_count = if size == self.size { self.still_count.saturating_add(1) } else { 0 };
+        self.size = size;
+        if self.still_count < STILL {
+            ctx.request_repaint();
+        } else if self.still_count == STILL {
+            self.layouts.take_up(size, &mut self.editor.panels.panes);
+        }
     }
 }
 
@@ -132,8 +149,7 @@ impl App for Window {
         }
         self.editor.panels.time.film.end();
         if let Some(file) = self.kept.as_deref().filter(|_| self.size != Vec2::ZERO) {
-            self.layouts.keep(self.size, &self.editor.panels.panes);
-            self.layouts.write(file);
+            self.layouts.write(file, self.size, &self.editor.panels.panes);
         }
     }
 
@@ -144,16 +160,13 @@ impl App for Window {
     }
 
     fn ui(&mut self, ui: &mut Ui, _frame: &mut Frame) {
-        let size = ui.ctx().content_rect().size();
-        if size != self.size {
-            self.layouts.take_up(size, &mut self.editor.panels.panes);
-            self.size = size;
-        }
-        let shares = |panes: &[Pane; 3]| panes.each_ref().map(|pane| pane.share_or(0.0));
-        let before = shares(&self.editor.panels.panes);
+        self.follow_size(ui.ctx());
+        let before = self.editor.panels.panes.each_ref().map(|pane| pane.share_or(0.0));
         self.editor.frame(ui);
-        if shares(&self.editor.panels.panes) != before {
-            self.layouts.keep(size, &self.editor.panels.panes);
+        // Shown for the first time, a pane gets a share without a hand.
+        let mut both = before.iter().zip(&self.editor.panels.panes);
+        if both.any(|(before, pane)| *before > 0.0 && pane.share_or(0.0) != *before) {
+            self.layouts.keep(self.size, &self.editor.panels.panes);
         }
         let ctx = ui.ctx();
         let document = self.editor.document();
@@ -183,5 +196,22 @@ mod tests {
         assert!(refuse_without_display(&|name| name == "WAYLAND_DISPLAY").is_ok());
         let of_driver = "winit EventLoopError: os error at /home/a/src/x11/mod.rs:42: XOpenDisplayFailed";
         assert_eq!(without_place(of_driver), "XOpenDisplayFailed");
+    }
+
+    #[test]
+    fn the_next_window_has_the_shares_of_the_last_at_any_size() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("window");
+        let lines = ["1000 700 0.4 0.5 0.3\n", "900 600 0.2 0.25 0.1\n"];
+        std::fs::write(&file, lines.concat()).unwrap();
+        let start: Start = Arc::new(|_: &Path, _: &Path| Err(Error::usage("no data here")));
+        let editor = Editor::new(Document::new(), &Registry::default(), start, Arc::new(|| {})).unwrap();
+        let window = Window::new(editor, Layouts::read(&file));
+        assert_eq!(window.editor.panels.panes.each_ref().map(|pane| pane.share_or(0.0)), [0.4, 0.5, 0.3]);
+        // An empty window that ends at another size loses nothing, and adds no size that no hand chose.
+        let mut window = Window { kept: Some(file.clone()), size: Vec2::new(1600.0, 800.0), ..window };
+        window.on_exit(None);
+        let written = std::fs::read_to_string(&file).unwrap();
+        assert_eq!(written, format!("1600 800 0.4 0.5 0.3\n{}", lines[1]));
     }
 }

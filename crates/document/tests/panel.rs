@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use voltet_document::Document;
-use voltet_document::panel::{Control, Row, Scale, to_text, typed};
-use voltet_graph::{LocatedValue, ParameterValue, Registry};
+use voltet_document::panel::{Control, DataExtent, Row, Scale, first_field, to_text, typed};
+use voltet_graph::{DefaultValue, LocatedValue, Parameter, ParameterType, ParameterValue, Range, Registry};
 
 const FILE: &str = r#"
 [pipeline]
@@ -181,5 +181,41 @@ fn what_is_typed_is_read_as_it_is_meant_or_refused_in_words() {
         if let Some(value) = row.value().filter(|_| row.entries.is_empty()) {
             assert_eq!(&typed(&row, &to_text(value)).unwrap(), value, "{}", row.path);
         }
+    }
+}
+
+/// Values to begin with are for what is known by name, type and unit: a number made up for another one would be a wrong picture.
+#[test]
+fn what_is_not_known_gets_no_value_to_begin_with() {
+    let extent = DataExtent { bounds: [[0.0; 3], [4.0, 4.0, 8.0]], forward: [0.0, 0.0, -1.0] };
+    let parameter = |name, parameter_type, unit| Parameter {
+        name,
+        parameter_type,
+        unit,
+        default: DefaultValue::Required,
+        help: "of a plug-in",
+    };
+    let number = ParameterType::Number(Range::ANY);
+    let three = ParameterType::Numbers(Some(3), Range::ANY);
+    let first = |name, parameter_type, unit| {
+        first_field(&parameter(name, parameter_type, unit), &extent).map(|field| field.setting.datum)
+    };
+    let known = first("centre", three, "world units").unwrap();
+    assert_eq!(to_text(&known), "2.0, 2.0, 4.0");
+    assert!(first("radius", number, "world units").is_some());
+    for (name, parameter_type, unit) in [
+        ("radius", number, "pixels"),
+        ("radius", ParameterType::Integer(Range::ANY), "world units"),
+        ("radius", ParameterType::Number(Range::within(0.0, 1.0)), "world units"),
+        ("points", ParameterType::Rows(Some(5)), "world units"),
+        ("points", ParameterType::Rows(Some(3)), "(s, linear RGB, per unit_distance)"),
+        ("centre", three, "pixels"),
+        ("size", three, "world units"),
+        ("centre", number, "units of s"),
+        ("values", ParameterType::Numbers(None, Range::ANY), ""),
+        ("extinction", number, "per metre"),
+        ("depth", number, "world units"),
+    ] {
+        assert_eq!(first(name, parameter_type, unit), None, "{name} {parameter_type:?} {unit}");
     }
 }

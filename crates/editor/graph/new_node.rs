@@ -5,7 +5,7 @@ use super::places::{Places, usual_size};
 use crate::scene::Scene;
 use eframe::egui::{Rect, pos2};
 use voltet_core::Result;
-use voltet_document::panel::first_value;
+use voltet_document::panel::first_field;
 use voltet_document::{Document, Edit, Fitting, links};
 use voltet_graph::{DefaultValue, Field, Node, NodeEntry, Parameter, ParameterType, PortType};
 
@@ -113,9 +113,7 @@ fn first_settings(scene: &Scene, node: &Node) -> Vec<Field> {
     let Some(file) = node.parameters.iter().find(is_file) else {
         let (needed, extent) = (node.parameters.iter(), scene.data_extent());
         let needed = needed.filter(|parameter| matches!(parameter.default, DefaultValue::Required));
-        let value =
-            |parameter: &Parameter| Some(Field::new(parameter.name, first_value(parameter, &extent)?));
-        return needed.filter_map(value).collect();
+        return needed.filter_map(|parameter| first_field(parameter, &extent)).collect();
     };
     let (stem, ending) = match node.inputs.first().map(|port| port.port_type) {
         Some(PortType::Image) => ("picture", "png"),

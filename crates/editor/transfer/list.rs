@@ -549,7 +549,7 @@ fn choices(ui: &Ui, look: &EditedFunction) -> Vec<(ArrayRef, String)> {
         .unwrap_or_default();
     let named = look.list.iter().filter_map(LocatedValue::table).flat_map(screen_widget::arrays);
     let mut arrays: BTreeMap<String, String> = named.map(|name| (name.clone(), name)).collect();
-    arrays.extend(of_data.choices.iter().map(|array| (array.name.clone(), array.label.clone())));
+    arrays.extend(of_data.choices().into_iter().map(|array| (array.name.clone(), array.label.clone())));
     let named = S_AND_G.into_iter().map(|axis| (axis.clone(), axis_name(&axis)));
     named.chain(arrays.into_iter().map(|(name, label)| (ArrayRef::Array(name), label))).collect()
 }

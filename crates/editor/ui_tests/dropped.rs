@@ -36,19 +36,34 @@ fn a_colour_map_goes_to_the_widget_in_hand_and_says_so_where_there_is_none() {
     let mut hand = Hand::new(&with_maps());
     drop_files(&mut hand, &["own.json"]);
     assert_eq!(hand.text().matches("colormap = \"own.json\"").count(), 1, "the first: {}", hand.said());
+    assert_eq!(hand.said(), "look.widgets.1.colormap is now own.json");
     hand.key(Key::Z, Modifiers::COMMAND);
     for key in [Key::W, Key::PageDown, Key::PageDown, Key::W] {
         hand.key(key, Modifiers::NONE);
     }
+    // Whatever nodes are selected, the widget was chosen last.
+    hand.editor.selection = ["look".to_string(), "view".to_string()].into();
     drop_files(&mut hand, &["own.json"]);
     let text = hand.text();
     let (first, last) = text.split_once("colormap = \"viridis\"").unwrap();
     assert!(!first.contains("own.json") && last.contains("colormap = \"own.json\""), "{text}");
     hand.key(Key::Z, Modifiers::COMMAND);
-    hand.editor.selection = ["view".to_string()].into();
-    drop_files(&mut hand, &["own.json"]);
-    assert_eq!(hand.text(), with_maps());
-    assert!(hand.said().starts_with("select a widget or a node that has a colour map"), "{}", hand.said());
+    let refused = |hand: &mut Hand| {
+        drop_files(hand, &["own.json"]);
+        assert_eq!(hand.text(), with_maps());
+        assert!(
+            hand.said().starts_with("select a widget or a node that has a colour map"),
+            "{}",
+            hand.said()
+        );
+    };
+    // The Gaussian in hand has none.
+    for key in [Key::W, Key::PageUp, Key::PageUp, Key::W] {
+        hand.key(key, Modifiers::NONE);
+    }
+    refused(&mut hand);
+    hand.editor.select(["view".to_string()].into());
+    refused(&mut hand);
 }
 
 #[test]

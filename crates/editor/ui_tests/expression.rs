@@ -17,7 +17,7 @@ fn in_field() -> Hand {
     until(&mut hand, "the arrays are found", |hand| {
         let document = hand.editor.document();
         let registry = voltet_nodes::registry().unwrap();
-        !hand.editor.arrays.feeding(&hand.ctx, document, &registry, "sum").choices.is_empty()
+        !hand.editor.arrays.feeding(&hand.ctx, document, &registry, "sum").choices().is_empty()
     });
     hand.click_on("sum.expression");
     hand.key(Key::End, Modifiers::NONE);
@@ -134,12 +134,20 @@ fn arrays_show_units_and_calculators() {
     let registry = voltet_nodes::registry().unwrap();
     let labels = |hand: &Hand, node: &str| {
         let found = hand.editor.arrays.feeding(&hand.ctx, &document, &registry, node);
-        found.choices.iter().map(|choice| choice.label.clone()).collect::<Vec<_>>()
+        found.choices().iter().map(|choice| choice.label.clone()).collect::<Vec<_>>()
     };
     let of_file = "T  (points, 1 to 4 K)".to_string();
     until(&mut hand, "the arrays are found", |hand| labels(hand, "sum").contains(&of_file));
     let [all, before] = ["more", "sum"].map(|node| labels(&hand, node));
     assert_eq!(all, [before, vec!["sum  (computed by sum)".to_string()]].concat());
+    // A result of the name of an array takes its place.
+    let named = |name: &str| vec![voltet_document::Edit::set("sum", "name", name.into())];
+    hand.editor.edit("name".into(), &named("T"));
+    let renamed = hand.editor.document().clone();
+    let found = hand.editor.arrays.feeding(&hand.ctx, &renamed, &registry, "more");
+    let labels: Vec<&str> = found.choices().iter().map(|choice| choice.label.as_str()).collect();
+    assert_eq!(labels, ["block  (cells, 0 to 0)", "T  (computed by sum)"]);
+    hand.editor.edit("name".into(), &named("sum"));
     hand.editor.selection = ["more".to_string()].into();
     hand.frames(3);
     hand.click_on("more.expression");

@@ -119,6 +119,9 @@ fn an_empty_window_offers_an_example_that_needs_no_data() {
         "{:?}",
         scene.failure
     );
+    hand.key(Key::S, Modifiers::COMMAND);
+    hand.frames(2);
+    assert!(hand.sees("name of the file") && !hand.editor.document().is_saved(), "it has no file yet");
 }
 
 /// A tetrahedron whose values begin with this one.

@@ -300,20 +300,46 @@ fn each_size_of_the_window_has_panes_of_its_own() {
     assert!(of_narrow / 900.0 < of_wide / 1600.0 - 0.05, "{of_narrow} {of_wide}");
     for (size, before) in [(wide, of_wide), (narrow, of_narrow)] {
         hand.resize(size, 1.0);
-        hand.frames(4);
+        hand.frames(8);
         assert!((width(&hand) - before).abs() < 3.0, "{size:?}: {before} {}", width(&hand));
     }
+    // A size that is passed while the window's border is pulled changes no shares.
+    hand.resize(wide, 1.0);
+    hand.frames(2);
+    hand.resize([1500.0, 1000.0], 1.0);
+    hand.frames(8);
+    let share = width(&hand) / 1500.0;
+    assert!((share - of_narrow / 900.0).abs() < 0.02, "{share} {}", of_narrow / 900.0);
 }
 
 #[test]
 fn the_files_to_open_are_those_that_are_read() {
-    let read = ["a.exo", "b.msh", "c.foam", "d.case", "e.pvtu", "f.vtu.series", "g.toml", "h.PNG", "i.hdf"];
+    let refusal = |folder: &Path| {
+        let none = folder.join("none");
+        std::fs::write(&none, "of no format").unwrap();
+        let request = voltet_io::formats::Request::default();
+        voltet_io::formats::read(&none, &request, &voltet_core::progress::NoProgress)
+            .err()
+            .unwrap()
+            .expected
+            .unwrap()
+    };
+    // The formats that a refusal lists, and what is known by its name alone.
+    let listed = refusal(tempfile::tempdir().unwrap().path());
+    let is_end = |word: &&str| word.starts_with('.') && word.len() > 1;
+    let ends = listed.split([' ', ',', '(', ')', ';']).filter(is_end);
+    let ends =
+        ends.chain([".nas", ".fem", ".xyz", ".grd", ".grid", ".foam", ".cgns", ".pvtu", ".toml", ".PNG"]);
+    let read: Vec<String> = ends.map(|end| format!("a{end}")).collect();
+    assert!(read.len() > 30, "{listed}");
     let mut hand = Hand::in_folder(TEXT, &|folder| {
-        read.iter().chain(&["j.txt"]).for_each(|name| std::fs::write(folder.join(name), "x").unwrap());
+        read.iter().for_each(|name| std::fs::write(folder.join(name), "x").unwrap());
+        std::fs::write(folder.join("j.txt"), "x").unwrap();
     });
     hand.command(Command::Open);
     hand.frames(2);
-    assert!(read.iter().all(|name| hand.sees(&format!("      {name}"))) && !hand.sees("      j.txt"));
+    let unseen: Vec<_> = read.iter().filter(|name| !hand.sees(&format!("      {name}"))).collect();
+    assert!(unseen.is_empty() && !hand.sees("      j.txt"), "{unseen:?}");
     // The name is typed in all of the room beside the button.
     let (field, button) = (hand.rect("name of the file"), hand.rect("Open"));
     assert!((button.left() - field.right()).abs() < 20.0, "{field} {button}");

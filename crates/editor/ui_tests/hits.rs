@@ -206,7 +206,7 @@ fn what_lies_behind_a_surface_is_not_probed_and_the_surface_is_a_centre() {
     });
 }
 
-/// One ray makes only the cells near it ready, several make all: the values are the same.
+/// One ray meets in the cells near it what it meets in those of a box.
 #[test]
 fn one_ray_meets_what_it_meets_among_several() {
     let mut hand = Hand::new(&TEXT.replace("extinction = 4.0", "extinction = 0.05"));
@@ -249,4 +249,6 @@ fn rays_of_a_box_meet_what_each_meets_alone() {
     assert_eq!(all.heaviest.len() as f64, sum(&|one| one.heaviest.len() as f64));
     assert!(all.heaviest.len() > 20 && all.heaviest.len() < 40, "{}", all.heaviest.len());
     assert!((all.opacity - sum(&|one| one.opacity) / 40.0).abs() < 1e-12);
+    // A point is that of one ray.
+    assert!(all.point.is_none() && alone.iter().any(|one| one.point.is_some()));
 }

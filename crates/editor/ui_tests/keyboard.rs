@@ -90,7 +90,22 @@ fn tab_and_arrows_lead_from_answer_to_answer_of_a_question() {
         hand.frames(2);
         assert!(focused(&hand, answer), "{key:?} {answer}");
     }
-    hand.key(Key::Enter, Modifiers::NONE);
+    // Keys of frames that follow one another: from "Discard" on to "Cancel", "Save" and "Discard" again, and back over the ends.
+    let press = |hand: &mut Hand, key: Key, modifiers: Modifiers| {
+        let pressed = Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers };
+        hand.frame(vec![pressed], modifiers);
+    };
+    for (key, held) in [(Key::Tab, Modifiers::NONE), (Key::ArrowRight, Modifiers::NONE)] {
+        for answer in ["Cancel", "Save", "Discard"] {
+            press(&mut hand, key, held);
+            assert!(focused(&hand, answer), "{key:?} {answer}");
+        }
+    }
+    for answer in ["Save", "Cancel", "Discard"] {
+        press(&mut hand, Key::Tab, Modifiers::SHIFT);
+        assert!(focused(&hand, answer), "{answer}");
+    }
+    press(&mut hand, Key::Enter, Modifiers::NONE);
     hand.frames(3);
     assert!(hand.editor.unsaved.is_none() && hand.editor.document().pipeline().nodes.is_empty());
 }

@@ -26,6 +26,7 @@ mod transfer_axes;
 mod transfer_more;
 
 use crate::editor::Editor;
+use crate::panes::Layouts;
 use crate::scene::Command;
 use crate::window::Window;
 use eframe::egui::epaint::ClippedShape;
@@ -121,7 +122,7 @@ impl Hand {
         let editor = Editor::new(document, registry, start, Arc::new(|| {})).unwrap();
         let harness = Harness::builder().with_size(size).build_eframe(|context| {
             crate::theme::apply(&context.egui_ctx);
-            Window::new(editor)
+            Window::new(editor, Layouts::default())
         });
         let ctx = harness.ctx.clone();
         Hand { harness, ctx, at: pos2(5.0, 400.0), pause: 0.0, folder }

@@ -59,7 +59,8 @@ pub(crate) fn difference(a: &Picture, b: &Picture) -> [f64; 2] {
     let (mut most, mut sum) = (0.0f64, 0.0);
     for (a, b) in a.rgba.iter().flatten().zip(b.rgba.iter().flatten()) {
         let by = f64::from((a - b).abs());
-        most = most.max(by);
+        // No number is a difference, too; `max` would drop it.
+        most = if by > most || by.is_nan() { by } else { most };
         sum += by * by;
     }
     [most, (sum / (4 * a.rgba.len().max(1)) as f64).sqrt()]

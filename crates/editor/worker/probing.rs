@@ -43,7 +43,7 @@ pub(crate) struct PixelProbe {
     pub values: Vec<([f64; 2], f64)>,
     /// Segment of each ray that adds the most to the picture: its values [s, g], and the opacity that it adds. Rays that meet nothing have none.
     pub heaviest: Vec<([f64; 2], f64)>,
-    /// The point where the most is seen, of a single ray that meets a surface first the one there; world units. `None` where nothing is met.
+    /// Point of a single ray where the most is seen, or where it meets a surface first; world units. `None` where nothing is met.
     pub point: Option<DVec3>,
     /// Place that is seen first, of a single ray.
     pub hit: Option<Hit>,
@@ -59,9 +59,13 @@ impl ProbeQuery {
         let surfaces = call.surfaces("surface")?;
         let forms = CompiledTransferFunction::new(&transfer_function)?;
         let mut probed = PixelProbe { rays: self.places.len(), ..PixelProbe::default() };
-        // All cells are looked at once for each bundle, and few are made ready for rays.
+        // All cells are looked at once, those of the box again for each bundle, and few are made ready for rays.
+        let of_box = Arc::new(near_rays(&volume, camera, &self.places, call.progress())?);
         for bundle in self.places.chunks(BUNDLE) {
-            let near = Arc::new(near_rays(&volume, camera, bundle, call.progress())?);
+            let near = match bundle.len() < self.places.len() {
+                true => Arc::new(near_rays(&of_box, camera, bundle, call.progress())?),
+                false => of_box.clone(),
+            };
             // What is seen, as the values count: light and silhouettes change colours.
             let (shading, order) = (Shading::default(), VisibilityOrder::Exact);
             let scene = Scene::new(near, transfer_function.clone(), camera, shading, order);
@@ -91,7 +95,8 @@ impl ProbeQuery {
             let way: f64 = walk.steps.iter().map(|step| step.length).sum();
             let mut heaviest = ([0.0; 2], 0.0);
             let [start, direction] = tracer.world(&ray).map(DVec3::from);
-            if let [_] = self.places[..] {
+            let is_single = self.places.len() == 1;
+            if is_single {
                 probed.hit = first_hit(&scene.volume, forms, &walk, &scene.surfaces, [start, direction]);
             }
             for step in &walk.steps {
@@ -104,7 +109,7 @@ impl ProbeQuery {
                 if step.contribution()[3] > heaviest.1 {
                     heaviest = ([value(0), value(1)], step.contribution()[3]);
                 }
-                if share > seen_most {
+                if is_single && share > seen_most {
                     seen_most = share;
                     let middle = 0.5 * (step.distance[0] + step.distance[1]);
                     probed.point = Some(start + middle * direction);
@@ -118,7 +123,7 @@ impl ProbeQuery {
     }
 }
 
-/// Rays for which cells are made ready together: a row of a box. Between two such rows a probe can be cancelled.
+/// Most rays of a box for which cells are made ready together; between two such bundles a probe can be cancelled.
 const BUNDLE: usize = 16;
 
 /// Room for rounding about a cell, as a share of its distance from the eye.
