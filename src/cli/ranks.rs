@@ -84,6 +84,8 @@ impl Launch {
     pub fn end_all(&self, _exit_code: u8) {
         #[cfg(feature = "mpi")]
         if let Some(several) = &self.several {
+            // A launcher that ends the processes drops what it has not passed on of their messages; MPICH's does so often.
+            std::thread::sleep(std::time::Duration::from_millis(500));
             several.abort(_exit_code);
         }
     }
