@@ -134,8 +134,9 @@ fn runs_of_many_segments_are_exact_beside_pixels_that_leave_the_part() {
         }
         let exact = f64::from(first[0]) + (COUNT - 1) as f64 * f64::from(further[0]);
         for batch in [1, 16, COUNT] {
-            for lanes in LaneSet::ALL.into_iter().filter(|lanes| lanes.is_supported()) {
-                for (lane, runs) in slices.recorded(lanes, true, batch).iter().enumerate() {
+            let lane_sets = LaneSet::ALL.into_iter().filter(|lanes| lanes.is_supported());
+            for (lanes, with_lengths) in lane_sets.flat_map(|lanes| [(lanes, true), (lanes, false)]) {
+                for (lane, runs) in slices.recorded(lanes, with_lengths, batch).iter().enumerate() {
                     let error = runs.iter().map(|run| f64::from(run.rgba[0])).sum::<f64>() - exact;
                     // The first 16 are summed beside the first layer.
                     let bound = 16.0 * 2f64.powi(-25) + 2f64.powi(-24);
