@@ -1,6 +1,5 @@
 //! Provenance: program, pipeline and data files, written into pictures and reports, and read again (docs/src/reference/provenance.md).
 
-use crate::memory;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json as object};
 use std::path::{Path, PathBuf};
@@ -322,11 +321,12 @@ const COUNTS: [&str; 11] = [
     "uploads",
 ];
 
-/// The report of a call (docs/src/reference/report.md): what is said of each of its runs.
-pub fn whole_report(runs: Vec<Value>) -> Value {
+/// The report of a call (docs/src/reference/report.md): what is said of each of its runs. `peak_memory`: the largest memory of the
+/// process until the last of them ended, bytes.
+pub fn whole_report(runs: Vec<Value>, peak_memory: Option<u64>) -> Value {
     object!({
         "versions": { "voltet": env!("CARGO_PKG_VERSION"), "report": REPORT_FORMAT, "pipeline_format": FORMAT },
-        "peak_memory_bytes": memory::peak(),
+        "peak_memory_bytes": peak_memory,
         "runs": runs,
     })
 }

@@ -463,8 +463,8 @@ pub struct Report(Option<RunRecord>);
 
 #[pymethods]
 impl Report {
-    /// The report of `voltet run --report` (JSON); the peak of memory is that until now.
+    /// The report of `voltet run --report` (JSON).
     fn json(&self) -> String {
-        whole_report(self.0.iter().map(RunRecord::to_json).collect()).to_string()
+        self.0.as_ref().map_or_else(|| whole_report(Vec::new(), None), RunRecord::to_json).to_string()
     }
 }

@@ -20,6 +20,7 @@ use voltet_graph::{
     PortType, Registry, ResolvedPipeline, RunReport, Session, SourceSpan, Value, unknown_node,
 };
 use voltet_io::encode::Source;
+use voltet_io::memory;
 use voltet_io::provenance::{run_report, whole_report};
 use voltet_nodes::VIEW_PARAMETERS;
 use voltet_nodes::in_memory_grid::{self, HostGrid};
@@ -33,7 +34,7 @@ pub struct Pipeline {
     ranks: Arc<dyn Ranks>,
     /// In-memory grids by the name of the node that they replace.
     grids: BTreeMap<String, NodeOverride>,
-    last: Option<RunReport>,
+    last: Option<LastRun>,
 }
 
 /// A graph that renders the picture of one node.
@@ -50,12 +51,27 @@ pub struct RunRecord {
     stated: ResolvedPipeline,
     /// Without its pictures.
     run: RunReport,
+    peak_memory: Option<u64>,
 }
 
 impl RunRecord {
-    /// The run's part of a report ([`voltet_io::provenance::whole_report`]).
+    /// The report of the run ([`voltet_io::provenance::whole_report`]); the same whenever it is asked for.
     pub fn to_json(&self) -> serde_json::Value {
-        run_report(&self.path, &self.run, &self.stated)
+        whole_report(vec![run_report(&self.path, &self.run, &self.stated)], self.peak_memory)
+    }
+}
+
+/// The last run.
+struct LastRun {
+    report: RunReport,
+    /// The largest memory of the process until the run ended, bytes.
+    peak_memory: Option<u64>,
+}
+
+impl LastRun {
+    /// A run that has just ended.
+    fn ended(report: RunReport) -> LastRun {
+        LastRun { report, peak_memory: memory::peak() }
     }
 }
 
@@ -402,8 +418,8 @@ impl Pipeline {
     pub fn render_owned(&mut self, plan: &RenderPlan, observer: &dyn Observer) -> Result<Picture> {
         let picture = self.render_with(plan, observer)?;
         self.session.release(&picture);
-        if let Some(report) = &mut self.last {
-            report.pictures.clear();
+        if let Some(last) = &mut self.last {
+            last.report.pictures.clear();
         }
         Ok(Arc::unwrap_or_clone(picture))
     }
@@ -412,7 +428,7 @@ impl Pipeline {
     pub fn run_graph(&mut self, graph: &Graph, observer: &dyn Observer) -> Result<&RunReport> {
         self.last = None;
         let report = self.session.run(graph, observer).map_err(|error| self.source.locate(error))?;
-        let report = self.last.insert(report);
+        let report = &mut self.last.insert(LastRun::ended(report)).report;
         report.nodes.retain(|node| node.node_type != SINK.name);
         Ok(report)
     }
@@ -428,7 +444,7 @@ impl Pipeline {
         let sink = graph.nodes.len() - 1;
         let fed = self.session.feed(&graph, sink, demand, observer);
         let (values, report) = fed.map_err(|error| self.source.locate(error))?;
-        self.last = Some(report);
+        self.last = Some(LastRun::ended(report));
         values.into_iter().next().ok_or_else(|| Error::run("the node gave nothing").at_node(node))
     }
 
@@ -456,16 +472,17 @@ impl Pipeline {
 
     /// Record of the last run; `None` before there was one.
     pub fn record(&self) -> Option<RunRecord> {
-        let run = RunReport { pictures: Vec::new(), ..self.last.clone()? };
+        let last = self.last.as_ref()?;
+        let run = RunReport { pictures: Vec::new(), ..last.report.clone() };
         let title = self.source.nodes.title.clone();
         // It is written to no file, so that the locations of its paths are of no use.
         let stated = ResolvedPipeline::new(title, self.source.text(), std::iter::empty());
-        Some(RunRecord { path: self.source.path.display().to_string(), stated, run })
+        Some(RunRecord { path: self.source.path.display().to_string(), stated, run, peak_memory: last.peak_memory })
     }
 
     /// Report of the last run (JSON); `None` before there was one.
     pub fn report(&self) -> Option<String> {
-        Some(format!("{:#}", whole_report(vec![self.record()?.to_json()])))
+        Some(format!("{:#}", self.record()?.to_json()))
     }
 
     /// The text that states the pipeline, with what was changed.
@@ -475,7 +492,7 @@ impl Pipeline {
 
     /// Warnings of the last run; `None` before there was one.
     pub fn warnings(&self) -> Option<&[String]> {
-        self.last.as_ref().map(|report| report.warnings.as_slice())
+        self.last.as_ref().map(|last| last.report.warnings.as_slice())
     }
 
     /// The graph of the whole pipeline: its writers, and the pictures and probes that feed nothing.

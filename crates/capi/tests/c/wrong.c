@@ -16,6 +16,8 @@ static void wrong(int line, const voltet_session *session, int found, int status
         failures++;
     }
 }
+/* More than the program takes, bytes. */
+#define LARGE ((size_t)1 << 27)
 #define WRONG(call, words) wrong(__LINE__, session, (call), VOLTET_WRONG, words)
 #define FAILED(call, words) wrong(__LINE__, session, (call), VOLTET_FAILED, words)
 
@@ -269,7 +271,7 @@ static void wrong_images(voltet_session *session)
     voltet_image image = {0};
     voltet_follow follow = {0};
     int no = 0, yes = 1, i;
-    char *report, *place;
+    char *report, *again, *place;
     size_t width = 0, height = 0, length;
 
     image.size = sizeof image;
@@ -329,6 +331,18 @@ static void wrong_images(voltet_session *session)
     CHECK(length > 500 && length < 100000);
     CHECK(voltet_report(session, NULL, 7) == (size_t)-1);
     CHECK(voltet_report(session, text, 6) == length && strlen(text) == 5 && text[0] == '{');
+    /* It is that of the picture, also after the process has taken more memory. */
+    report = malloc(length + 1);
+    CHECK(voltet_report(session, report, length + 1) == length && strlen(report) == length);
+    place = malloc(LARGE);
+    memset(place, 'x', LARGE - 1);
+    place[LARGE - 1] = 0;
+    CHECK(strlen(place) == LARGE - 1);
+    free(place);
+    again = malloc(length + 1);
+    CHECK(voltet_report(session, again, length + 1) == length && strcmp(report, again) == 0);
+    free(report);
+    free(again);
     CHECK(voltet_warnings(session, text, 0) != (size_t)-1);
 
     /* A moved camera: the grid, its gradient and the transfer function are used again. */
