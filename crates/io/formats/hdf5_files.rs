@@ -27,7 +27,6 @@ const MAX_OPENED: usize = if cfg!(test) { 4 } else { 50_000 };
 #[derive(Clone)]
 pub(super) struct OpenFile {
     pub source: Arc<Source>,
-    storage: Arc<HeapStorage>,
     pub file: Hdf5File,
 }
 
@@ -53,7 +52,6 @@ impl Files {
 /// A file and those that its links lead to.
 pub(super) struct File {
     pub source: Arc<Source>,
-    pub storage: Arc<HeapStorage>,
     pub files: Arc<Files>,
     opened: Mutex<ObjectCache>,
 }
@@ -89,7 +87,7 @@ impl hdf5_reader::ExternalLinkResolver for Links {
         }
         let named = |error: Error| failed(Error::run("an external link cannot be followed").got(error));
         let source = open_named(&self.by, &path, count).map_err(named)?;
-        let open = OpenFile::open(source, None, &files).map_err(named)?;
+        let open = OpenFile::open(source, &files).map_err(named)?;
         files.open().push(open.clone());
         Ok(Some(open.file))
     }
@@ -97,7 +95,7 @@ impl hdf5_reader::ExternalLinkResolver for Links {
 
 impl OpenFile {
     /// Opens a file with limits that follow from its length.
-    fn open(source: Arc<Source>, storage: Option<Arc<HeapStorage>>, files: &Arc<Files>) -> Result<OpenFile> {
+    fn open(source: Arc<Source>, files: &Arc<Files>) -> Result<OpenFile> {
         let limit = usize::try_from(source.len().saturating_mul(DEFLATE)).unwrap_or(usize::MAX);
         let links = Links { by: source.path().to_owned(), files: Arc::downgrade(files) };
         let options = OpenOptions::default()
@@ -106,12 +104,10 @@ impl OpenFile {
             .with_max_object_header_bytes(usize::try_from(source.len()).unwrap_or(usize::MAX))
             .with_chunk_cache_bytes(CHUNK_CACHE)
             .with_external_link_resolver(Arc::new(links));
-        let open = || {
-            let storage = storage.map_or_else(|| HeapStorage::new(source.clone()).map(Arc::new), Ok)?;
-            let file = Hdf5File::from_storage_with_options(storage.clone(), options)?;
-            Ok(OpenFile { source, storage, file })
-        };
-        open().map_err(|error| damaged("/", &error))
+        let file = HeapStorage::new(source.clone())
+            .and_then(|storage| Hdf5File::from_storage_with_options(Arc::new(storage), options))
+            .map_err(|error| damaged("/", &error))?;
+        Ok(OpenFile { source, file })
     }
 }
 
@@ -119,15 +115,15 @@ impl File {
     /// Opens a file.
     pub fn open(source: Arc<Source>) -> Result<Arc<File>> {
         let files = Arc::<Files>::default();
-        let open = OpenFile::open(source.clone(), None, &files)?;
-        let storage = open.storage.clone();
+        let open = OpenFile::open(source.clone(), &files)?;
         files.open().push(open);
-        Ok(Arc::new(File { source, storage, files, opened: Mutex::default() }))
+        Ok(Arc::new(File { source, files, opened: Mutex::default() }))
     }
 
     /// The error about an object, or about a virtual dataset in it.
     pub fn damaged(&self, path: &str, error: &hdf5_reader::error::Error) -> Error {
-        hdf5_virtual::refusal(&*self.storage, path, error).unwrap_or_else(|| damaged(path, error))
+        let file = self.files.open()[0].file.clone();
+        hdf5_virtual::refusal(file.storage(), path, error).unwrap_or_else(|| damaged(path, error))
     }
 
     /// Nothing, where an error says that there is no such thing.
@@ -147,7 +143,7 @@ impl File {
         let mut opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
         if opened.count > MAX_OPENED {
             for open in self.files.open().iter_mut() {
-                *open = OpenFile::open(open.source.clone(), Some(open.storage.clone()), &self.files)?;
+                *open = OpenFile::open(open.source.clone(), &self.files)?;
             }
             *opened = ObjectCache::default();
         }
@@ -183,7 +179,27 @@ impl File {
     }
 }
 
+/// Registered filters that the crate does not have, by their numbers (The HDF Group, "Registered Filter Plugins").
+const FILTERS: [(&str, &str); 7] = [
+    ("32000", "LZF"),
+    ("32001", "Blosc"),
+    ("32004", "LZ4"),
+    ("32008", "Bitshuffle"),
+    ("32013", "ZFP"),
+    ("32015", "Zstandard"),
+    ("32026", "Blosc2"),
+];
+
 /// The error about an object.
-pub(super) fn damaged(path: &str, error: &hdf5_reader::error::Error) -> Error {
-    Error::run("the HDF5 object cannot be read").got(error).at_item(path)
+pub(super) fn damaged(path: &str, mut error: &hdf5_reader::error::Error) -> Error {
+    use hdf5_reader::error::Error as Failure;
+    let failed = Error::run("the HDF5 object cannot be read").got(error).at_item(path);
+    while let Failure::Context { source, .. } = error {
+        error = source;
+    }
+    let Failure::UnsupportedFilter(filter) = error else { return failed };
+    let name = FILTERS.iter().find(|known| filter.ends_with(known.0)).map_or("unknown", |known| known.1);
+    failed.got(format_args!("{filter} ({name})")).expected(
+        "gzip, shuffle, Fletcher-32, szip, n-bit or scale-offset: `h5repack -f GZIP=4 FILE NEW` packs it so where HDF5 has the filter",
+    )
 }

@@ -235,6 +235,12 @@ def damaged():
 
     hexahedron("bad_virtual", virtual)
 
+    def filtered(root):
+        replace("Points", None)(root)
+        root.create_dataset("Points", (8, 3), dtype="f8", chunks=(8, 3), data=np.zeros((8, 3)), compression="lzf")
+
+    hexahedron("bad_filter", filtered)
+
 
 meshes.write_vtu(meshes.every_cell(), "cells.vtu")
 meshes.write_vtu(meshes.polyhedra(), "polyhedra.vtu")

@@ -110,6 +110,7 @@ fn each_fault_is_one_error_that_names_the_file_and_the_object() {
         ("tree", &["contains itself"]),
         ("version", &["newer version", "found 3"]),
         ("text", &["/VTKHDF/Points", "wrong type"]),
+        ("filter", &["'/VTKHDF/Points'", "filter id 32000 (LZF)", "h5repack -f GZIP=4"]),
         (
             "virtual",
             &["'/VTKHDF/Points'", "virtual", "'points' in the file 'values_0.h5' and 1 more", "h5repack"],
