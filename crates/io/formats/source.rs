@@ -257,7 +257,7 @@ mod tests {
         let (source, bytes) = &files[0];
         assert_eq!(source.read(0, 4).unwrap(), bytes[..4]);
         std::fs::write(source.path(), vec![7; bytes.len()]).unwrap();
-        let later = SystemTime::now() + std::time::Duration::from_secs(10);
+        let later = SystemTime::now() + Duration::from_secs(10);
         File::options().write(true).open(source.path()).unwrap().set_modified(later).unwrap();
         std::thread::sleep(2 * UNCHANGED);
         assert_eq!(source.read(0, 4).unwrap(), [7; 4]);
