@@ -1,5 +1,6 @@
 //! Keys of points, by which points of different pieces that are one are found without the pieces.
 
+use super::extent;
 use super::parts::{Association, DUPLICATE, RawGrid, corners};
 use crate::{Error, Result, counted};
 use glam::DVec3;
@@ -220,18 +221,37 @@ fn words(bytes: &[u8]) -> Vec<u64> {
     bytes.as_chunks::<8>().0.iter().map(|word| u64::from_le_bytes(*word)).collect()
 }
 
-/// For each piece, given by its block and its box, the boxes of the other pieces of the block that meet its own.
+/// Boxes of others that are kept for a piece. One in a row of boxes has 26 neighbours.
+const MAX_OTHERS: usize = 32;
+
+/// For each piece, given by its block and its box, the boxes of the other pieces of the block that meet its own; its own box instead of
+/// more than 32.
 pub fn boxes_of_others(boxes: &[(usize, Option<[DVec3; 2]>)]) -> Vec<Vec<[DVec3; 2]>> {
     let mut of_blocks = BTreeMap::<usize, Vec<(usize, [DVec3; 2])>>::new();
     for (index, &(block, own)) in boxes.iter().enumerate() {
         of_blocks.entry(block).or_default().extend(own.map(|own| (index, own)));
     }
-    let others = |(index, &(block, own)): (usize, &(usize, Option<[DVec3; 2]>))| {
-        let Some(own) = own else { return Vec::new() };
-        let others = of_blocks[&block].iter().filter(|other| other.0 != index && meet(own, other.1));
-        others.map(|other| other.1).collect()
-    };
-    boxes.iter().enumerate().map(others).collect()
+    let mut found = vec![Vec::new(); boxes.len()];
+    for mut members in of_blocks.into_values() {
+        // Along one axis, boxes that begin after the end of a piece do not meet it, nor do those before which all end.
+        let all = members.iter().fold(None, |all, own| extent::joined(all, Some(own.1)));
+        let axis = all.map_or(0, |[low, high]| (high - low).max_position());
+        members.sort_by(|a, b| a.1[0][axis].total_cmp(&b.1[0][axis]));
+        let mut ends: Vec<f64> = members.iter().map(|own| own.1[1][axis]).collect();
+        for place in 1..ends.len() {
+            ends[place] = ends[place].max(ends[place - 1]);
+        }
+        for &(index, own) in &members {
+            let first = ends.partition_point(|&end| end < own[0][axis]);
+            let end = members.partition_point(|other| other.1[0][axis] <= own[1][axis]);
+            let others = members[first..end].iter().filter(|other| other.0 != index && meet(own, other.1));
+            found[index] = others.map(|other| other.1).take(MAX_OTHERS + 1).collect();
+            if found[index].len() > MAX_OTHERS {
+                found[index] = vec![own];
+            }
+        }
+    }
+    found
 }
 
 fn meet([a, b]: [DVec3; 2], [c, d]: [DVec3; 2]) -> bool {

@@ -8,144 +8,45 @@
 use super::contents::{Encoding, Gather, Stored};
 use super::hdf5_chunks::ChunkRows;
 pub(super) use super::hdf5_chunks::Extent;
-use super::hdf5_heaps::HeapStorage;
+use super::hdf5_files::{DEFLATE, File, ObjectCache, damaged};
 use super::numbers::{ByteOrder, NumberType};
 use super::source::Source;
-use super::xml::{beside, open_named};
 use hdf5_reader::messages::{HdfMessage, layout::DataLayout};
-use hdf5_reader::{
-    Datatype, Hdf5File, OpenOptions, SliceInfo, SliceInfoElem, Storage, StringSize, VarLenKind,
-};
+use hdf5_reader::{Datatype, Hdf5File, SliceInfo, SliceInfoElem, StringSize, VarLenKind};
 use std::ops::Range;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use voltet_core::{Error, Result};
-
-/// Most bytes that deflate makes of one.
-const DEFLATE: u64 = 1032;
-/// Decoded chunks that are kept, in bytes.
-const CHUNK_CACHE: usize = 16 << 20;
-/// Most files that external links of one file lead to.
-const MAX_FILES: usize = 4096;
-/// Most groups in one that are found by their names.
-const FEW_GROUPS: usize = 16;
-
-/// Files that links led to.
-#[derive(Default)]
-struct LinkedFiles {
-    files: Mutex<Vec<(Arc<Source>, Hdf5File)>>,
-    /// Number of times that a link was followed.
-    followed: AtomicUsize,
-}
-
-impl LinkedFiles {
-    fn files(&self) -> MutexGuard<'_, Vec<(Arc<Source>, Hdf5File)>> {
-        self.files.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-/// An open file and those that its links lead to.
-pub(super) struct File {
-    source: Arc<Source>,
-    file: Hdf5File,
-    linked: Arc<LinkedFiles>,
-}
-
-/// External links of the files of one folder.
-struct Links {
-    by: PathBuf,
-    linked: Weak<LinkedFiles>,
-}
-
-impl hdf5_reader::ExternalLinkResolver for Links {
-    fn resolve_external_link(&self, name: &str) -> hdf5_reader::error::Result<Option<Hdf5File>> {
-        let failed = |error: Error| hdf5_reader::error::Error::Other(error.to_string());
-        let Some(linked) = self.linked.upgrade() else { return Ok(None) };
-        linked.followed.fetch_add(1, Ordering::Relaxed);
-        let path = beside(&self.by, name);
-        let known = linked.files().iter().find(|(source, _)| source.path() == path).cloned();
-        if let Some((_, file)) = known {
-            return Ok(Some(file));
-        }
-        let count = linked.files().len();
-        if count >= MAX_FILES {
-            return Err(failed(Error::run("the external links lead to too many files")));
-        }
-        let named = |error: Error| failed(Error::run("an external link cannot be followed").got(error));
-        let source = open_named(&self.by, &path, count).map_err(named)?;
-        let file = open_file(&source, &linked).map_err(named)?;
-        linked.files().push((source, file.clone()));
-        Ok(Some(file))
-    }
-}
-
-/// Opens a file with limits that follow from its length.
-fn open_file(source: &Arc<Source>, linked: &Arc<LinkedFiles>) -> Result<Hdf5File> {
-    let limit = usize::try_from(source.len().saturating_mul(DEFLATE)).unwrap_or(usize::MAX);
-    let links = Links { by: source.path().to_owned(), linked: Arc::downgrade(linked) };
-    let options = OpenOptions::default()
-        .with_max_chunk_bytes(limit)
-        .with_max_read_bytes(limit)
-        .with_max_object_header_bytes(usize::try_from(source.len()).unwrap_or(usize::MAX))
-        .with_chunk_cache_bytes(CHUNK_CACHE)
-        .with_external_link_resolver(Arc::new(links));
-    HeapStorage::new(source.clone())
-        .and_then(|storage| Hdf5File::from_storage_with_options(Arc::new(storage), options))
-        .map_err(|error| damaged("/", &error))
-}
-
-/// The error about an object.
-fn damaged(path: &str, error: &hdf5_reader::error::Error) -> Error {
-    Error::run("the HDF5 object cannot be read").got(error).at_item(path)
-}
-
-/// Nothing, where an error says that there is no such thing.
-fn optional<T>(path: &str, found: hdf5_reader::error::Result<T>) -> Result<Option<T>> {
-    use hdf5_reader::error::Error as Failure;
-    match found {
-        Ok(found) => Ok(Some(found)),
-        Err(Failure::GroupNotFound(_) | Failure::DatasetNotFound(_) | Failure::AttributeNotFound(_)) => {
-            Ok(None)
-        }
-        Err(error) => Err(damaged(path, &error)),
-    }
-}
-
-impl File {
-    /// Opens a file.
-    pub fn open(source: Arc<Source>) -> Result<Arc<File>> {
-        let linked = Arc::<LinkedFiles>::default();
-        let file = open_file(&source, &linked)?;
-        Ok(Arc::new(File { source, file, linked }))
-    }
-
-    /// The root group.
-    pub fn root(self: &Arc<File>) -> Result<Group> {
-        let group = self.file.root_group().map_err(|error| damaged("/", &error))?;
-        Ok(Group { file: self.clone(), group, path: String::new() })
-    }
-
-    /// The file whose bytes these are: this one, or one that links lead to.
-    fn owner(&self, storage: &dyn Storage) -> Option<(Arc<Source>, Hdf5File)> {
-        let is_same = |file: &Hdf5File| std::ptr::addr_eq(file.storage(), storage);
-        if is_same(&self.file) {
-            return Some((self.source.clone(), self.file.clone()));
-        }
-        self.linked.files().iter().find(|(_, file)| is_same(file)).cloned()
-    }
-}
 
 /// A group of a file.
 #[derive(Clone)]
 pub(super) struct Group {
     file: Arc<File>,
-    group: hdf5_reader::group::Group,
     /// Path in the file, empty for the root.
     path: String,
+    /// Number of the file and address in it.
+    identity: (usize, u64),
 }
 
 impl Group {
+    /// The root group of a file.
+    pub fn root(source: Arc<Source>) -> Result<Group> {
+        let file = File::open(source)?;
+        let mut opened = file.opened()?;
+        let root = file.group(&mut opened, "")?;
+        let identity = file.note(&mut opened, "", root);
+        drop(opened);
+        Ok(Group { file, path: String::new(), identity })
+    }
+
+    /// A group in this one, or one that a link in it leads to.
+    fn child(&self, opened: &mut ObjectCache, name: &str, group: hdf5_reader::group::Group) -> Group {
+        let path = self.below(name);
+        let identity = self.file.note(opened, &path, group);
+        Group { file: self.file.clone(), path, identity }
+    }
+
     /// Path from the root, for messages.
     pub fn path(&self) -> &str {
         if self.path.is_empty() { "/" } else { &self.path }
@@ -158,19 +59,17 @@ impl Group {
 
     /// Bytes of the file and of those that its links led to.
     pub fn file_bytes(&self) -> u64 {
-        let linked = self.file.linked.files();
-        linked.iter().map(|(source, _)| source.len()).fold(self.file.source.len(), u64::saturating_add)
+        self.file.files.open().iter().map(|open| open.source.len()).fold(0, u64::saturating_add)
     }
 
     /// Files that links led to.
     pub fn linked_files(&self) -> Vec<PathBuf> {
-        let linked = self.file.linked.files();
-        linked.iter().map(|(source, _)| source.path().to_owned()).collect()
+        self.file.files.open().iter().skip(1).map(|open| open.source.path().to_owned()).collect()
     }
 
     /// A number that is the same for the same group by whatever path.
     pub fn identity(&self) -> (usize, u64) {
-        (std::ptr::from_ref(self.group.storage()).addr(), self.group.address())
+        self.identity
     }
 
     fn below(&self, name: &str) -> String {
@@ -180,8 +79,10 @@ impl Group {
     /// The group of that name, if there is one.
     pub fn group(&self, name: &str) -> Result<Option<Group>> {
         let path = self.below(name);
-        let group = optional(&path, self.group.group(name))?;
-        Ok(group.map(|group| Group { file: self.file.clone(), group, path }))
+        let mut opened = self.file.opened()?;
+        let group = self.file.optional(&path, self.file.group(&mut opened, &self.path)?.group(name))?;
+        opened.count += 1;
+        Ok(group.map(|group| self.child(&mut opened, name, group)))
     }
 
     /// The group of that name. Errors: there is none.
@@ -191,25 +92,24 @@ impl Group {
 
     /// The groups in this one, in the order of their names or of their making, whichever the file keeps.
     pub fn groups(&self) -> Result<Vec<Group>> {
-        let (names, _) = self.group.member_names().map_err(|error| damaged(self.path(), &error))?;
-        // Many are opened together: finding one by name costs as much as listing a few hundred. This opens the arrays too, some of which
-        // may be of types that are not read.
-        if names.len() > FEW_GROUPS
-            && let Ok(groups) = self.group.groups()
-        {
-            let named = |group: hdf5_reader::group::Group| {
-                let path = self.below(group.name());
-                Group { file: self.file.clone(), group, path }
+        let mut opened = self.file.opened()?;
+        let own = self.file.group(&mut opened, &self.path)?;
+        // This opens the arrays too, some of which may be of types that are not read.
+        if let Ok(groups) = own.groups() {
+            opened.count += groups.len();
+            let child = |group: hdf5_reader::group::Group| {
+                let name = group.name().to_owned();
+                self.child(&mut opened, &name, group)
             };
-            return Ok(groups.into_iter().map(named).collect());
+            return Ok(groups.into_iter().map(child).collect());
         }
-        names.iter().map(|name| self.required_group(name)).collect()
+        drop(opened);
+        self.member_names()?.0.iter().map(|name| self.required_group(name)).collect()
     }
 
     /// The arrays in this group.
     pub fn arrays(&self) -> Result<Vec<Array>> {
-        let (_, names) = self.group.member_names().map_err(|error| damaged(self.path(), &error))?;
-        names.iter().map(|name| self.required_array(name)).collect()
+        self.member_names()?.1.iter().map(|name| self.required_array(name)).collect()
     }
 
     /// The name of this group in that above it.
@@ -219,29 +119,39 @@ impl Group {
 
     /// The names of groups and arrays.
     pub fn names(&self) -> Result<Vec<String>> {
-        let names = self.group.member_names().map_err(|error| damaged(self.path(), &error))?;
-        Ok(names.0.into_iter().chain(names.1).collect())
+        let (groups, arrays) = self.member_names()?;
+        Ok(groups.into_iter().chain(arrays).collect())
+    }
+
+    fn member_names(&self) -> Result<(Vec<String>, Vec<String>)> {
+        let group = self.file.group(&mut *self.file.opened()?, &self.path)?;
+        group.member_names().map_err(|error| self.file.damaged(self.path(), &error))
+    }
+
+    fn attribute(&self, name: &str) -> Result<Option<hdf5_reader::Attribute>> {
+        let group = self.file.group(&mut *self.file.opened()?, &self.path)?;
+        self.file.optional(self.path(), group.attribute(name))
     }
 
     /// The array of that name, if there is one.
     pub fn array(&self, name: &str) -> Result<Option<Array>> {
         let path = self.below(name);
-        let followed = || self.file.linked.followed.load(Ordering::Relaxed);
+        let mut opened = self.file.opened()?;
+        let group = self.file.group(&mut opened, &self.path)?;
+        let followed = || self.file.files.followed.load(Ordering::Relaxed);
         let before = followed();
-        let Some(dataset) = optional(&path, self.group.dataset(name))? else { return Ok(None) };
-        let owner = match followed() == before {
-            true => self.file.owner(self.group.storage()),
-            // An array that is itself linked lies in a file that is not known here.
-            false => None,
-        };
+        opened.count += 1;
+        let Some(dataset) = self.file.optional(&path, group.dataset(name))? else { return Ok(None) };
+        // An array that is itself linked lies in a file that is not known here.
+        let owner = if followed() == before { self.file.files.owner(group.storage()) } else { None };
         let (source, len) = match &owner {
-            Some((source, _)) => (source.clone(), source.len()),
+            Some(open) => (open.source.clone(), open.source.len()),
             None => (self.file.source.clone(), self.file_bytes()),
         };
-        let file = owner.map(|(_, file)| file);
+        let file = owner.map(|open| open.file);
         let place = file.as_ref().map(|file| place(file, &dataset)).transpose();
         let place = place.map_err(|error| damaged(&path, &error))?.flatten();
-        Ok(Some(Array { source, file, len, dataset: Arc::new(dataset), place, path }))
+        Ok(Some(Array { group: self.clone(), source, file, len, dataset, place, path }))
     }
 
     /// The array of that name. Errors: there is none.
@@ -255,15 +165,14 @@ impl Group {
 
     /// An attribute of text, if there is one.
     pub fn text(&self, name: &str) -> Result<Option<String>> {
-        let found = optional(self.path(), self.group.attribute(name))?;
-        let text = found.map(|attribute| attribute.read_strings()).transpose();
+        let text = self.attribute(name)?.map(|attribute| attribute.read_strings()).transpose();
         let text = text.map_err(|error| damaged(&self.below(name), &error))?;
         Ok(text.and_then(|texts| texts.into_iter().next()).map(|text| trimmed(&text)))
     }
 
     /// An attribute of numbers, if there is one.
     pub fn numbers(&self, name: &str) -> Result<Option<Vec<f64>>> {
-        let Some(attribute) = optional(self.path(), self.group.attribute(name))? else { return Ok(None) };
+        let Some(attribute) = self.attribute(name)? else { return Ok(None) };
         let (number_type, order) = number_type(&attribute.datatype).ok_or_else(|| {
             Error::run("an HDF5 attribute is of the wrong type").expected("numbers").at_item(self.below(name))
         })?;
@@ -334,12 +243,13 @@ fn place(file: &Hdf5File, dataset: &hdf5_reader::Dataset) -> hdf5_reader::error:
 /// An array (a dataset, in the words of HDF5) of a file.
 #[derive(Clone)]
 pub(super) struct Array {
+    group: Group,
     source: Arc<Source>,
     /// The file that it lies in, if that is known.
     file: Option<Hdf5File>,
     /// Most bytes of the file, or of the files, that it can lie in.
     len: u64,
-    dataset: Arc<hdf5_reader::Dataset>,
+    dataset: hdf5_reader::Dataset,
     /// Beginning of its bytes, where they lie side by side.
     place: Option<u64>,
     path: String,
@@ -406,7 +316,7 @@ impl Array {
 
     /// An attribute of text, if there is one. Errors: it is damaged, or no text.
     pub fn text_attribute(&self, name: &str) -> Result<Option<String>> {
-        let found = optional(&self.path, self.dataset.attribute(name))?;
+        let found = self.group.file.optional(&self.path, self.dataset.attribute(name))?;
         let text = found.map(|attribute| attribute.read_strings()).transpose();
         let text = text.map_err(|error| damaged(&format!("{}/{name}", self.path), &error))?;
         Ok(text.and_then(|texts| texts.into_iter().next()).map(|text| trimmed(&text)))
@@ -461,13 +371,14 @@ impl Array {
             }
             None => {
                 let gather = self.gather(part, number_type, count)?;
-                match self.file.clone().zip(number_type.size()) {
-                    Some((file, size)) => {
-                        let (dataset, part) = (self.dataset.clone(), part.to_vec());
-                        Encoding::Chunked(
-                            Arc::new(move || ChunkRows::find(&file, &dataset, &part, size)),
-                            gather,
-                        )
+                match number_type.size().filter(|_| self.file.is_some()) {
+                    Some(size) => {
+                        let (reopen, part) = (self.reopen(), part.to_vec());
+                        let find = move || {
+                            let Array { file, dataset, .. } = reopen().ok()?;
+                            ChunkRows::find(&file?, &dataset, &part, size)
+                        };
+                        Encoding::Chunked(Arc::new(find), gather)
                     }
                     None => Encoding::Gathered(gather),
                 }
@@ -484,6 +395,12 @@ impl Array {
         })
     }
 
+    /// Opens it anew: an array that is read later keeps nothing of the file until then.
+    fn reopen(&self) -> impl Fn() -> Result<Array> + Send + Sync + 'static {
+        let (group, name) = (self.group.clone(), self.name().to_owned());
+        move || group.required_array(&name)
+    }
+
     /// Reads a box of chunks.
     fn gather(&self, part: &[Extent], number_type: NumberType, count: u64) -> Result<Gather> {
         let bytes = number_type.byte_count(count).unwrap_or(u64::MAX);
@@ -497,8 +414,9 @@ impl Array {
             end: if count == 0 { first } else { first + (count - 1) * stride + 1 },
             step: stride,
         };
-        let (array, selection) = (self.clone(), SliceInfo { selections: part.iter().map(slice).collect() });
+        let (reopen, selection) = (self.reopen(), SliceInfo { selections: part.iter().map(slice).collect() });
         Ok(Arc::new(move || {
+            let array = reopen()?;
             let read = match number_type.size() {
                 Some(1) => array.bytes::<1>(&selection),
                 Some(2) => array.bytes::<2>(&selection),
@@ -573,4 +491,44 @@ fn offset(shape: &[u64], part: &[Extent]) -> Option<u64> {
     }
     let place = |offset: u64, (axis, &n): (&Extent, &u64)| offset.checked_mul(n)?.checked_add(axis.0);
     part.iter().zip(shape).try_fold(0, place)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::contents::Meter;
+    use super::*;
+    use std::io::Read;
+    use voltet_core::progress::NoProgress;
+
+    /// Places that name the bytes of a file that is open once.
+    const SOURCES: usize = 3;
+
+    #[test]
+    fn arrays_that_are_read_later_keep_nothing_of_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = |packed: &[u8], name: &str| {
+            let (path, mut bytes) = (folder.path().join(name), Vec::new());
+            flate2::read::GzDecoder::new(packed).read_to_end(&mut bytes).unwrap();
+            std::fs::write(&path, bytes).unwrap();
+            Group::root(Source::open(&path).unwrap()).unwrap()
+        };
+        let root = file(include_bytes!("../tests/files/chunks.h5.gz"), "chunks.h5");
+        let numbers = |stored: &Stored| stored.load::<f64>(&Meter::new(&NoProgress, 1)).unwrap();
+        let (mut later, mut truth) = (Vec::new(), Vec::new());
+        for array in root.arrays().unwrap() {
+            later.push(array.stored("a", 1).unwrap());
+            truth.push(numbers(&array.stored("a", 1).unwrap()));
+        }
+        // The file was opened anew a few times, of which one is there, beside the file itself and what is read later.
+        assert!(root.file.opened().unwrap().count < 13);
+        assert_eq!((later.len(), Arc::strong_count(root.source())), (13, 13 + SOURCES));
+        assert!(later.iter().map(numbers).eq(truth));
+        let root = file(include_bytes!("../tests/files/links.h5.gz"), "links.h5");
+        let groups = root.required_group("beside").unwrap().groups().unwrap();
+        for group in groups.iter().chain(&groups) {
+            let again = root.required_group("beside").unwrap().required_group(group.name()).unwrap();
+            assert_eq!(again.identity(), group.identity());
+        }
+        assert_eq!((groups.len(), Arc::strong_count(root.source())), (20, SOURCES));
+    }
 }

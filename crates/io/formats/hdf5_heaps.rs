@@ -336,7 +336,7 @@ impl Nested<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::hdf5::{File, Group};
+    use super::super::hdf5::Group;
     use super::*;
     use std::io::Read;
 
@@ -371,7 +371,7 @@ mod tests {
     }
 
     fn root(bytes: &[u8]) -> Group {
-        opened(bytes, |source| File::open(source).unwrap().root().unwrap())
+        opened(bytes, |source| Group::root(source).unwrap())
     }
 
     fn storage(bytes: &[u8]) -> HeapStorage {

@@ -50,7 +50,9 @@ mod foam;
 mod gmsh;
 mod hdf5;
 mod hdf5_chunks;
+mod hdf5_files;
 mod hdf5_heaps;
+mod hdf5_virtual;
 mod hexahedra;
 mod hyper_tree;
 mod inspect;
@@ -246,7 +248,7 @@ fn files_linked(path: &Path, request: &Request) -> Vec<PathBuf> {
     if !source.head(256).is_ok_and(|head| (HDF5.matches)(&head, path, request)) {
         return Vec::new();
     }
-    let Ok(root) = hdf5::File::open(source.clone()).and_then(|file| file.root()) else { return Vec::new() };
+    let Ok(root) = hdf5::Group::root(source.clone()) else { return Vec::new() };
     // Links are followed by reading; one that is damaged is an error of the reading itself.
     let _ = read_hdf5(&source, &root, request);
     root.linked_files()
@@ -302,7 +304,7 @@ const IN_HDF5: &[(&str, Hdf5Reader)] =
 
 /// Reads the table of contents by the format that the names in the root group show.
 fn open_hdf5(source: Arc<Source>, request: &Request) -> Result<Dataset> {
-    match hdf5::File::open(source.clone()).and_then(|file| file.root()) {
+    match hdf5::Group::root(source.clone()) {
         Ok(root) => read_hdf5(&source, &root, request),
         Err(error) => unsupported::refuse(&source, unsupported::IN_HDF5).and(Err(error)),
     }

@@ -6,7 +6,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::SystemTime;
+use std::time::{Duration, Instant, SystemTime};
 use voltet_core::parameters::nearest;
 use voltet_core::{Error, Result, counted};
 use voltet_files::names_beside;
@@ -26,16 +26,20 @@ pub(super) struct Source {
 
 /// Files that are opened for each reading are read whole up to this many bytes: to open one takes longer than to read it.
 const SMALL: u64 = 1 << 16;
+/// Time within which a file that was read whole is not asked again when it was written: its arrays are read one after the other, in far less.
+const UNCHANGED: Duration = Duration::from_millis(1);
 
 thread_local! {
     /// The small file that the thread read last; at most [`SMALL`] bytes.
-    static LAST_READ: RefCell<LastRead> = const { RefCell::new(LastRead { of: None, bytes: Vec::new() }) };
+    static LAST_READ: RefCell<LastRead> = const { RefCell::new(LastRead { of: None, asked: None, bytes: Vec::new() }) };
 }
 
 /// Bytes of a file that was read whole.
 struct LastRead {
     /// Number of the file, its length and when it was last written; `None`: there is none.
     of: Option<(u64, u64, SystemTime)>,
+    /// When that was found out.
+    asked: Option<Instant>,
     bytes: Vec<u8>,
 }
 
@@ -155,13 +159,17 @@ impl Source {
     /// Fills `bytes` from those of the whole file, which is read if it is not the thread's last or was written since.
     fn read_of_whole(&self, offset: u64, bytes: &mut [u8]) -> std::io::Result<()> {
         LAST_READ.with_borrow_mut(|last| {
-            let now = std::fs::metadata(&self.path)?;
-            let of = (self.number, now.len(), now.modified().unwrap_or(SystemTime::UNIX_EPOCH));
-            if last.of != Some(of) {
-                last.of = None;
-                last.bytes.resize(self.len as usize, 0);
-                read_exact_at(&File::open(&self.path)?, 0, &mut last.bytes)?;
-                last.of = Some(of);
+            let is_own = last.of.is_some_and(|of| of.0 == self.number);
+            if !is_own || last.asked.is_none_or(|asked| asked.elapsed() > UNCHANGED) {
+                let now = std::fs::metadata(&self.path)?;
+                let of = (self.number, now.len(), now.modified().unwrap_or(SystemTime::UNIX_EPOCH));
+                if last.of != Some(of) {
+                    last.of = None;
+                    last.bytes.resize(self.len as usize, 0);
+                    read_exact_at(&File::open(&self.path)?, 0, &mut last.bytes)?;
+                    last.of = Some(of);
+                }
+                last.asked = Some(Instant::now());
             }
             bytes.copy_from_slice(&last.bytes[offset as usize..offset as usize + bytes.len()]);
             Ok(())
@@ -249,8 +257,9 @@ mod tests {
         let (source, bytes) = &files[0];
         assert_eq!(source.read(0, 4).unwrap(), bytes[..4]);
         std::fs::write(source.path(), vec![7; bytes.len()]).unwrap();
-        let later = SystemTime::now() + std::time::Duration::from_secs(10);
+        let later = SystemTime::now() + Duration::from_secs(10);
         File::options().write(true).open(source.path()).unwrap().set_modified(later).unwrap();
+        std::thread::sleep(2 * UNCHANGED);
         assert_eq!(source.read(0, 4).unwrap(), [7; 4]);
         // One that was cut since is an error, not what another file or reading left.
         std::fs::write(files[1].0.path(), b"short").unwrap();

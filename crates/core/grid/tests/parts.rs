@@ -4,7 +4,7 @@ use super::boxes::{Kind, box_of};
 use super::*;
 use crate::field::{CellAverage, GradientFilter, LeastSquares, QuadraticFit, VolumeWeighted};
 use crate::grid::halo::{Halo, join_part};
-use crate::grid::point_keys::PointKeys;
+use crate::grid::point_keys::{PointKeys, boxes_of_others};
 use crate::grid::shared_points::{SharedPoints, keys_of_all, shared_points};
 use crate::parameters::Parameters;
 use crate::progress::NoProgress;
@@ -426,6 +426,40 @@ fn processes_keep_the_keys_that_several_pieces_have() {
             }
             // Of a piece that is alone none.
             assert_eq!(retained_by_processes(&keys[..1], 2).0[0].byte_count(), 0);
+        }
+    }
+}
+
+#[test]
+fn every_box_that_meets_that_of_a_piece_is_among_those_of_others() {
+    let meets = |[a, b]: [DVec3; 2], [c, d]: [DVec3; 2]| a.cmple(d).all() && c.cmple(b).all();
+    for (seed, count, size) in [(1, 40, 0.1), (2, 400, 0.15), (3, 60, 0.9), (4, 1, 1.0)] {
+        let mut random = Random(seed);
+        let mut point = || DVec3::from_array(std::array::from_fn(|_| random.next()));
+        let mut boxes: Vec<(usize, Option<[DVec3; 2]>)> = (0..count)
+            .map(|index| {
+                let low = point();
+                // A plate through all, and a few without points.
+                let high = if index == 7 { low + DVec3::new(0.0, 1.0, 1.0) } else { low + size * point() };
+                (index % 3, (index % 11 != 10).then_some([low, high]))
+            })
+            .collect();
+        boxes.push((3, boxes[0].1));
+        let found = boxes_of_others(&boxes);
+        for (index, (block, own)) in boxes.iter().enumerate() {
+            let is_other =
+                |(place, other): &(usize, &(usize, Option<[DVec3; 2]>))| *place != index && other.0 == *block;
+            let others = boxes.iter().enumerate().filter(is_other).filter_map(|(_, other)| other.1);
+            let mut meeting: Vec<_> =
+                others.filter(|&other| own.is_some_and(|own| meets(own, other))).collect();
+            if meeting.len() > 32 {
+                meeting = own.iter().copied().collect();
+            }
+            let sorted = |mut boxes: Vec<[DVec3; 2]>| {
+                boxes.sort_by(|a, b| a[0].x.total_cmp(&b[0].x));
+                boxes
+            };
+            assert_eq!(sorted(found[index].clone()), sorted(meeting), "{seed} {index}");
         }
     }
 }

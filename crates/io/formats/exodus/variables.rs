@@ -22,7 +22,7 @@ impl Variables {
         if netcdf::is_netcdf(&source.head(4)?) {
             return netcdf::NetcdfFile::open(source).map(Variables::Classic);
         }
-        Variables::of_root(hdf5::File::open(source)?.root()?)
+        Variables::of_root(hdf5::Group::root(source)?)
     }
 
     /// The variables in HDF5.

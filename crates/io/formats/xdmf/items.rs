@@ -2,7 +2,7 @@
 
 use super::paths::Document;
 use crate::formats::contents::{Compute, Encoding, Stored};
-use crate::formats::hdf5::{Array, Extent, File, Group};
+use crate::formats::hdf5::{Array, Extent, Group};
 use crate::formats::numbers::{ByteOrder, NumberType};
 use crate::formats::source::Source;
 use crate::formats::xml::header::Element;
@@ -205,7 +205,7 @@ impl<'a> Items<'a> {
             Some(root) => root,
             None => {
                 let source = open_named(self.source.path(), file, self.opened.borrow().len())?;
-                let root = File::open(source)?.root()?;
+                let root = Group::root(source)?;
                 self.opened.borrow_mut().push((file.to_owned(), root.clone()));
                 root
             }

@@ -9,7 +9,7 @@ use voltet_core::{Error, Result};
 pub(in crate::formats) fn beside(by: &Path, name: &str) -> PathBuf {
     let folder = by.parent().unwrap_or(Path::new(""));
     let path = folder.join(name);
-    if !path.exists() && name.contains('\\') { folder.join(name.replace('\\', "/")) } else { path }
+    if name.contains('\\') && !path.exists() { folder.join(name.replace('\\', "/")) } else { path }
 }
 
 /// Files that one file keeps open of those that it names: half of what systems allow a program at least.

@@ -226,6 +226,21 @@ def damaged():
     hexahedron("bad_version", lambda root: root.attrs.__setitem__("Version", [3, 0]))
     hexahedron("bad_text", replace("Points", np.full((8, 3), b"a")))
 
+    def virtual(root):
+        layout = h5py.VirtualLayout((8, 3), dtype="f8")
+        for half in (0, 1):
+            layout[4 * half:4 * half + 4] = h5py.VirtualSource(f"values_{half}.h5", "points", (4, 3))
+        replace("Points", None)(root)
+        root.create_virtual_dataset("Points", layout)
+
+    hexahedron("bad_virtual", virtual)
+
+    def filtered(root):
+        replace("Points", None)(root)
+        root.create_dataset("Points", (8, 3), dtype="f8", chunks=(8, 3), data=np.zeros((8, 3)), compression="lzf")
+
+    hexahedron("bad_filter", filtered)
+
 
 meshes.write_vtu(meshes.every_cell(), "cells.vtu")
 meshes.write_vtu(meshes.polyhedra(), "polyhedra.vtu")

@@ -110,6 +110,11 @@ fn each_fault_is_one_error_that_names_the_file_and_the_object() {
         ("tree", &["contains itself"]),
         ("version", &["newer version", "found 3"]),
         ("text", &["/VTKHDF/Points", "wrong type"]),
+        ("filter", &["'/VTKHDF/Points'", "filter id 32000 (LZF)", "h5repack -f GZIP=4"]),
+        (
+            "virtual",
+            &["'/VTKHDF/Points'", "virtual", "'points' in the file 'values_0.h5' and 1 more", "h5repack"],
+        ),
     ] {
         let name = format!("vtkhdf_bad_{name}.vtkhdf");
         let error = read(&path(&name), &request("s"), &NoProgress).unwrap_err().to_string();

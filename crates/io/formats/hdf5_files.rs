@@ -1,0 +1,205 @@
+//! Files in HDF5 as the crate hdf5-reader opens them, and those that external links lead to.
+//!
+//! The crate keeps of each object what its header says, for as long as the file is open, 40 to 60 kB for a block of a few arrays. So a file
+//! is opened anew after some thousand objects; groups are known by their paths, and arrays that are read later by group and name.
+
+use super::hdf5_heaps::HeapStorage;
+use super::hdf5_virtual;
+use super::source::Source;
+use super::xml::{beside, open_named};
+use hdf5_reader::{Hdf5File, OpenOptions, Storage};
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use voltet_core::{Error, Result};
+
+/// Most bytes that deflate makes of one.
+pub(super) const DEFLATE: u64 = 1032;
+/// Decoded chunks that are kept, in bytes.
+const CHUNK_CACHE: usize = 16 << 20;
+/// Most files that external links of one file lead to.
+const MAX_FILES: usize = 4096;
+/// Groups and arrays that are opened by name until the file is opened anew: the crate keeps 2 to 6 kB of each as long as it is open.
+const MAX_OPENED: usize = if cfg!(test) { 4 } else { 50_000 };
+
+/// A file as the crate has opened it.
+#[derive(Clone)]
+pub(super) struct OpenFile {
+    pub source: Arc<Source>,
+    pub file: Hdf5File,
+}
+
+/// A file, which is the first, and those that links led to.
+#[derive(Default)]
+pub(super) struct Files {
+    open: Mutex<Vec<OpenFile>>,
+    /// Number of times that a link was followed.
+    pub followed: AtomicUsize,
+}
+
+impl Files {
+    pub fn open(&self) -> MutexGuard<'_, Vec<OpenFile>> {
+        self.open.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The file whose bytes these are.
+    pub fn owner(&self, storage: &dyn Storage) -> Option<OpenFile> {
+        self.open().iter().find(|open| std::ptr::addr_eq(open.file.storage(), storage)).cloned()
+    }
+}
+
+/// A file and those that its links lead to.
+pub(super) struct File {
+    pub source: Arc<Source>,
+    pub files: Arc<Files>,
+    opened: Mutex<ObjectCache>,
+}
+
+/// Objects that were opened since the file was.
+#[derive(Default)]
+pub(super) struct ObjectCache {
+    /// Groups by their paths; empty for the root.
+    groups: HashMap<String, hdf5_reader::group::Group>,
+    /// Number of groups and arrays that were opened by name.
+    pub count: usize,
+}
+
+/// External links of the files of one folder.
+struct Links {
+    by: PathBuf,
+    files: Weak<Files>,
+}
+
+impl hdf5_reader::ExternalLinkResolver for Links {
+    fn resolve_external_link(&self, name: &str) -> hdf5_reader::error::Result<Option<Hdf5File>> {
+        let failed = |error: Error| hdf5_reader::error::Error::Other(error.to_string());
+        let Some(files) = self.files.upgrade() else { return Ok(None) };
+        files.followed.fetch_add(1, Ordering::Relaxed);
+        let path = beside(&self.by, name);
+        let known = files.open().iter().find(|open| open.source.path() == path).cloned();
+        if let Some(open) = known {
+            return Ok(Some(open.file));
+        }
+        let count = files.open().len();
+        if count > MAX_FILES {
+            return Err(failed(Error::run("the external links lead to too many files")));
+        }
+        let named = |error: Error| failed(Error::run("an external link cannot be followed").got(error));
+        let source = open_named(&self.by, &path, count).map_err(named)?;
+        let open = OpenFile::open(source, &files).map_err(named)?;
+        files.open().push(open.clone());
+        Ok(Some(open.file))
+    }
+}
+
+impl OpenFile {
+    /// Opens a file with limits that follow from its length.
+    fn open(source: Arc<Source>, files: &Arc<Files>) -> Result<OpenFile> {
+        let limit = usize::try_from(source.len().saturating_mul(DEFLATE)).unwrap_or(usize::MAX);
+        let links = Links { by: source.path().to_owned(), files: Arc::downgrade(files) };
+        let options = OpenOptions::default()
+            .with_max_chunk_bytes(limit)
+            .with_max_read_bytes(limit)
+            .with_max_object_header_bytes(usize::try_from(source.len()).unwrap_or(usize::MAX))
+            .with_chunk_cache_bytes(CHUNK_CACHE)
+            .with_external_link_resolver(Arc::new(links));
+        let file = HeapStorage::new(source.clone())
+            .and_then(|storage| Hdf5File::from_storage_with_options(Arc::new(storage), options))
+            .map_err(|error| damaged("/", &error))?;
+        Ok(OpenFile { source, file })
+    }
+}
+
+impl File {
+    /// Opens a file.
+    pub fn open(source: Arc<Source>) -> Result<Arc<File>> {
+        let files = Arc::<Files>::default();
+        let open = OpenFile::open(source.clone(), &files)?;
+        files.open().push(open);
+        Ok(Arc::new(File { source, files, opened: Mutex::default() }))
+    }
+
+    /// The error about an object, or about a virtual dataset in it.
+    pub fn damaged(&self, path: &str, error: &hdf5_reader::error::Error) -> Error {
+        let file = self.files.open()[0].file.clone();
+        hdf5_virtual::refusal(file.storage(), path, error).unwrap_or_else(|| damaged(path, error))
+    }
+
+    /// Nothing, where an error says that there is no such thing.
+    pub fn optional<T>(&self, path: &str, found: hdf5_reader::error::Result<T>) -> Result<Option<T>> {
+        use hdf5_reader::error::Error as Failure;
+        match found {
+            Ok(found) => Ok(Some(found)),
+            Err(Failure::GroupNotFound(_) | Failure::DatasetNotFound(_) | Failure::AttributeNotFound(_)) => {
+                Ok(None)
+            }
+            Err(error) => Err(self.damaged(path, &error)),
+        }
+    }
+
+    /// Cache of opened objects; opens all files anew where the crate keeps many.
+    pub fn opened(&self) -> Result<MutexGuard<'_, ObjectCache>> {
+        let mut opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
+        if opened.count > MAX_OPENED {
+            for open in self.files.open().iter_mut() {
+                *open = OpenFile::open(open.source.clone(), &self.files)?;
+            }
+            *opened = ObjectCache::default();
+        }
+        Ok(opened)
+    }
+
+    /// Keeps a group that was found at a path; a number of its file and its address there, the same by whatever path.
+    pub fn note(
+        &self,
+        opened: &mut ObjectCache,
+        path: &str,
+        group: hdf5_reader::group::Group,
+    ) -> (usize, u64) {
+        let owner = self.files.owner(group.storage());
+        let identity = (owner.map_or(0, |open| Arc::as_ptr(&open.source).addr()), group.address());
+        opened.groups.insert(path.to_owned(), group);
+        identity
+    }
+
+    /// The group at a path that was found before.
+    pub fn group(&self, opened: &mut ObjectCache, path: &str) -> Result<hdf5_reader::group::Group> {
+        if let Some(group) = opened.groups.get(path) {
+            return Ok(group.clone());
+        }
+        let group = match path.rsplit_once('/') {
+            None => self.files.open()[0].file.clone().root_group(),
+            Some((above, name)) => self.group(opened, above)?.group(name),
+        };
+        let group = group.map_err(|error| damaged(path, &error))?;
+        opened.count += 1;
+        opened.groups.insert(path.to_owned(), group.clone());
+        Ok(group)
+    }
+}
+
+/// Registered filters that the crate does not have, by their numbers (The HDF Group, "Registered Filter Plugins").
+const FILTERS: [(&str, &str); 7] = [
+    ("32000", "LZF"),
+    ("32001", "Blosc"),
+    ("32004", "LZ4"),
+    ("32008", "Bitshuffle"),
+    ("32013", "ZFP"),
+    ("32015", "Zstandard"),
+    ("32026", "Blosc2"),
+];
+
+/// The error about an object.
+pub(super) fn damaged(path: &str, mut error: &hdf5_reader::error::Error) -> Error {
+    use hdf5_reader::error::Error as Failure;
+    let failed = Error::run("the HDF5 object cannot be read").got(error).at_item(path);
+    while let Failure::Context { source, .. } = error {
+        error = source;
+    }
+    let Failure::UnsupportedFilter(filter) = error else { return failed };
+    let name = FILTERS.iter().find(|known| filter.ends_with(known.0)).map_or("unknown", |known| known.1);
+    failed.got(format_args!("{filter} ({name})")).expected(
+        "gzip, shuffle, Fletcher-32, szip, n-bit or scale-offset: `h5repack -f GZIP=4 FILE NEW` packs it so where HDF5 has the filter",
+    )
+}
