@@ -259,7 +259,7 @@ fn offers(text: &str, cursor: usize, arrays: &[&ArrayChoice]) -> Vec<Offer> {
 }
 
 /// The name of an array as an expression has it.
-fn in_expression(name: &str) -> String {
+pub(crate) fn in_expression(name: &str) -> String {
     let (own, component) = name.rsplit_once(':').map_or((name, None), |(own, part)| (own, Some(part)));
     let begins = own.starts_with(|c: char| c.is_alphabetic() || c == '_');
     let own = if begins && own.chars().all(is_plain) { own.to_string() } else { format!("'{own}'") };
@@ -287,7 +287,8 @@ mod tests {
     use super::*;
 
     fn arrays(names: &[&str]) -> Vec<ArrayChoice> {
-        names.iter().map(|name| ArrayChoice { name: name.to_string(), label: name.to_string() }).collect()
+        let choice = |name: &&str| ArrayChoice { name: name.to_string(), label: name.to_string(), at: None };
+        names.iter().map(choice).collect()
     }
 
     #[test]

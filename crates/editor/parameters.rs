@@ -20,6 +20,7 @@ use voltet_document::{Edit, Path};
 use voltet_graph::{
     DefaultValue, LocatedValue, NodeEntry, ParameterType, ParameterValue, Range, VariantSchema,
 };
+use voltet_io::formats::Association;
 
 /// Width of the panel below which names stand above their values, points.
 const NARROW_WIDTH: f32 = 480.0;
@@ -132,6 +133,8 @@ impl Typing {
 pub(crate) struct ParameterPanel {
     typing: Typing,
     expression: ExpressionField,
+    /// Entry of a list that was added in the last frame, which is to be seen.
+    added: Option<String>,
     /// True if names stand above their values.
     is_narrow: bool,
     /// True if the first value is to get the focus.
@@ -347,6 +350,7 @@ impl ParameterPanel {
                     if ui.button(kind.name).on_hover_text(kind.summary).clicked() {
                         let (list, entry) = (list.clone(), default_value(kind, &of.scene.data_extent()));
                         of.scene.actions.edit(Edit::Insert { node: node(), list, place: count, entry });
+                        self.added = Some(of.key(row) + &format!(".{count}"));
                         ui.close();
                     }
                 }
@@ -383,7 +387,12 @@ impl ParameterPanel {
                     of.unset(&entry.path);
                 }
             });
-            head.body(|ui| self.table(ui, of, &entry.path, &entry.rows));
+            let is_new =
+                self.added.take_if(|added| *added == format!("{}.{}", of.node, entry.path)).is_some();
+            let (_, head, body) = head.body(|ui| self.table(ui, of, &entry.path, &entry.rows));
+            if is_new {
+                body.map_or(head.response, |body| body.response).scroll_to_me(None);
+            }
         }
     }
 
@@ -452,12 +461,16 @@ impl ParameterPanel {
             Control::Choice(words) => choice(ui, &key, now, words),
             Control::Text if row.parameter.name == "expression" => {
                 let arrays = of.scene.arrays.feeding(ui.ctx(), of.scene.document, of.scene.registry, of.node);
+                let mut choices = arrays.choices();
+                let stated = of.scene.entry(of.node).and_then(|entry| entry.setting("association")?.text());
+                let place = if stated == Some("cell") { Association::Cell } else { Association::Point };
+                choices.retain(|choice| choice.is_at(place));
                 let now = now.map(to_text).unwrap_or_default();
                 let width = self.typing.width.min(420.0);
                 let field = &mut self.expression;
-                let text = self.typing.line_in(ui, &key, &now, &mut |ui, text| {
-                    field.show(ui, &key, text, width, &arrays.choices())
-                });
+                let text = self
+                    .typing
+                    .line_in(ui, &key, &now, &mut |ui, text| field.show(ui, &key, text, width, &choices));
                 text.map(ParameterValue::Text)
             }
             Control::Text => self.typing.value(ui, &key, row, 160.0, ""),

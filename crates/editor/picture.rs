@@ -25,6 +25,10 @@ const TURN: f64 = PI;
 /// Rays through a box that is probed, along each side at most.
 const RAYS: usize = 16;
 
+/// Width beside the choice of the picture below which its buttons do not stand in one line: those of views go into a menu,
+/// and the section is left to the window's, points.
+const HEAD: f32 = 590.0;
+
 /// Factor of one notch of the wheel (50 points).
 const NOTCH: f64 = 1.15;
 
@@ -162,10 +166,20 @@ impl PicturePanel {
                     }
                 }
             });
+            let is_narrow = ui.available_size_before_wrap().x < HEAD;
             ui.add_enabled_ui(scene.view.is_some(), |ui| {
                 use crate::scene::Command::{Along, Home, Isometric, Roll, Section};
-                for (text, command, help) in [
-                    ("Home", Home, "all of the data into the picture (H)"),
+                let buttons = |ui: &mut Ui, all: &[(&str, Command, &str)]| {
+                    for (text, command, help) in all {
+                        // The name without a pointer is the help without its key.
+                        let name = help.split(" (").next().unwrap_or(help);
+                        if button(ui, text, name, help).clicked() {
+                            scene.actions.command(*command);
+                        }
+                    }
+                };
+                buttons(ui, &[("Home", Home, "all of the data into the picture (H)")]);
+                let views = [
                     ("+x", Along(0, true), "seen from +x (X)"),
                     ("−x", Along(0, false), "seen from −x (Shift+X)"),
                     ("+y", Along(1, true), "seen from +y (Y)"),
@@ -175,12 +189,11 @@ impl PicturePanel {
                     ("iso", Isometric, "seen from the positive sides of x, y and z alike (I)"),
                     ("⟲", Roll(true), "roll to the left (,)"),
                     ("⟳", Roll(false), "roll to the right (.)"),
-                ] {
-                    // The name without a pointer is the help without its key.
-                    let name = help.split(" (").next().unwrap_or(help);
-                    if button(ui, text, name, help).clicked() {
-                        scene.actions.command(command);
-                    }
+                ];
+                if is_narrow {
+                    ui.menu_button("views", |ui| ui.horizontal(|ui| buttons(ui, &views)));
+                } else {
+                    buttons(ui, &views);
                 }
                 let help = "a drag probes the values in a box, as it does with Alt";
                 if ui.selectable_label(self.boxes, "box").on_hover_text(help).clicked() {
@@ -195,8 +208,8 @@ impl PicturePanel {
                     self.is_own_size = !self.is_own_size;
                 }
                 self.compare.button(ui, scene);
-                if ui.small_button("section").on_hover_text("s on a plane through the data (K)").clicked() {
-                    scene.actions.command(Section);
+                if !is_narrow {
+                    buttons(ui, &[("section", Section, "s on a plane through the data (K)")]);
                 }
             });
         });

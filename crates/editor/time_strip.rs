@@ -44,6 +44,8 @@ pub(crate) struct TimeStrip {
     pub is_dragged: bool,
     /// Time of the last step while it plays.
     pub playing: Option<Instant>,
+    /// Time when the histogram and the section were last those of the frame that is shown.
+    pub counted: Option<Instant>,
     /// Frame and number of frames of a way without a series.
     at: usize,
     length: Option<usize>,

@@ -164,6 +164,24 @@ fn a_move_states_the_step_of_every_reader_exactly() {
     assert!(stated(&hand) == Some(0.0) && !hand.text().contains("time = 0.1"), "{}", hand.text());
 }
 
+/// Each newer picture takes precedence of the histogram, which takes longer than a frame is shown.
+#[test]
+fn while_it_plays_the_histogram_follows() {
+    let text = text_of_series().replace("scalar = \"T\"", "scalar = \"T\"\nsubdivision = 40");
+    let mut hand = before_series(&text, [1280.0, 720.0]);
+    transfer::with_distribution(&mut hand);
+    let highest = |hand: &Hand| {
+        hand.editor.worker().shown(|shown| {
+            let found = shown.distribution.last().and_then(|found| found.as_ref().ok());
+            found.map_or(0.0, |found| found.histogram.axes[0].high)
+        })
+    };
+    assert_eq!(highest(&hand), 20.0);
+    hand.key(Key::A, Modifiers::NONE);
+    until(&mut hand, "it is that of the first step", |hand| highest(hand) > 25.0);
+    assert!(hand.editor.panels.time.playing.is_some());
+}
+
 #[test]
 fn playing_ends_at_a_step_that_cannot_be_drawn() {
     let write = |folder: &Path| {
