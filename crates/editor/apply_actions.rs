@@ -472,6 +472,8 @@ impl Editor {
         }
         let outcome = self.document.save_as(&path);
         if self.check(outcome).is_some() {
+            // What is kept from now on is of this file.
+            self.recover.forget();
             self.recent.add(&path);
             self.say(format!("saved: {}{paths}", path.display()));
         }

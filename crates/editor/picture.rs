@@ -25,9 +25,9 @@ const TURN: f64 = PI;
 /// Rays through a box that is probed, along each side at most.
 const RAYS: usize = 16;
 
-/// Width beside the choice of the picture below which its buttons do not stand in one line: those of views go into a menu,
+/// Width below which the choice of the picture and its buttons do not stand in one line: those of views go into a menu,
 /// and the section is left to the window's, points.
-const HEAD: f32 = 590.0;
+const HEAD: f32 = 718.0;
 
 /// Factor of one notch of the wheel (50 points).
 const NOTCH: f64 = 1.15;
@@ -159,14 +159,15 @@ impl PicturePanel {
         ui.horizontal_wrapped(|ui| {
             let pictures = scene.pictures();
             let shown = scene.shown_node.unwrap_or("no picture");
-            ComboBox::from_id_salt("shown").selected_text(shown).width(120.0).show_ui(ui, |ui| {
+            let is_narrow = ui.available_size_before_wrap().x < HEAD;
+            let width = if is_narrow { 90.0 } else { 120.0 };
+            ComboBox::from_id_salt("shown").selected_text(shown).width(width).show_ui(ui, |ui| {
                 for name in pictures {
                     if ui.selectable_label(scene.shown_node == Some(name), name).clicked() {
                         scene.actions.push(Action::Show(name.to_string()));
                     }
                 }
             });
-            let is_narrow = ui.available_size_before_wrap().x < HEAD;
             ui.add_enabled_ui(scene.view.is_some(), |ui| {
                 use crate::scene::Command::{Along, Home, Isometric, Roll, Section};
                 let buttons = |ui: &mut Ui, all: &[(&str, Command, &str)]| {

@@ -16,7 +16,8 @@ use voltet_graph::{NodeEntry, ParameterValue, Registry};
 /// Shortest time that a frame is shown while the strip plays.
 const SHORTEST: Duration = Duration::from_millis(40);
 
-/// Time after which the strip waits for the histogram and the section of the frame that is shown: each newer picture takes precedence of them.
+/// Time for which the histogram may be of an earlier frame while the strip plays, which then waits for it: each newer picture takes
+/// precedence of it.
 const LAGGING: Duration = Duration::from_secs(1);
 
 /// The readers that feed a picture, without the numbers of the steps that they name.
@@ -52,8 +53,8 @@ impl Editor {
         let nodes = &self.document.pipeline().nodes;
         let camera = self.shown_node.as_deref().and_then(|shown| camera_of(nodes, shown));
         let strip = &mut self.panels.time;
-        if !lags {
-            strip.counted = Some(Instant::now());
+        if strip.is_counting && !lags {
+            (strip.is_counting, strip.counted) = (false, Some(Instant::now()));
         }
         strip.free.take_if(|(former, _)| camera != Some(former));
         let count = strip.count(camera);
@@ -68,7 +69,7 @@ impl Editor {
                 self.message = Some((format!("frame {frame} cannot be drawn: it plays no further"), true));
             }
             // It goes on once they are there.
-            Some(_) if count > 1 && lags && strip.counted.is_some_and(|last| last.elapsed() > LAGGING) => {}
+            Some(_) if count > 1 && strip.is_counting => {}
             Some(last) if count > 1 => {
                 let left = SHORTEST.saturating_sub(last.elapsed());
                 if is_drawn && left.is_zero() {
@@ -165,6 +166,15 @@ impl Editor {
             strip.put(&mut next.nodes, (now + 1) % count, count);
         }
         next
+    }
+
+    /// True if the histogram may stay that of an earlier frame.
+    pub(crate) fn keeps_histogram(&mut self) -> bool {
+        let strip = &mut self.panels.time;
+        let is_new = strip.counted.is_some_and(|counted| counted.elapsed() < LAGGING);
+        let keeps = strip.playing.is_some() && !strip.is_counting && is_new;
+        strip.is_counting = strip.playing.is_some() && !keeps;
+        keeps
     }
 
     /// The nodes that the window draws, with what the frame of the picture that was asked for last changes.
