@@ -25,9 +25,10 @@ const TURN: f64 = PI;
 /// Rays through a box that is probed, along each side at most.
 const RAYS: usize = 16;
 
-/// Width below which the choice of the picture and its buttons do not stand in one line: those of views go into a menu,
-/// and the section is left to the window's, points.
+/// Width below which the choice of the picture and its buttons do not stand in one line, so that those of views go into a menu; and that
+/// below which the section is left to the window's menu, too, points.
 const HEAD: f32 = 718.0;
+const SHORT_HEAD: f32 = 500.0;
 
 /// Factor of one notch of the wheel (50 points).
 const NOTCH: f64 = 1.15;
@@ -159,7 +160,8 @@ impl PicturePanel {
         ui.horizontal_wrapped(|ui| {
             let pictures = scene.pictures();
             let shown = scene.shown_node.unwrap_or("no picture");
-            let is_narrow = ui.available_size_before_wrap().x < HEAD;
+            let room = ui.available_size_before_wrap().x;
+            let (is_narrow, has_section) = (room < HEAD, room > SHORT_HEAD);
             let width = if is_narrow { 90.0 } else { 120.0 };
             ComboBox::from_id_salt("shown").selected_text(shown).width(width).show_ui(ui, |ui| {
                 for name in pictures {
@@ -209,7 +211,7 @@ impl PicturePanel {
                     self.is_own_size = !self.is_own_size;
                 }
                 self.compare.button(ui, scene);
-                if !is_narrow {
+                if has_section {
                     buttons(ui, &[("section", Section, "s on a plane through the data (K)")]);
                 }
             });
