@@ -474,18 +474,15 @@ fn status(ui: &mut Ui, editor: &Editor, scene: &Scene, panels: &Panels) {
                     scene.selection.len() == 1 && scene.selection.first() == node
                 };
                 let fault = scene.faults.iter().find(|fault| !is_said(fault));
-                let dragged = ui.input(|input| input.raw.hovered_files.first()?.path.clone());
-                let name = dragged.as_deref().and_then(Path::file_name).map(|name| name.to_string_lossy());
                 let said = match (&editor.message, fault) {
-                    _ if name.is_some() => {
-                        name.map(|name| (format!("drop {name} here to take it up"), theme::accent(dark)))
-                    }
                     (Some((text, true)), _) => Some((text.clone(), theme::wrong(dark))),
                     (Some((text, false)), _) => Some((text.clone(), theme::weak(dark))),
                     (None, Some(fault)) => Some((error_text(fault, scene.document), theme::wrong(dark))),
                     (None, None) => None,
                 };
-                if let Some((text, color)) = said {
+                let held = keys::held_over(ui.ctx());
+                let held = held.map(|name| (format!("drop {name} here to take it up"), theme::accent(dark)));
+                if let Some((text, color)) = held.or(said) {
                     let label = Label::new(RichText::new(&text).color(color)).truncate();
                     ui.add(label).on_hover_text(text);
                 } else {

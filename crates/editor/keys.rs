@@ -362,6 +362,12 @@ pub(crate) fn sheet(ctx: &Context, open: &mut bool) {
     );
 }
 
+/// Name of the file that a hand holds over the window.
+pub(crate) fn held_over(ctx: &Context) -> Option<String> {
+    let path = ctx.input(|input| input.raw.hovered_files.first()?.path.clone())?;
+    Some(path.file_name()?.to_string_lossy().into_owned())
+}
+
 /// Edits by wheel and keys that follow one another within this time are one step.
 const PAUSE: Duration = Duration::from_millis(600);
 

@@ -3,7 +3,7 @@
 
 use crate::blocks::block_tree;
 use crate::expression::ExpressionField;
-use crate::fields::{color, gradient, number_field, numbers};
+use crate::fields::{choice, color, number_field, numbers};
 use crate::jobs::reads;
 use crate::scene::{Action, FilePurpose, Scene, error_text};
 use crate::theme::{self, button};
@@ -14,7 +14,6 @@ use eframe::egui::{
 };
 use std::collections::HashMap;
 use std::ops::RangeInclusive;
-use voltet_core::colormap::Colormap;
 use voltet_document::panel::{Control, Row, default_value, to_text, typed};
 use voltet_document::{Edit, Path};
 use voltet_graph::{
@@ -572,30 +571,6 @@ fn browse(of: Of, row: &Row) -> Action {
 
 fn channels(datum: &ParameterValue) -> Option<[f64; 3]> {
     LocatedValue::from(datum.clone()).color()
-}
-
-fn choice(
-    ui: &mut Ui,
-    key: &str,
-    now: Option<&ParameterValue>,
-    words: &[(&str, &str)],
-) -> Option<ParameterValue> {
-    let now = now.map(to_text).unwrap_or_default();
-    let mut taken = None;
-    ComboBox::from_id_salt(("choice", key)).selected_text(&now).width(150.0).show_ui(ui, |ui| {
-        for (word, meaning) in words {
-            ui.horizontal(|ui| {
-                if let Some(map) = Colormap::named(word) {
-                    gradient(ui, map);
-                }
-                if ui.selectable_label(now == *word, *word).on_hover_text(*meaning).clicked() {
-                    taken = Some((*word).into());
-                    ui.close();
-                }
-            });
-        }
-    });
-    taken
 }
 
 fn number(datum: &ParameterValue) -> Option<f64> {
