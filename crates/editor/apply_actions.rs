@@ -6,7 +6,7 @@ use crate::eyes;
 use crate::files::{Disk, FileDialog, Recover, age, ask, begun, free_path, is_pipeline};
 use crate::jobs::{Arrays, Job};
 use crate::picture::milliseconds;
-use crate::scene::{Action, Command, FilePurpose, error_text};
+use crate::scene::{Action, Command, FilePurpose, error_text, pictures};
 use crate::view::View;
 use crate::worker::size_of;
 use eframe::egui::{Context, Event, ThemePreference};
@@ -16,6 +16,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use voltet_core::{Result, counted};
 use voltet_document::arrange::{PlacedNode, align, tidy};
+use voltet_document::links::upstream;
 use voltet_document::{Annotation, AnnotationId, Document, Edit, Recovery};
 use voltet_graph::NodeEntry;
 use voltet_graph::pipeline::Pipeline;
@@ -96,6 +97,14 @@ impl Editor {
             match edit {
                 Edit::AddNode { name, .. } => {
                     added.insert(name.clone());
+                    // A picture that is made of the shown one is seen at once.
+                    let is_shown =
+                        |shown: &String| upstream(&self.document.pipeline().nodes, name).contains(shown);
+                    if pictures(&self.document, &self.registry).contains(&name.as_str())
+                        && self.shown_node.as_ref().is_some_and(is_shown)
+                    {
+                        self.shown_node = Some(name.clone());
+                    }
                     self.expect_array(name);
                 }
                 Edit::Set { node, path, .. } if *path == "path".into() => self.expect_array(node),
@@ -378,7 +387,7 @@ impl Editor {
     }
 }
 
-/// Shortest interval between two copies of unsaved work.
+/// Shortest interval between two copies of unsaved work while a hand goes on with one edit.
 const BETWEEN: Duration = Duration::from_secs(2);
 
 impl Editor {
@@ -463,6 +472,8 @@ impl Editor {
         }
         let outcome = self.document.save_as(&path);
         if self.check(outcome).is_some() {
+            // What is kept from now on is of this file.
+            self.recover.forget();
             self.recent.add(&path);
             self.say(format!("saved: {}{paths}", path.display()));
         }
@@ -524,8 +535,10 @@ impl Editor {
             }
             return;
         }
-        if let Some(kept) = self.recover.kept.filter(|kept| kept.elapsed() < BETWEEN) {
-            ctx.request_repaint_after(BETWEEN - kept.elapsed().min(BETWEEN));
+        let goes_on = self.gesture.is_some();
+        if let Some(kept) = self.recover.kept.filter(|kept| goes_on && kept.elapsed() < BETWEEN) {
+            // The hand may rest without a frame that follows.
+            ctx.request_repaint_after(BETWEEN.saturating_sub(kept.elapsed()));
             return;
         }
         if self.recover.keeper.is_none() {

@@ -480,7 +480,9 @@ fn status(ui: &mut Ui, editor: &Editor, scene: &Scene, panels: &Panels) {
                     (None, Some(fault)) => Some((error_text(fault, scene.document), theme::wrong(dark))),
                     (None, None) => None,
                 };
-                if let Some((text, color)) = said {
+                let held = keys::held_over(ui.ctx());
+                let held = held.map(|name| (format!("drop {name} here to take it up"), theme::accent(dark)));
+                if let Some((text, color)) = held.or(said) {
                     let label = Label::new(RichText::new(&text).color(color)).truncate();
                     ui.add(label).on_hover_text(text);
                 } else {

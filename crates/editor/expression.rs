@@ -110,10 +110,7 @@ impl ExpressionField {
         }
         (self.text, self.cursor) = (has_focus.then(|| text.clone()), cursor);
         let offers = cursor.filter(|_| self.is_typed).map(|cursor| offers(text, cursor, arrays));
-        let offers = offers.unwrap_or_default();
-        if offers != self.offers {
-            (self.offers, self.chosen) = (offers, 0);
-        }
+        self.take_offers(offers.unwrap_or_default());
         self.list(ui, &response, text);
         if self.is_held {
             response.request_focus();
@@ -127,6 +124,15 @@ impl ExpressionField {
             Some((_, signature, help)) => response.on_hover_text(format!("{signature}: {help}")),
             None => response,
         }
+    }
+
+    /// Lists other words, from the first; the same ones, of which more is known, leave the choice.
+    fn take_offers(&mut self, offers: Vec<Offer>) {
+        let words = |offers: &[Offer]| offers.iter().map(|offer| offer.insert.clone()).collect::<Vec<_>>();
+        if words(&offers) != words(&self.offers) {
+            self.chosen = 0;
+        }
+        self.offers = offers;
     }
 
     fn read_keys(&mut self, ui: &Ui, id: Id, text: &mut String) {
@@ -259,7 +265,7 @@ fn offers(text: &str, cursor: usize, arrays: &[&ArrayChoice]) -> Vec<Offer> {
 }
 
 /// The name of an array as an expression has it.
-fn in_expression(name: &str) -> String {
+pub(crate) fn in_expression(name: &str) -> String {
     let (own, component) = name.rsplit_once(':').map_or((name, None), |(own, part)| (own, Some(part)));
     let begins = own.starts_with(|c: char| c.is_alphabetic() || c == '_');
     let own = if begins && own.chars().all(is_plain) { own.to_string() } else { format!("'{own}'") };
@@ -287,7 +293,8 @@ mod tests {
     use super::*;
 
     fn arrays(names: &[&str]) -> Vec<ArrayChoice> {
-        names.iter().map(|name| ArrayChoice { name: name.to_string(), label: name.to_string() }).collect()
+        let choice = |name: &&str| ArrayChoice { name: name.to_string(), label: name.to_string(), at: None };
+        names.iter().map(choice).collect()
     }
 
     #[test]
@@ -300,6 +307,23 @@ mod tests {
         let (error, _) = Expression::parse("zzzzzz(a)").unwrap_err();
         let functions = SIGNATURES.iter().filter(|(name, signature, _)| name != signature).count();
         assert!(error.to_string().contains(&format!("and {} more", functions - 24)), "{error}");
+    }
+
+    #[test]
+    fn the_chosen_word_stays_when_ranges_come() {
+        let offer = |insert: &str, label: &str| Offer {
+            label: label.into(),
+            insert: insert.into(),
+            start: 0,
+            end: 1,
+        };
+        let mut field = ExpressionField::default();
+        field.take_offers(vec![offer("max(", "max(a, b)"), offer("mass", "mass")]);
+        field.chosen = 1;
+        field.take_offers(vec![offer("max(", "max(a, b)"), offer("mass", "mass  (points, 0 to 1)")]);
+        assert_eq!((field.chosen, field.offers[1].label.as_str()), (1, "mass  (points, 0 to 1)"));
+        field.take_offers(vec![offer("max(", "max(a, b)")]);
+        assert_eq!(field.chosen, 0);
     }
 
     #[test]

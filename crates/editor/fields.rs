@@ -1,16 +1,16 @@
-//! Fields for numbers and colours: what a hand makes of them, and why a number is another than was typed.
+//! Fields for numbers, colours and words: what a hand makes of them, and why a number is another than was typed.
 
 use crate::theme;
 use eframe::egui::color_picker::{Alpha, color_picker_color32};
 use eframe::egui::text::{CCursor, CCursorRange};
 use eframe::egui::{
-    Button, Color32, DragValue, Popup, PopupCloseBehavior, Rect, Response, Rgba, RichText, Sense, Slider,
-    TextEdit, Ui, WidgetInfo, WidgetType, vec2,
+    Button, Color32, ComboBox, DragValue, Popup, PopupCloseBehavior, Rect, Response, Rgba, RichText, Sense,
+    Slider, TextEdit, Ui, WidgetInfo, WidgetType, vec2,
 };
 use std::cell::RefCell;
 use voltet_core::arithmetic::decimal;
 use voltet_core::colormap::Colormap;
-use voltet_document::panel::Scale;
+use voltet_document::panel::{Scale, to_text};
 use voltet_graph::{LocatedValue, ParameterValue, Range};
 
 /// The largest span that a slider of equal steps serves: beyond, a drag of a few points is a large step.
@@ -261,6 +261,31 @@ fn hex_field(ui: &mut Ui, color: Color32) -> Option<Color32> {
         ui.label(RichText::new("#rrggbb").small().color(theme::wrong(ui.visuals().dark_mode)));
     }
     typed.filter(|_| response.changed())
+}
+
+/// Choice of a word, with the gradients of colour maps; gives the word that is taken.
+pub(crate) fn choice(
+    ui: &mut Ui,
+    key: &str,
+    now: Option<&ParameterValue>,
+    words: &[(&str, &str)],
+) -> Option<ParameterValue> {
+    let now = now.map(to_text).unwrap_or_default();
+    let mut taken = None;
+    ComboBox::from_id_salt(("choice", key)).selected_text(&now).width(150.0).show_ui(ui, |ui| {
+        for (word, meaning) in words {
+            ui.horizontal(|ui| {
+                if let Some(map) = Colormap::named(word) {
+                    gradient(ui, map);
+                }
+                if ui.selectable_label(now == *word, *word).on_hover_text(*meaning).clicked() {
+                    taken = Some((*word).into());
+                    ui.close();
+                }
+            });
+        }
+    });
+    taken
 }
 
 #[cfg(test)]

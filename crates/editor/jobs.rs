@@ -107,6 +107,14 @@ pub(crate) struct ArrayChoice {
     pub name: String,
     /// With what it is and its range.
     pub label: String,
+    /// Place of its values; `None` where it is there at both.
+    pub at: Option<Association>,
+}
+
+impl ArrayChoice {
+    pub fn is_at(&self, place: Association) -> bool {
+        self.at.is_none_or(|own| own == place)
+    }
 }
 
 pub(crate) fn reads(entry: &NodeEntry, registry: &Registry) -> bool {
@@ -153,7 +161,7 @@ pub(crate) struct FileArrays {
 #[derive(Debug, Default)]
 pub(crate) struct UpstreamArrays {
     pub of_file: Arc<FileArrays>,
-    /// Results of calculators.
+    /// Results of nodes.
     results: Vec<ArrayChoice>,
 }
 
@@ -178,7 +186,7 @@ impl UpstreamArrays {
 pub(crate) struct Arrays(Arc<Mutex<HashMap<DataSource, Arc<FileArrays>>>>);
 
 impl Arrays {
-    /// The arrays of the file that feeds a node, and of calculators on the way; empty while they are not known.
+    /// The arrays of the file that feeds a node, and of nodes on the way; empty while they are not known.
     pub fn feeding(
         &self,
         ctx: &Context,
@@ -252,13 +260,21 @@ fn read_arrays(reader: &NodeEntry, folder: &Path, registry: &Registry, tell: imp
     });
 }
 
-/// Array that a calculator makes; `None` of other nodes.
+/// Nodes that make an array, and the parameter that names it.
+const MAKERS: [(&str, &str); 3] = [("calculator", "name"), ("multi-gradient", "name"), ("wavelet", "field")];
+
+/// Array that a node makes; `None` of other nodes.
 fn result(entry: &NodeEntry, registry: &Registry) -> Option<ArrayChoice> {
-    let declared = registry.node_type(entry).filter(|node| node.name == "calculator")?;
-    let name = declared.parameters.iter().find(|parameter| parameter.name == "name")?;
-    let usual = if let DefaultValue::Text(text) = name.default { Some(text) } else { None };
-    let name = entry.setting("name").and_then(LocatedValue::text).or(usual)?.to_string();
-    Some(ArrayChoice { label: format!("{name}  (computed by {})", entry.name), name })
+    let declared = registry.node_type(entry)?;
+    let (_, named_by) = MAKERS.iter().find(|(node, _)| *node == declared.name)?;
+    let usual = match declared.parameter(named_by)?.default {
+        DefaultValue::Text(text) => Some(text),
+        _ => None,
+    };
+    let name = entry.setting(named_by).and_then(LocatedValue::text).or(usual)?.to_string();
+    let is_of_cells = entry.setting("association").and_then(LocatedValue::text) == Some("cell");
+    let at = if is_of_cells { None } else { Some(Association::Point) };
+    Some(ArrayChoice { label: format!("{name}  (computed by {})", entry.name), name, at })
 }
 
 fn choices(head: &FileArray, range: Option<[f64; 2]>, unit: Option<&str>) -> Vec<ArrayChoice> {
@@ -268,7 +284,11 @@ fn choices(head: &FileArray, range: Option<[f64; 2]>, unit: Option<&str>) -> Vec
         let number = |x: f64| short_by(x, 1e-2 * (high - low));
         format!(", {} to {}{unit}", number(low), number(high))
     });
-    let choice = |name: String, range: &str| ArrayChoice { label: format!("{name}  ({place}{range})"), name };
+    let choice = |name: String, range: &str| ArrayChoice {
+        label: format!("{name}  ({place}{range})"),
+        name,
+        at: Some(head.association),
+    };
     if head.component_count == 1 {
         return vec![choice(head.name.clone(), &range)];
     }

@@ -247,7 +247,12 @@ fn keys(shift: bool) -> impl Iterator<Item = (Command, Modifiers, Key)> {
 }
 
 fn shortcut(ctx: &Context, keys: &[(Modifiers, Key)]) -> String {
-    let text = |&(held, key): &(Modifiers, Key)| ctx.format_shortcut(&KeyboardShortcut::new(held, key));
+    let text = |&(held, key): &(Modifiers, Key)| {
+        let text = ctx.format_shortcut(&KeyboardShortcut::new(held, key));
+        // A key of a sign is named by it.
+        let sign = Some(key.symbol_or_name()).filter(|sign| sign.is_ascii() && sign.len() == 1);
+        sign.map_or_else(|| text.clone(), |sign| text.replace(key.name(), sign))
+    };
     keys.first().map(text).unwrap_or_default()
 }
 
@@ -303,8 +308,12 @@ pub(crate) fn bar(ui: &mut Ui, scene: &Scene) {
 /// The keys with the words for them.
 fn rows(ctx: &Context) -> Vec<(String, &'static str)> {
     let known = COMMANDS.iter().filter(|row| !row.4.is_empty());
-    let paste: &[(Modifiers, Key)] = &[(CTRL, Key::V)];
-    let all = known.map(|&(_, _, _, keys, words)| (keys, words)).chain([(paste, "paste nodes")]);
+    let others: [(&[(Modifiers, Key)], &str); 3] = [
+        (&[(CTRL, Key::V)], "paste nodes"),
+        (&[(NONE, Key::Tab)], "to the next node, grip, field or button; Shift+Tab: the one before"),
+        (&[(NONE, Key::Escape)], "out of a field, menu, sheet or question"),
+    ];
+    let all = known.map(|&(_, _, _, keys, words)| (keys, words)).chain(others);
     all.map(|(keys, words)| (shortcut(ctx, keys), words)).collect()
 }
 
@@ -353,6 +362,12 @@ pub(crate) fn sheet(ctx: &Context, open: &mut bool) {
     );
 }
 
+/// Name of the file that a hand holds over the window.
+pub(crate) fn held_over(ctx: &Context) -> Option<String> {
+    let path = ctx.input(|input| input.raw.hovered_files.first()?.path.clone())?;
+    Some(path.file_name()?.to_string_lossy().into_owned())
+}
+
 /// Edits by wheel and keys that follow one another within this time are one step.
 const PAUSE: Duration = Duration::from_millis(600);
 
@@ -381,7 +396,9 @@ impl GestureTracker {
             let pointer = &input.pointer;
             let wheel = input.smooth_scroll_delta != Vec2::ZERO || input.zoom_delta() != 1.0;
             let arrows = [Key::ArrowLeft, Key::ArrowRight, Key::ArrowUp, Key::ArrowDown];
-            let nudged = arrows.iter().any(|key| input.keys_down.contains(key));
+            // A short press may begin and end within a frame.
+            let nudged =
+                arrows.iter().any(|key| input.keys_down.contains(key) || input.num_presses(*key) > 0);
             (pointer.any_down(), pointer.any_pressed(), pointer.any_released(), wheel || nudged)
         });
         if pressed || (down && self.pressed.is_none()) {
@@ -456,6 +473,21 @@ mod tests {
         }
         let missing: Vec<&String> = lines.iter().filter(|line| !page.contains(line.as_str())).collect();
         assert!(missing.is_empty(), "docs/src/reference/editor-keys.md lacks\n{missing:#?}");
+    }
+
+    #[test]
+    fn a_press_that_begins_and_ends_within_a_frame_goes_on_with_those_before() {
+        let ctx = Context::default();
+        let key = |pressed| Event::Key {
+            key: Key::ArrowUp,
+            physical_key: None,
+            pressed,
+            repeat: false,
+            modifiers: Modifiers::NONE,
+        };
+        ctx.begin_pass(RawInput { events: vec![key(true), key(false)], ..RawInput::default() });
+        assert!(GestureTracker::default().gesture(&ctx).is_some());
+        let _ = ctx.end_pass();
     }
 
     #[test]

@@ -3,7 +3,7 @@
 
 use crate::blocks::block_tree;
 use crate::expression::ExpressionField;
-use crate::fields::{color, gradient, number_field, numbers};
+use crate::fields::{choice, color, number_field, numbers};
 use crate::jobs::reads;
 use crate::scene::{Action, FilePurpose, Scene, error_text};
 use crate::theme::{self, button};
@@ -14,12 +14,12 @@ use eframe::egui::{
 };
 use std::collections::HashMap;
 use std::ops::RangeInclusive;
-use voltet_core::colormap::Colormap;
 use voltet_document::panel::{Control, Row, default_value, to_text, typed};
 use voltet_document::{Edit, Path};
 use voltet_graph::{
     DefaultValue, LocatedValue, NodeEntry, ParameterType, ParameterValue, Range, VariantSchema,
 };
+use voltet_io::formats::Association;
 
 /// Width of the panel below which names stand above their values, points.
 const NARROW_WIDTH: f32 = 480.0;
@@ -132,6 +132,8 @@ impl Typing {
 pub(crate) struct ParameterPanel {
     typing: Typing,
     expression: ExpressionField,
+    /// Entry of a list that was added in the last frame, which is to be seen.
+    added: Option<String>,
     /// True if names stand above their values.
     is_narrow: bool,
     /// True if the first value is to get the focus.
@@ -347,6 +349,7 @@ impl ParameterPanel {
                     if ui.button(kind.name).on_hover_text(kind.summary).clicked() {
                         let (list, entry) = (list.clone(), default_value(kind, &of.scene.data_extent()));
                         of.scene.actions.edit(Edit::Insert { node: node(), list, place: count, entry });
+                        self.added = Some(of.key(row) + &format!(".{count}"));
                         ui.close();
                     }
                 }
@@ -383,7 +386,12 @@ impl ParameterPanel {
                     of.unset(&entry.path);
                 }
             });
-            head.body(|ui| self.table(ui, of, &entry.path, &entry.rows));
+            let is_new =
+                self.added.take_if(|added| *added == format!("{}.{}", of.node, entry.path)).is_some();
+            let (_, head, body) = head.body(|ui| self.table(ui, of, &entry.path, &entry.rows));
+            if is_new {
+                body.map_or(head.response, |body| body.response).scroll_to_me(None);
+            }
         }
     }
 
@@ -452,12 +460,16 @@ impl ParameterPanel {
             Control::Choice(words) => choice(ui, &key, now, words),
             Control::Text if row.parameter.name == "expression" => {
                 let arrays = of.scene.arrays.feeding(ui.ctx(), of.scene.document, of.scene.registry, of.node);
+                let mut choices = arrays.choices();
+                let stated = of.scene.entry(of.node).and_then(|entry| entry.setting("association")?.text());
+                let place = if stated == Some("cell") { Association::Cell } else { Association::Point };
+                choices.retain(|choice| choice.is_at(place));
                 let now = now.map(to_text).unwrap_or_default();
                 let width = self.typing.width.min(420.0);
                 let field = &mut self.expression;
-                let text = self.typing.line_in(ui, &key, &now, &mut |ui, text| {
-                    field.show(ui, &key, text, width, &arrays.choices())
-                });
+                let text = self
+                    .typing
+                    .line_in(ui, &key, &now, &mut |ui, text| field.show(ui, &key, text, width, &choices));
                 text.map(ParameterValue::Text)
             }
             Control::Text => self.typing.value(ui, &key, row, 160.0, ""),
@@ -559,30 +571,6 @@ fn browse(of: Of, row: &Row) -> Action {
 
 fn channels(datum: &ParameterValue) -> Option<[f64; 3]> {
     LocatedValue::from(datum.clone()).color()
-}
-
-fn choice(
-    ui: &mut Ui,
-    key: &str,
-    now: Option<&ParameterValue>,
-    words: &[(&str, &str)],
-) -> Option<ParameterValue> {
-    let now = now.map(to_text).unwrap_or_default();
-    let mut taken = None;
-    ComboBox::from_id_salt(("choice", key)).selected_text(&now).width(150.0).show_ui(ui, |ui| {
-        for (word, meaning) in words {
-            ui.horizontal(|ui| {
-                if let Some(map) = Colormap::named(word) {
-                    gradient(ui, map);
-                }
-                if ui.selectable_label(now == *word, *word).on_hover_text(*meaning).clicked() {
-                    taken = Some((*word).into());
-                    ui.close();
-                }
-            });
-        }
-    });
-    taken
 }
 
 fn number(datum: &ParameterValue) -> Option<f64> {

@@ -25,6 +25,11 @@ const TURN: f64 = PI;
 /// Rays through a box that is probed, along each side at most.
 const RAYS: usize = 16;
 
+/// Width below which the choice of the picture and its buttons do not stand in one line, so that those of views go into a menu; and that
+/// below which the section is left to the window's menu, too, points.
+const HEAD: f32 = 718.0;
+const SHORT_HEAD: f32 = 500.0;
+
 /// Factor of one notch of the wheel (50 points).
 const NOTCH: f64 = 1.15;
 
@@ -155,7 +160,10 @@ impl PicturePanel {
         ui.horizontal_wrapped(|ui| {
             let pictures = scene.pictures();
             let shown = scene.shown_node.unwrap_or("no picture");
-            ComboBox::from_id_salt("shown").selected_text(shown).width(120.0).show_ui(ui, |ui| {
+            let room = ui.available_size_before_wrap().x;
+            let (is_narrow, has_section) = (room < HEAD, room > SHORT_HEAD);
+            let width = if is_narrow { 90.0 } else { 120.0 };
+            ComboBox::from_id_salt("shown").selected_text(shown).width(width).show_ui(ui, |ui| {
                 for name in pictures {
                     if ui.selectable_label(scene.shown_node == Some(name), name).clicked() {
                         scene.actions.push(Action::Show(name.to_string()));
@@ -164,8 +172,17 @@ impl PicturePanel {
             });
             ui.add_enabled_ui(scene.view.is_some(), |ui| {
                 use crate::scene::Command::{Along, Home, Isometric, Roll, Section};
-                for (text, command, help) in [
-                    ("Home", Home, "all of the data into the picture (H)"),
+                let buttons = |ui: &mut Ui, all: &[(&str, Command, &str)]| {
+                    for (text, command, help) in all {
+                        // The name without a pointer is the help without its key.
+                        let name = help.split(" (").next().unwrap_or(help);
+                        if button(ui, text, name, help).clicked() {
+                            scene.actions.command(*command);
+                        }
+                    }
+                };
+                buttons(ui, &[("Home", Home, "all of the data into the picture (H)")]);
+                let views = [
                     ("+x", Along(0, true), "seen from +x (X)"),
                     ("−x", Along(0, false), "seen from −x (Shift+X)"),
                     ("+y", Along(1, true), "seen from +y (Y)"),
@@ -175,12 +192,11 @@ impl PicturePanel {
                     ("iso", Isometric, "seen from the positive sides of x, y and z alike (I)"),
                     ("⟲", Roll(true), "roll to the left (,)"),
                     ("⟳", Roll(false), "roll to the right (.)"),
-                ] {
-                    // The name without a pointer is the help without its key.
-                    let name = help.split(" (").next().unwrap_or(help);
-                    if button(ui, text, name, help).clicked() {
-                        scene.actions.command(command);
-                    }
+                ];
+                if is_narrow {
+                    ui.menu_button("views", |ui| ui.horizontal(|ui| buttons(ui, &views)));
+                } else {
+                    buttons(ui, &views);
                 }
                 let help = "a drag probes the values in a box, as it does with Alt";
                 if ui.selectable_label(self.boxes, "box").on_hover_text(help).clicked() {
@@ -195,8 +211,8 @@ impl PicturePanel {
                     self.is_own_size = !self.is_own_size;
                 }
                 self.compare.button(ui, scene);
-                if ui.small_button("section").on_hover_text("s on a plane through the data (K)").clicked() {
-                    scene.actions.command(Section);
+                if has_section {
+                    buttons(ui, &[("section", Section, "s on a plane through the data (K)")]);
                 }
             });
         });

@@ -156,7 +156,18 @@ impl Editor {
         let (source, axes) = (self.volume_source(output.clone()), self.panels.transfer.axes());
         let scales = transfer::scales(look, &axes);
         let wanted = DistributionQuery { source, axes, scales, fields, scope };
-        self.worker.ask(|output| &mut output.distribution, wanted);
+        let is_known = self.worker.shown(|shown| {
+            let asked = shown.distribution.asked().filter(|_| !shown.distribution.is_waiting());
+            // Of the same output and axes, whatever the frame.
+            asked.is_some_and(|asked| {
+                let nodes = asked.source.nodes.clone();
+                let source = VolumeSource { nodes, ..wanted.source.clone() };
+                DistributionQuery { source, ..wanted.clone() } == *asked
+            })
+        });
+        if !self.keeps_histogram() || !is_known {
+            self.worker.ask(|output| &mut output.distribution, wanted);
+        }
         if self.answers.probed.as_ref().is_some_and(|(source, _)| source.output != output) {
             self.answers.probed = None;
         }

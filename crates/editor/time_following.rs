@@ -16,6 +16,10 @@ use voltet_graph::{NodeEntry, ParameterValue, Registry};
 /// Shortest time that a frame is shown while the strip plays.
 const SHORTEST: Duration = Duration::from_millis(40);
 
+/// Time for which the histogram may be of an earlier frame while the strip plays, which then waits for it: each newer picture takes
+/// precedence of it.
+const LAGGING: Duration = Duration::from_secs(1);
+
 /// The readers that feed a picture, without the numbers of the steps that they name.
 fn readers(document: &Document, registry: &Registry, shown: &str) -> Readers {
     let is_reader = |node: &NodeEntry| {
@@ -39,14 +43,19 @@ impl Editor {
     pub(crate) fn follow_time(&mut self, ctx: &Context) {
         self.find_series(ctx);
         let newest = self.answers.picture_number;
-        let (answered, has_failed, is_whole) = self.worker.shown(|shown| {
+        let (answered, has_failed, is_whole, lags) = self.worker.shown(|shown| {
             let whole = shown.pixels.as_ref().filter(|pixels| pixels.is_full());
-            (shown.answered, shown.failure.is_some(), whole.is_some_and(|pixels| pixels.number == newest))
+            let is_whole = whole.is_some_and(|pixels| pixels.number == newest);
+            let lags = shown.distribution.is_waiting() || shown.section.is_waiting();
+            (shown.answered, shown.failure.is_some(), is_whole, lags)
         });
         let is_drawn = answered >= newest;
         let nodes = &self.document.pipeline().nodes;
         let camera = self.shown_node.as_deref().and_then(|shown| camera_of(nodes, shown));
         let strip = &mut self.panels.time;
+        if strip.is_counting && !lags {
+            (strip.is_counting, strip.counted) = (false, Some(Instant::now()));
+        }
         strip.free.take_if(|(former, _)| camera != Some(former));
         let count = strip.count(camera);
         strip.is_drawn = is_drawn && is_whole && !has_failed && strip.frame(nodes) == strip.requested;
@@ -59,6 +68,8 @@ impl Editor {
                 }
                 self.message = Some((format!("frame {frame} cannot be drawn: it plays no further"), true));
             }
+            // It goes on once they are there.
+            Some(_) if count > 1 && strip.is_counting => {}
             Some(last) if count > 1 => {
                 let left = SHORTEST.saturating_sub(last.elapsed());
                 if is_drawn && left.is_zero() {
@@ -155,6 +166,15 @@ impl Editor {
             strip.put(&mut next.nodes, (now + 1) % count, count);
         }
         next
+    }
+
+    /// True if the histogram may stay that of an earlier frame.
+    pub(crate) fn keeps_histogram(&mut self) -> bool {
+        let strip = &mut self.panels.time;
+        let is_new = strip.counted.is_some_and(|counted| counted.elapsed() < LAGGING);
+        let keeps = strip.playing.is_some() && !strip.is_counting && is_new;
+        strip.is_counting = strip.playing.is_some() && !keeps;
+        keeps
     }
 
     /// The nodes that the window draws, with what the frame of the picture that was asked for last changes.

@@ -1,8 +1,9 @@
 //! The graph without a pointer: the node beside the selected one, and the view that follows it.
 
 use super::GraphView;
-use crate::scene::Scene;
-use eframe::egui::{Context, Rect, Vec2, vec2};
+use crate::scene::{Action, Scene};
+use eframe::egui::{Context, FocusDirection, Key, Modifiers, Rect, Ui, Vec2, vec2};
+use std::collections::BTreeSet;
 use voltet_document::links;
 
 /// Weight of a way aside, beside one in the direction of the key.
@@ -32,11 +33,37 @@ impl GraphView {
             let along = (at - from).dot(way);
             let aside = (at - from - along * way).length();
             let is_wired = feeds(own, name) || feeds(name, own);
-            // Of the others what lies in the wedge ahead, however far.
-            let is_ahead = along > 0.0 && (is_wired || aside <= ASIDE * along);
+            // In the wedge ahead, however far; what lies beside it is ahead of another arrow.
+            let is_ahead = along > 0.0 && aside <= ASIDE * along;
             is_ahead.then_some((name, (along + ASIDE * aside) * if is_wired { WIRED } else { 1.0 }))
         });
         ahead.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(name, _)| name)
+    }
+
+    /// Goes by Tab from the node that has the focus to the next one, or the one before, as nodes lie above one another; at their end to
+    /// what follows them in the window.
+    pub(super) fn follow_tab(&mut self, ui: &Ui, scene: &Scene, node: &str) {
+        let mut pressed = |held: Modifiers| ui.input_mut(|input| input.consume_key(held, Key::Tab));
+        let [back, on] = [Modifiers::SHIFT, Modifiers::NONE].map(&mut pressed);
+        if !back && !on {
+            return;
+        }
+        let height = |name: &str| self.raised.iter().position(|raised| raised == name).map_or(0, |at| at + 1);
+        let mut order: Vec<&str> =
+            scene.document.pipeline().nodes.iter().map(|node| node.name.as_str()).collect();
+        order.sort_by_key(|name| height(name));
+        let at = order.iter().position(|name| *name == node);
+        let next = at.and_then(|at| if back { at.checked_sub(1) } else { Some(at + 1) });
+        match next.and_then(|at| order.get(at)) {
+            Some(next) => {
+                self.revealed = Some(next.to_string());
+                scene.actions.push(Action::Select(BTreeSet::from([next.to_string()])));
+            }
+            None => {
+                self.leaves = Some(if back { FocusDirection::Previous } else { FocusDirection::Next });
+                ui.ctx().request_repaint();
+            }
+        }
     }
 
     /// True if a node has the focus, so that the keys are for the graph.

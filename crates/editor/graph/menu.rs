@@ -4,6 +4,7 @@ use super::new_node::adding;
 use super::package::Port;
 use super::places::Places;
 use super::wire_list::wires_of;
+use crate::jobs::reads;
 use crate::scene::Scene;
 use crate::theme;
 use eframe::egui::{Area, Frame, Key, Order, Pos2, Rect, RichText, ScrollArea, TextEdit, Ui, vec2};
@@ -96,6 +97,11 @@ impl Menu {
                 let field = ui.add(field);
                 if std::mem::take(&mut self.is_new) {
                     field.request_focus();
+                    // The arrays that a new node may compute with are read meanwhile.
+                    let nodes = scene.document.pipeline().nodes.iter();
+                    for reader in nodes.filter(|node| reads(node, scene.registry)) {
+                        scene.arrays.of_reader(ui.ctx(), scene.document, scene.registry, reader);
+                    }
                 }
                 if field.changed() {
                     chosen = 0;
@@ -135,7 +141,7 @@ impl Menu {
         match taken {
             Some(MenuAction::Add(node, fitting)) => {
                 let wire = if let Offers::Nodes(wire) = &self.offers { wire.as_ref() } else { None };
-                match adding(scene, places, node, at, wire.zip(fitting)) {
+                match adding(ui.ctx(), scene, places, node, at, wire.zip(fitting)) {
                     Ok(edits) => scene.actions.edits(edits[0].label(), edits),
                     Err(error) => scene.actions.say(error),
                 }

@@ -17,7 +17,8 @@ use crate::scene::{Action, Scene};
 use crate::theme;
 use eframe::egui::epaint::CubicBezierShape;
 use eframe::egui::{
-    self, Color32, FontId, Id, PointerButton, Pos2, Rect, Stroke, StrokeKind, TextStyle, Ui, Vec2, pos2, vec2,
+    self, Color32, FocusDirection, FontId, Id, PointerButton, Pos2, Rect, Stroke, StrokeKind, TextStyle, Ui,
+    Vec2, pos2, vec2,
 };
 use egui_node_editor::PanZoom;
 use menu::Menu;
@@ -96,6 +97,8 @@ pub(crate) struct GraphView {
     revealed: Option<String>,
     /// The node that has the focus, by what a pointer takes hold of it by.
     focused: Option<Id>,
+    /// Way out of the nodes that the focus takes in the next frame.
+    leaves: Option<FocusDirection>,
 }
 
 impl GraphView {

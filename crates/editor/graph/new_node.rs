@@ -2,12 +2,17 @@
 
 use super::package::Port;
 use super::places::{Places, usual_size};
+use crate::expression::in_expression;
+use crate::jobs::ArrayChoice;
 use crate::scene::Scene;
-use eframe::egui::{Rect, pos2};
+use eframe::egui::{Context, Rect, pos2};
 use voltet_core::Result;
 use voltet_document::panel::first_field;
 use voltet_document::{Document, Edit, Fitting, links};
-use voltet_graph::{DefaultValue, Field, Node, NodeEntry, Parameter, ParameterType, PortType};
+use voltet_graph::{
+    DefaultValue, Field, Node, NodeEntry, Parameter, ParameterType, ParameterValue, PortType,
+};
+use voltet_io::formats::Association;
 
 /// Least distance to other nodes, and the step by which a free place is sought, points.
 const GAP: f32 = 14.0;
@@ -16,6 +21,7 @@ const STEP: f32 = 30.0;
 /// Edits that add a node of a type near a place (document's points), one step. `held`: the wire that it is made for, and the port of the
 /// new node for that. Errors: the wire does not fit.
 pub(super) fn adding(
+    ctx: &Context,
     scene: &Scene,
     places: &Places,
     node: &'static Node,
@@ -37,11 +43,34 @@ pub(super) fn adding(
         edits.push(join);
     }
     join_to_others(scene, &mut with_it, node, &name, &mut edits);
+    let arrays = scene.arrays.feeding(ctx, &with_it, scene.registry, &name);
+    if let Some(Edit::AddNode { settings, .. }) = edits.first_mut() {
+        settings.extend(settings_of_arrays(node, &arrays.choices()));
+    }
     Ok(edits)
 }
 
-/// Joins the inputs of a new node: to the selected node where that fits; a required one also where one node alone fits. Then its output to
-/// the selected node, where that lacks it.
+/// Settings by which a new node computes with an array of the data: the first one, at the points where there is one.
+fn settings_of_arrays(node: &Node, arrays: &[&ArrayChoice]) -> Vec<Field> {
+    let at = |place: Association| arrays.iter().find(|array| array.is_at(place));
+    let first = at(Association::Point).or(at(Association::Cell));
+    match (node.name, first) {
+        ("calculator", Some(array)) => {
+            let cell = (!array.is_at(Association::Point)).then(|| Field::new("association", "cell"));
+            let expression = Field::new("expression", in_expression(&array.name));
+            std::iter::once(expression).chain(cell).collect()
+        }
+        // While no array is known: coordinates are at all points.
+        ("calculator", None) => vec![Field::new("expression", "x")],
+        ("multi-gradient", Some(array)) => {
+            vec![Field::new("fields", ParameterValue::from_iter([array.name.as_str()]))]
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// Joins the inputs of a new node: to the selected node where that fits; a required one also where one node alone fits. Then its outputs to
+/// the selected node where that lacks them, else where one node alone does.
 fn join_to_others(
     scene: &Scene,
     with_it: &mut Document,
@@ -87,11 +116,17 @@ fn join_to_others(
             join(with_it, (&from.name, output.name), (name, input.name));
         }
     }
-    let Some(entry) = selected.and_then(|selected| scene.entry(selected)) else { return };
-    let inputs = scene.node_type(entry).map_or(&[][..], |node| node.inputs);
-    for input in inputs.iter().filter(|input| !is_fed(scene.document, &entry.name, input.name)) {
-        if let Some(output) = node.outputs.iter().find(|output| output.port_type.serves(input.port_type)) {
-            join(with_it, (name, output.name), (&entry.name, input.name));
+    for output in node.outputs {
+        let lacking = |entry: &&NodeEntry| {
+            let inputs = scene.node_type(entry).map_or(&[][..], |node| node.inputs).iter();
+            let mut fitting = inputs.filter(|input| output.port_type.serves(input.port_type));
+            fitting.find(|input| !is_fed(with_it, &entry.name, input.name)).map(|input| input.name)
+        };
+        let others = || scene.document.pipeline().nodes.iter().filter(|entry| lacking(entry).is_some());
+        let own = others().find(|entry| Some(&entry.name) == selected);
+        let only = others().next().filter(|_| others().count() == 1);
+        if let Some((entry, input)) = own.or(only).and_then(|entry| Some((entry, lacking(&entry)?))) {
+            join(with_it, (name, output.name), (&entry.name, input));
         }
     }
 }

@@ -28,6 +28,9 @@ impl GraphView {
     /// The package's graph is made anew in each frame, with an empty node for each that is out of view: so each node has the key of
     /// its place in the document, by which egui knows it again.
     pub(super) fn nodes(&mut self, ui: &mut Ui, scene: &Scene, pictures: &Pictures) -> NodeGraph {
+        if let Some(way) = self.leaves.take() {
+            ui.memory_mut(|memory| memory.move_focus(way));
+        }
         let is_far = self.is_far(ui);
         let mut graph = NodeGraph::new();
         let mut order: Vec<(usize, NodeId)> = Vec::new();
@@ -44,10 +47,20 @@ impl GraphView {
         // Before the nodes, which lie above and take precedence.
         let ground = ui.interact(self.view.clip_rect, ui.id().with("ground"), Sense::click_and_drag());
         let (mut frames, mut ports) = (NodeRects::new(), PortLocations::new());
-        let mut responses = Vec::new();
+        let (mut responses, before) = (Vec::new(), std::mem::take(&mut self.places.drawn));
         show_zoomed(ui.style().clone(), self.view.zoomed_style.clone(), ui, |ui| {
             for id in &order {
                 let name = graph[*id].user_data.name.clone();
+                // The package draws a node larger than it takes hold of it.
+                if let Some((_, frame)) = before.iter().find(|(drawn, _)| *drawn == name) {
+                    let foot = ui.interact(*frame, ui.id().with(("foot", &name)), Sense::CLICK | Sense::DRAG);
+                    if foot.clicked() {
+                        responses.extend([NodeResponse::SelectNode(*id), NodeResponse::RaiseNode(*id)]);
+                    }
+                    if foot.drag_delta() != Vec2::ZERO {
+                        responses.push(NodeResponse::MoveNode { node: *id, drag_delta: foot.drag_delta() });
+                    }
+                }
                 let at = scene.document.position(&name).map(|x| x as f32 * self.view.zoom);
                 // As if a wire were drawn from its own port: the package's ports then take no part, and this module's do.
                 let port = package::drawn_ports(&graph, *id).next().map(|(_, key)| key);
@@ -121,12 +134,13 @@ impl GraphView {
             command_buttons(ui, scene.actions, NODE_MENU);
         });
         if response.has_focus() {
-            // The arrows choose among nodes; they do not leave them for the next button.
-            let arrows =
-                EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() };
-            ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
-            if self.focused.replace(response.id) != Some(response.id) {
-                scene.actions.push(Action::Select(alone));
+            // Arrows and Tab choose among nodes, also those out of view; arrows do not leave them for the next button.
+            let [tab, horizontal_arrows, vertical_arrows, escape] = [true, true, true, false];
+            let keys = EventFilter { tab, horizontal_arrows, vertical_arrows, escape };
+            ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, keys));
+            match self.focused.replace(response.id) == Some(response.id) {
+                true => self.follow_tab(ui, scene, name),
+                false => scene.actions.push(Action::Select(alone)),
             }
         }
     }

@@ -16,8 +16,8 @@ use eframe::egui::{
 use voltet_core::{Error, Result};
 use voltet_document::{Edit, links};
 
-/// Side of the square in which a pointer takes hold of a port, points at the usual scale.
-const PORT: f32 = 12.0;
+/// Width and height in which a pointer takes hold of a port, points at the usual scale: no higher than ports are apart.
+const PORT: Vec2 = Vec2::new(2.0 * NEAR, 16.0);
 
 /// Distance from a wire within which a pointer means it, points, and the pieces that it is measured by.
 const WIRE: f32 = 6.0;
@@ -88,7 +88,7 @@ impl GraphView {
 
     /// Takes hold of the ports: a drag begins a wire. Called after the nodes, on which they lie.
     pub(super) fn hold_ports(&mut self, ui: &Ui, scene: &Scene) {
-        let size = Vec2::splat(PORT * self.view.zoom);
+        let size = PORT * self.view.zoom;
         for (port, at) in self.places.seen.clone() {
             let id = ui.id().with(("port", &port.node, port.declared.name, port.is_input));
             let response = ui.interact(Rect::from_center_size(at, size), id, Sense::CLICK | Sense::DRAG);

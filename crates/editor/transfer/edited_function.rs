@@ -11,6 +11,7 @@ use crate::worker::{DataScales, PixelProbe};
 use eframe::egui::Rect;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::FRAC_1_SQRT_2;
+use voltet_core::arithmetic::decimal;
 use voltet_core::probing::{Histogram, ProbeResult, kernel};
 use voltet_core::transfer::AxisScale;
 use voltet_document::Path;
@@ -282,8 +283,9 @@ pub(super) fn at_probe(look: &EditedFunction, probed: &PixelProbe) -> Option<Par
     Some(widget(look, gaussian(mean, &k, extent)))
 }
 
-/// Share of the values beyond each end of a proposed range.
+/// Share of the values beyond each end of a proposed range, and the step of its written ends, shares of the data's range.
 const LEFT_OUT_SHARE: f64 = 0.05;
+const WRITTEN: f64 = 1e-4;
 
 /// The ranges of s and g that hold most of the probed values, at least as wide as a hand can take hold of. `None` without values.
 pub(super) fn range_at_probe(look: &EditedFunction, probed: &PixelProbe) -> Option<ParameterValue> {
@@ -291,7 +293,8 @@ pub(super) fn range_at_probe(look: &EditedFunction, probed: &PixelProbe) -> Opti
     let wide = |axis: usize| {
         let ([low, high], least) = (found[axis], 2.0 * MIN_DEVIATION * look.extent[axis]);
         let aside = 0.5 * (least - (high - low)).max(0.0);
-        Field::new(["s", "g"][axis], list(&[low - aside, high + aside]))
+        let ends = [low - aside, high + aside].map(|end| decimal(end, WRITTEN * look.extent[axis]));
+        Field::new(["s", "g"][axis], list(&ends))
     };
     let region = ParameterValue::Table(vec![wide(0), wide(1)]);
     Some(widget(look, ("uniform", vec![("region", Some(region))])))

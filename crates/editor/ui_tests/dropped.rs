@@ -75,3 +75,14 @@ fn a_plug_in_and_several_files_are_answered_by_what_to_do() {
     assert!(hand.said().starts_with("drop one file at a time"), "{}", hand.said());
     assert_eq!(hand.text(), TEXT);
 }
+
+#[test]
+fn a_file_over_the_window_is_named_before_it_is_dropped() {
+    let mut hand = Hand::new(TEXT);
+    let path = Some(hand.folder.path().join("data.vtu"));
+    let over = eframe::egui::HoveredFile { path, ..Default::default() };
+    hand.frame_with(RawInput { hovered_files: vec![over], ..RawInput::default() }, Modifiers::NONE);
+    assert_eq!(hand.texts("drop data.vtu here to take it up").len(), 1);
+    hand.frames(1);
+    assert!(hand.texts("drop data.vtu here to take it up").is_empty());
+}

@@ -156,3 +156,28 @@ fn arrays_show_units_and_calculators() {
     hand.frames(2);
     assert!(!hand.texts("sum  (computed by sum)").is_empty());
 }
+
+#[test]
+fn arrays_are_offered_where_the_expression_is_computed() {
+    let cells = "CELL_DATA 1\nSCALARS Tc double 1\nLOOKUP_TABLE default\n5\n";
+    for (association, own, other) in [("", "T  (points", "Tc  (cells"), ("cell", "Tc  (cells", "T  (points")]
+    {
+        let stated = format!("name = \"sum\"\nassociation = \"{association}\"");
+        let text = match association {
+            "" => CALCULATOR.to_string(),
+            _ => CALCULATOR.replace("name = \"sum\"", &stated).replace("\"T\"", "\"Tc\""),
+        };
+        let mut hand = Hand::with_file(&text, "data.vtk", &(DATA.to_string() + cells));
+        hand.editor.selection = ["sum".to_string()].into();
+        hand.frames(3);
+        until(&mut hand, "the arrays are found", |hand| {
+            let (document, registry) = (hand.editor.document(), voltet_nodes::registry().unwrap());
+            hand.editor.arrays.feeding(&hand.ctx, document, &registry, "sum").choices().len() > 4
+        });
+        hand.click_on("sum.expression");
+        hand.key(Key::End, Modifiers::NONE);
+        hand.typed(" + t");
+        hand.frames(2);
+        assert_eq!((hand.shown_beginning(own).len(), hand.shown_beginning(other).len()), (1, 0), "{own}");
+    }
+}

@@ -385,3 +385,47 @@ fn a_fault_is_said_in_words_of_the_window() {
     hand.frames(3);
     assert_eq!(hand.shown_beginning(fault).len(), 1, "in the last line");
 }
+
+#[test]
+fn a_picture_that_is_made_of_the_shown_one_is_shown_at_once() {
+    let mut hand = Hand::new(TEXT);
+    hand.editor.selection = ["picture".to_string()].into();
+    hand.frames(2);
+    add(&mut hand, "annotation");
+    assert_eq!(hand.editor.shown_node.as_deref(), Some("annotation"));
+    hand.editor.selection.clear();
+    hand.frames(2);
+    add(&mut hand, "renderer");
+    assert_eq!(hand.editor.shown_node.as_deref(), Some("annotation"), "another picture has nothing of it");
+}
+
+#[test]
+fn a_new_node_feeds_the_only_one_that_lacks_it() {
+    let mut hand = Hand::new(&TEXT.replace("transfer_function = \"look\", ", ""));
+    hand.editor.selection = ["grid".to_string()].into();
+    hand.frames(2);
+    add(&mut hand, "transfer-function");
+    let inputs = &node(&hand, "picture").inputs;
+    let fed = inputs.iter().find(|link| link.port == "transfer_function").expect("it is fed");
+    assert_eq!(fed.source.text(), Some("transfer_function"));
+}
+
+#[test]
+fn new_calculators_and_multi_gradients_begin_with_an_array_of_the_data() {
+    let mut hand = Hand::new(TEXT);
+    for (name, node_name, key) in
+        [("calculator", "calculator", "expression"), ("multi-gradient", "multi_gradient", "fields")]
+    {
+        hand.editor.selection = ["grid".to_string()].into();
+        hand.frames(2);
+        add(&mut hand, name);
+        let stated = node(&hand, node_name).setting(key).unwrap_or_else(|| panic!("{}", hand.text()));
+        let stated = stated.list().map_or(stated, |list| &list[0]);
+        assert_eq!(stated.text(), Some("wavelet"));
+        assert!(hand.editor.scene().faults.is_empty(), "{:?}", hand.editor.scene().faults);
+    }
+    // Without data coordinates are there.
+    let mut hand = Hand::new("[pipeline]\nformat = 1\n");
+    add(&mut hand, "calculator");
+    assert_eq!(node(&hand, "calculator").setting("expression").and_then(|stated| stated.text()), Some("x"));
+}

@@ -166,3 +166,33 @@ fn hundreds_of_nodes_are_all_brought_into_view() {
         assert!(pane.contains_rect(frame) && frame.width() < 0.2 * 150.0, "{name}: {frame:?} in {pane:?}");
     }
 }
+
+/// Points of the window a point at the usual scale.
+fn zoom(hand: &Hand, node: &str) -> f32 {
+    hand.rect(&format!("node {node}")).width() / hand.editor.panels.graph.size_of(node)[0] as f32
+}
+
+#[test]
+fn the_lower_edge_of_a_node_is_the_node() {
+    let mut hand = Hand::new(TEXT);
+    hand.editor.selection.clear();
+    hand.frames(2);
+    let top = hand.rect("node look").center_top();
+    let height = hand.editor.panels.graph.size_of("look")[1] as f32 * zoom(&hand, "look");
+    let edge = top + vec2(0.0, height - 2.0);
+    hand.click(edge);
+    assert_eq!(hand.editor.selection.iter().collect::<Vec<_>>(), ["look"]);
+    let before = hand.editor.document().position("look");
+    hand.drag(edge, edge + vec2(0.0, 60.0));
+    let after = hand.editor.document().position("look");
+    assert!(after[1] > before[1] + 40.0 && hand.steps() == 1, "{before:?} {after:?}");
+}
+
+#[test]
+fn a_wire_begins_a_little_beside_its_port() {
+    let mut hand = Hand::new(TEXT);
+    let beside = vec2(9.0 * zoom(&hand, "gradient"), 0.0);
+    let (from, to) = (port(&hand, "gradient", "volume", false), port(&hand, "look", "volume", true));
+    hand.drag(from + beside, to);
+    assert!(node(&hand, "look").unwrap().inputs.iter().any(|link| link.port == "volume"), "{}", hand.said());
+}

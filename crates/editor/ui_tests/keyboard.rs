@@ -153,16 +153,68 @@ fn tab_goes_to_nodes_which_are_then_selected_and_adds_none() {
     assert!(!hand.sees("search"));
 }
 
-#[test]
-fn the_focus_goes_with_the_node_that_arrows_choose_and_is_lost_out_of_view() {
-    let mut hand = Hand::new(TEXT);
+/// Goes by Tab to a node.
+fn tab_to(hand: &mut Hand, node: &str) {
     for _ in 0..80 {
-        if hand.editor.panels.graph.has_focus() && selected(&hand) == ["grid"] {
-            break;
+        if hand.editor.panels.graph.has_focus() && selected(hand) == [node] {
+            return;
         }
         hand.key(Key::Tab, Modifiers::NONE);
         hand.frames(1);
     }
+    panic!("Tab does not lead to {node}");
+}
+
+#[test]
+fn tab_goes_on_to_nodes_out_of_view_and_after_the_last_out_of_the_graph() {
+    let mut hand = Hand::new(TEXT);
+    let far = vec![("view".to_string(), [20000.0, 20000.0])];
+    hand.editor.edit("away".into(), &[voltet_document::Edit::MoveNodes(far)]);
+    hand.frames(3);
+    assert!(!hand.sees("node view"));
+    tab_to(&mut hand, "grid");
+    let goes = |hand: &mut Hand, held: Modifiers, node: &str| {
+        hand.key(Key::Tab, held);
+        hand.frames(3);
+        assert_eq!(selected(hand), [node]);
+        assert!(hand.sees(&format!("node {node}")) && hand.editor.panels.graph.has_focus(), "{node}");
+    };
+    for node in ["gradient", "look", "view", "picture", "file"] {
+        goes(&mut hand, Modifiers::NONE, node);
+    }
+    goes(&mut hand, Modifiers::SHIFT, "picture");
+    goes(&mut hand, Modifiers::NONE, "file");
+    hand.key(Key::Tab, Modifiers::NONE);
+    hand.frames(3);
+    assert!(!hand.editor.panels.graph.has_focus() && hand.ctx.memory(|memory| memory.focused()).is_some());
+    assert_eq!(selected(&hand), ["file"]);
+}
+
+#[test]
+fn arrows_choose_what_lies_ahead_before_what_is_wired_aside() {
+    let mut hand = Hand::new(TEXT);
+    let places = [
+        ("picture", [0.0, 0.0]),
+        ("file", [60.0, 320.0]),
+        ("grid", [400.0, 20.0]),
+        ("gradient", [-400.0, 0.0]),
+        ("look", [-400.0, 200.0]),
+        ("view", [-400.0, 400.0]),
+    ];
+    let places = places.map(|(node, at)| (node.to_string(), at)).to_vec();
+    hand.editor.edit("place".into(), &[voltet_document::Edit::MoveNodes(places)]);
+    for (key, node) in [(Key::ArrowRight, "grid"), (Key::ArrowDown, "file")] {
+        hand.editor.selection = ["picture".to_string()].into();
+        hand.frames(2);
+        hand.key(key, Modifiers::NONE);
+        assert_eq!(selected(&hand), [node], "{key:?}");
+    }
+}
+
+#[test]
+fn the_focus_goes_with_the_node_that_arrows_choose_and_is_lost_out_of_view() {
+    let mut hand = Hand::new(TEXT);
+    tab_to(&mut hand, "grid");
     for node in ["gradient", "picture"] {
         hand.key(Key::ArrowRight, Modifiers::NONE);
         hand.frames(2);

@@ -151,6 +151,7 @@ impl Hand {
         }
         input.events.extend(more.events);
         input.dropped_files.extend(more.dropped_files);
+        input.hovered_files = more.hovered_files;
         let waits = self.presses.cut(&mut input);
         *self.harness.input_mut() = input;
         self.harness.step();

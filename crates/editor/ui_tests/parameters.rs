@@ -404,3 +404,17 @@ fn colour_maps_are_chosen_by_their_colours() {
     hand.click_on("inferno");
     assert_eq!(hand.text(), text.replace("viridis", "inferno"));
 }
+
+#[test]
+fn an_entry_that_is_added_is_in_view() {
+    let mut hand = Hand::new(TEXT);
+    hand.editor.selection = ["picture".to_string()].into();
+    hand.frames(3);
+    hand.click(hand.texts("add")[0]);
+    hand.frames(2);
+    hand.click(hand.texts("cylinder")[0]);
+    let bottom = hand.texts("F1: keys and mouse")[0].y;
+    until(&mut hand, "its last row is out of view", |hand| {
+        hand.all_named("picture.clip.0.invert").first().is_some_and(|row| row.max.y < bottom)
+    });
+}

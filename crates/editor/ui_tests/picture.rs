@@ -100,7 +100,10 @@ fn views_by_name_with_all_of_the_data_are_those_of_the_camera_node() {
         for way in 0..3 {
             match way {
                 0 => hand.key(key, held),
-                1 => hand.click_on(button),
+                1 => {
+                    hand.click_on("views");
+                    hand.click_on(button);
+                }
                 _ => {
                     hand.click_on("View");
                     hand.click_on(item);

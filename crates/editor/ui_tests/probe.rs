@@ -70,6 +70,9 @@ fn a_box_proposes_widgets_that_cover_what_is_seen_most_below_it() {
         let find = |name: &str| widget.iter().find(|field| field.name == name).unwrap().setting.clone();
         assert!(hand.steps() == 1 && find("kind").text() == Some(kind), "{}", hand.text());
         if kind == "uniform" {
+            let text = hand.text();
+            let line = text.lines().find(|line| line.starts_with("region")).unwrap();
+            assert!(line.len() < 65, "{line}");
             let region = find("region").table().unwrap().to_vec();
             let [s, g] = ["s", "g"].map(|name| {
                 let range =

@@ -67,3 +67,30 @@ fn work_that_nobody_wants_is_thrown_away_and_what_is_put_off_is_offered_again() 
     drop(next);
     assert_eq!(place(&kept).left_behind().len(), 0);
 }
+
+#[test]
+fn what_was_done_last_is_kept_however_soon_the_window_ends() {
+    let kept = tempfile::tempdir().unwrap();
+    let mut hand = Hand::new(TEXT);
+    hand.editor.keep_in(place(&kept));
+    for key in [Key::X, Key::Y] {
+        hand.key(key, Modifiers::NONE);
+    }
+    let (text, _folder) = (hand.text(), hand.folder);
+    drop(hand.harness);
+    assert_eq!(place(&kept).left_behind()[0].text, text);
+}
+
+#[test]
+fn what_is_done_after_it_was_saved_elsewhere_is_kept_as_of_the_new_file() {
+    let kept = tempfile::tempdir().unwrap();
+    let mut hand = Hand::new(TEXT);
+    hand.editor.keep_in(place(&kept));
+    hand.key(Key::X, Modifiers::NONE);
+    let other = hand.folder.path().join("other.toml");
+    hand.editor.save_as(&other);
+    hand.key(Key::Y, Modifiers::NONE);
+    drop(hand.harness);
+    let left = place(&kept).left_behind();
+    assert_eq!((left.len(), left[0].path.clone()), (1, other.canonicalize().ok()));
+}

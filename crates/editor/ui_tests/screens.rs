@@ -77,3 +77,24 @@ fn nothing_is_shown_anew_while_nothing_happens() {
     hand.frames(20);
     assert!(!hand.ctx.has_requested_repaint(), "{:?}", hand.ctx.repaint_causes());
 }
+
+#[test]
+fn the_buttons_of_the_picture_stand_in_one_line() {
+    let wide = ["Home", "+x", "iso", "box", "measure", "1:1", "remember", "section"];
+    let middle = ["Home", "views", "box", "measure", "1:1", "remember", "section"];
+    for (size, shown) in [
+        ([900.0, 600.0], &["Home", "views", "box", "measure", "1:1", "remember"][..]),
+        ([1280.0, 720.0], &middle),
+        ([1600.0, 1000.0], &wide),
+    ] {
+        let hand = on(size, 1.0, TEXT);
+        let places: Vec<f32> = shown.iter().flat_map(|text| hand.texts(text)).map(|at| at.y).collect();
+        assert_eq!(places.len(), shown.len(), "{size:?}");
+        assert!(places.iter().all(|y| (y - places[0]).abs() < 3.0), "{size:?} {places:?}");
+    }
+    let mut hand = on([900.0, 600.0], 1.0, TEXT);
+    hand.click(hand.texts("views")[0]);
+    hand.frames(2);
+    hand.click_on("seen from +x");
+    assert_eq!(hand.numbers("view", "eye")[1..], [0.0, 0.0], "{}", hand.text());
+}

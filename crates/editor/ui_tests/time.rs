@@ -164,6 +164,49 @@ fn a_move_states_the_step_of_every_reader_exactly() {
     assert!(stated(&hand) == Some(0.0) && !hand.text().contains("time = 0.1"), "{}", hand.text());
 }
 
+/// A series of blocks of cells, whose values reach to ten times the number of the step, from one.
+fn write_blocks(folder: &Path) {
+    const SIDE: usize = 30;
+    let mut files = String::new();
+    for step in 0..STEPS {
+        let value =
+            |i: usize| format!("{} ", 10.0 * (step + 1) as f64 * (i % SIDE) as f64 / (SIDE - 1) as f64);
+        let values: String = (0..SIDE.pow(3)).map(value).collect();
+        let extent = format!("0 {0} 0 {0} 0 {0}", SIDE - 1);
+        let text = format!(
+            "<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"{extent}\" Origin=\"0 0 0\" Spacing=\"0.03 0.03 0.03\"><Piece \
+             Extent=\"{extent}\"><PointData><DataArray type=\"Float64\" Name=\"T\" format=\"ascii\">{values}</DataArray></PointData>\
+             </Piece></ImageData></VTKFile>"
+        );
+        std::fs::write(folder.join(format!("r{step}.vti")), text).unwrap();
+        files += &format!("<DataSet timestep=\"{step}\" file=\"r{step}.vti\"/>");
+    }
+    let text = format!("<VTKFile type=\"Collection\"><Collection>{files}</Collection></VTKFile>");
+    std::fs::write(folder.join("run.pvd"), text).unwrap();
+}
+
+/// Each newer picture takes precedence of the histogram, which needs a gradient that the picture does not.
+#[test]
+fn while_it_plays_the_histogram_follows() {
+    let text = text_of_series();
+    let (before, after) = (text.find("kind = \"gaussian\"").unwrap(), text.find("[nodes.view]").unwrap());
+    let widget = "kind = \"colormap\"\nextinction = 1.0\nrange = [0.0, 50.0]\n\n";
+    let text = [&text[..before], widget, &text[after..]].concat();
+    let mut hand = Hand::before_window(&text, [1280.0, 720.0], &write_blocks);
+    until(&mut hand, "the steps are found", |hand| hand.sees("time step"));
+    transfer::with_distribution(&mut hand);
+    let highest = |hand: &Hand| {
+        hand.editor.worker().shown(|shown| {
+            let found = shown.distribution.last().and_then(|found| found.as_ref().ok());
+            found.map_or(0.0, |found| found.histogram.axes[0].high)
+        })
+    };
+    assert_eq!(highest(&hand), 10.0);
+    hand.key(Key::A, Modifiers::NONE);
+    until(&mut hand, "it is that of the first step", |hand| highest(hand) > 15.0);
+    assert!(hand.editor.panels.time.playing.is_some());
+}
+
 #[test]
 fn playing_ends_at_a_step_that_cannot_be_drawn() {
     let write = |folder: &Path| {
