@@ -1,5 +1,7 @@
 """Meshes of other packages, drawn in one line."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from conftest import box
@@ -149,6 +151,38 @@ def test_what_is_no_mesh_and_what_is_stated_twice():
             call()
 
 
+def test_wrong_words_and_values_in_their_place_show_the_right_ones():
+    values = np.random.default_rng(1).random((3, 3, 3))
+    points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+
+    class Described:
+        def __repr__(self):
+            return "Table\n  of colours" + 200 * "."
+
+    for call, match in (
+        (lambda: voltet.render(values, values), "the scalar is no name: found ndarray of shape .3, 3, 3.; expected the name of an array"),
+        (lambda: voltet.scene(values, 3), "the scalar is no name: found int"),
+        (lambda: voltet.Grid.from_mesh(values, scalar=values), "the scalar is no name: found ndarray"),
+        (lambda: voltet.render(values, scalar="values"), "unknown word 'scalar'; expected 'scalars'"),
+        (lambda: voltet.scene(values, scalars="values"), "unknown word 'scalars'; expected 'scalar', the nearest name, or one of scalar, cmap,"),
+        (lambda: voltet.render(values, Cmap="Reds"), "unknown word 'Cmap'; expected 'cmap', the nearest name"),
+        (lambda: voltet.render(values, window_size=(8, 8)), "unknown word 'window_size'; expected .*one of .*size.*engine"),
+        (lambda: voltet.render("grid.vtu"), "a path is no mesh: found 'grid.vtu'; expected the mesh: pyvista.read"),
+        (lambda: voltet.render(Path("grid.vtu")), "a path is no mesh: found 'grid.vtu'"),
+        (lambda: voltet.render(values, cmap=Described()), "the colour map is not known: found Table of colours[.]*; expected one of viridis"),
+        (lambda: voltet.Grid(points, tetrahedra=[[0, 1, 2, 3]], point_data=[1, 2, 3, 4]), "'point_data' is no mapping: found list"),
+        (lambda: voltet.Grid(points, tetrahedra=[[0, 1, 2, 3]], cell_data=np.ones(2)), "'cell_data' is no mapping: found ndarray of shape .2,."),
+    ):
+        with pytest.raises(voltet.UsageError, match=match) as error:
+            call()
+        assert "\n" not in str(error.value) and len(str(error.value)) < 500
+
+
+def test_what_was_left_out_of_a_mesh_is_told_where_it_is_requested():
+    with pytest.warns(voltet.VoltetWarning, match="left out.*series.*isel"), pytest.raises(voltet.Error, match="no array 'series'"):
+        voltet.render(of_xarray(), "series", size=(8, 8), engine="cpu")
+
+
 def test_data_sets_of_xarray_without_volumes_say_what_is_missing():
     data = of_xarray()
     flat = data.copy()
@@ -157,7 +191,7 @@ def test_data_sets_of_xarray_without_volumes_say_what_is_missing():
         voltet.Grid.from_mesh(flat)
     with pytest.raises(voltet.UsageError, match="does not state its volume_node_connectivity: found volumes"):
         voltet.Grid.from_mesh(data.drop_vars("volumes"))
-    with pytest.raises(voltet.UsageError, match="found a DataArray; expected an xarray.Dataset"):
+    with pytest.raises(voltet.UsageError, match="found a DataArray; expected an xarray.Dataset, .*; of a regular grid, the values: array.to_numpy"):
         voltet.Grid.from_mesh(data["T"])
     data["volumes"].values[3, 4] = 1
     data["volumes"].values[3, 5] = 1

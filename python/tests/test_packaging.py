@@ -1,6 +1,7 @@
 """Recipes of packages: versions, files and words that they name."""
 
 import re
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -68,6 +69,12 @@ def test_the_image_passes_its_linter():
     assert done.returncode == 0, done.stdout
 
 
+def test_the_image_copies_nothing_that_git_leaves_out():
+    left_out = (ROOT / ".dockerignore").read_text().splitlines()
+    for name in [".git", *(ROOT / ".gitignore").read_text().split()]:
+        assert {name.strip("/"), f"**/{name.strip('/')}"} & set(left_out), name
+
+
 def test_the_package_for_debian_takes_files_that_are_there_or_made():
     assets = tomllib.loads((ROOT / "Cargo.toml").read_text())["package"]["metadata"]["deb"]["assets"]
     script = (ROOT / "scripts/build-deb.sh").read_text()
@@ -104,6 +111,28 @@ def test_published_crates_are_described_and_depend_on_published_ones():
             version = stated.get("version") or isinstance(shared, dict) and "path" in shared and shared.get("version")
             leads_back = key in published and name in needs(key, published)
             assert not (version and leads_back), f"{name} tests with {key}, which needs it"
+
+
+def test_every_published_crate_brings_the_licences():
+    members = tomllib.loads((ROOT / "Cargo.toml").read_text())["workspace"]["members"]
+    for folder in [ROOT, *(ROOT / member for member in members)]:
+        package = tomllib.loads((folder / "Cargo.toml").read_text())["package"]
+        if package.get("publish", True):
+            for licence in ("LICENSE-MIT", "LICENSE-APACHE"):
+                assert (folder / licence).read_text() == (ROOT / licence).read_text(), (package["name"], licence)
+                assert "include" not in package, f"{package['name']}: are the licences among what it includes?"
+
+
+def test_the_programs_crate_leaves_out_pages_pictures_and_data():
+    if shutil.which("cargo") is None:
+        pytest.skip("there is no cargo")
+    command = ["cargo", "package", "-p", "voltet", "--list", "--allow-dirty", "--offline"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    files = [ROOT / file for file in done.stdout.splitlines() if (ROOT / file).exists()]
+    assert {ROOT / "src/main.rs", ROOT / "README.md", ROOT / "LICENSE-MIT"} <= set(files)
+    size = sum(file.stat().st_size for file in files)
+    assert size < 2_500_000, f"{size} bytes before they are compressed: does Cargo.toml's `exclude` lack a folder?"
 
 
 def needs(name, manifests):

@@ -71,6 +71,19 @@ def test_words_that_request_nothing_are_taken():
         cube().voltet.render(scalar="T", **SIZE)
 
 
+def test_words_of_a_scene_are_refused_with_those_of_pyvista():
+    p = plotter()
+    for word, value in {"size": (9, 9), "unit_distance": 1.0, "extinction": 1.0, "look": {}}.items():
+        with pytest.raises(voltet.UsageError, match=f"'{word}' is no word of add_volume; expected"):
+            cube().voltet.render("T", **{word: value})
+        with pytest.raises(voltet.UsageError, match=f"'{word}' is no word of add_volume; expected"):
+            p.voltet.add_volume(cube(), scalars="T", **{word: value})
+    for word in ("camera", "annotation"):
+        with pytest.raises(voltet.UsageError, match=f"'{word}' is no word of add_volume; expected"):
+            p.voltet.add_volume(cube(), scalars="T", **{word: {}})
+    p.close()
+
+
 def test_aliases_and_flipped_scalars():
     grid = ramp()
     viridis = column(grid, cmap="viridis", clim=(1, 9))

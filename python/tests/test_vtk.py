@@ -169,13 +169,19 @@ def test_layouts_draw_the_same(wide, dtype):
 
 
 @pytest.mark.skipif(not hasattr(vtk.vtkCellArray, "ConvertToFixedSize64BitStorage"), reason="needs VTK 9.6")
-def test_affine_offsets_and_implicit_arrays():
+def test_affine_offsets():
     data = cube()
     cells = data.GetCells()
     assert cells.ConvertToFixedSize64BitStorage() and not cells.GetOffsetsArray().HasStandardMemoryLayout()
     r = renderer(data)
     r.Update()
     assert np.allclose(r.GetPicture()[8, 12, 3], 1 - np.exp(-2), atol=1e-5)
+
+
+@pytest.mark.skipif(not hasattr(vtk, "vtkConstantArray"), reason="needs VTK 9.7")
+def test_implicit_arrays():
+    data = cube()
+    r = renderer(data)
     constant = vtk.vtkConstantArray["float64"]()
     constant.SetNumberOfTuples(data.GetNumberOfPoints())
     constant.ConstructBackend(3.0)

@@ -96,5 +96,5 @@ def _of_matplotlib(cmap: Any, places: np.ndarray) -> np.ndarray:
         colors = np.asarray(cmap(places), float)[:, :3]
     except (KeyError, ValueError, TypeError) as error:
         expected = f"one of {', '.join(names())}, a name or Colormap of matplotlib, or a list of two or more colours"
-        raise usage("the colour map is not known", repr(cmap), expected) from error
+        raise usage("the colour map is not known", repr(cmap)[:80], expected) from error
     return np.where(colors <= 0.04045, colors / 12.92, ((colors + 0.055) / 1.055) ** 2.4)

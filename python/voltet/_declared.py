@@ -28,6 +28,11 @@ def ports(type: str) -> tuple[str, ...]:
     return ()
 
 
+def parameters(type: str) -> tuple[str, ...]:
+    """The names of a node type's parameters; none for a type that there is not."""
+    return tuple(parameter["name"] for node in declarations()["nodes"] if node["name"] == type for parameter in node["parameters"])
+
+
 def widget_kinds() -> list[dict[str, Any]]:
     """The kinds of widgets."""
     node = next(node for node in declarations()["nodes"] if node["name"] == "transfer-function")

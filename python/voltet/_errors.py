@@ -182,12 +182,14 @@ _OWN = {"voltet", "vtkmodules", "pyvista", "paraview"}
 def _worded(kind: type[UsageError], what: str, found: object, expected: str | None, item: str | None) -> UsageError:
     text = what
     if found is not None:
+        # Objects of other packages describe themselves in several lines.
+        found = " ".join(str(found).split())
         text += f": found {found}"
     if expected is not None:
         text += f"; expected {expected}"
     if item is not None:
         text += f" ('{item}')"
-    return kind(text, what=what, found=None if found is None else str(found), expected=expected, item=item)
+    return kind(text, what=what, found=found, expected=expected, item=item)
 
 
 def _rebuilt(kind: type[Error], text: str, state: dict) -> Error:

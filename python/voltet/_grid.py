@@ -207,7 +207,7 @@ class Grid:
     ) -> None:
         self._pieces = pieces
         self._options: dict[str, Any] = {
-            "scalar": scalar,
+            "scalar": scalar_name(scalar),
             "subdivision": whole("subdivision", subdivision),
             "constant_cells": bool(constant_cells),
             "warnings": list(warnings),
@@ -301,6 +301,14 @@ def _kind(value: object) -> str:
     return type(value).__qualname__ + (f" of shape {tuple(shape)}" if isinstance(shape, tuple) else "")
 
 
+def scalar_name(scalar: Any) -> str | None:
+    """The name of an array, of an argument that is one or None."""
+    if scalar is not None and not isinstance(scalar, str):
+        expected = 'the name of an array of the mesh, such as "T" after mesh["T"] = values'
+        raise argument_type("the scalar is no name", _kind(scalar), expected)
+    return scalar
+
+
 def _by_position(arguments: tuple[Any, ...]) -> Exception:
     """The exception for arguments by position beyond the points, with the call that they look like."""
 
@@ -328,7 +336,10 @@ def _piece(given: Mapping[str, Any], taken: _Taken) -> dict[str, Any]:
     cells, cell_count = _cells(given, taken)
     arrays = []
     for key, count, what in (("point_data", len(points), "point"), ("cell_data", cell_count, "cell")):
-        for name, values in (given.get(key) or {}).items():
+        named = given.get(key)
+        if named is not None and not hasattr(named, "items"):
+            raise argument_type(f"'{key}' is no mapping", _kind(named), '{"T": values}')
+        for name, values in (named or {}).items():
             array = taken.floats(str(name), values)
             arrays.append((str(name), array, components(str(name), array.shape, count, what), what == "cell"))
     piece: dict[str, Any] = {"points": points, "cells": cells, "arrays": arrays, "block": whole("block", given.get("block", 0))}

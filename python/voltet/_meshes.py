@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,6 +30,10 @@ _MESHIO = {
 _UGRID = {4: 10, 5: 14, 6: 13, 8: 12}
 
 
+#: Arrays of xarray without a mesh.
+_REGULAR = "of a regular grid, the values: array.to_numpy()"
+
+
 def pieces_of(mesh: Any) -> tuple[list[dict[str, Any]], str | None, list[str]]:
     """A mesh as pieces of a grid, the scalar that it marks, and what was left out, in sentences."""
     from ._grid import Grid, package_of
@@ -44,6 +49,8 @@ def pieces_of(mesh: Any) -> tuple[list[dict[str, Any]], str | None, list[str]]:
     if package == "xarray":
         piece, notes = _of_ugrid(mesh)
         return [piece], None, notes
+    if isinstance(mesh, (str, PathLike)):
+        raise usage("a path is no mesh", repr(str(mesh)), "the mesh: pyvista.read(path) or meshio.read(path); or a pipeline with the node 'reader'")
     if not hasattr(mesh, "GetClassName"):
         raise usage("this is no mesh", f"a {type(mesh).__module__}.{type(mesh).__qualname__}", EXPECTED)
     from . import _vtk_grid
@@ -123,12 +130,12 @@ def _of_meshio(mesh: Any) -> tuple[dict[str, Any], list[str]]:
 def _of_ugrid(data: Any) -> tuple[dict[str, Any], list[str]]:
     """An xarray.Dataset with a three-dimensional topology by the UGRID conventions (Jagers et al., UGRID 1.0)."""
     if not hasattr(data, "data_vars"):
-        raise usage("this is no data set of xarray", f"a {type(data).__qualname__}", "an xarray.Dataset, which holds the mesh, too")
+        raise usage("this is no data set of xarray", f"a {type(data).__qualname__}", f"an xarray.Dataset, which holds the mesh, too; {_REGULAR}")
     meshes = {name: array.attrs for name, array in data.variables.items() if array.attrs.get("cf_role") == "mesh_topology"}
     volumes = {name: about for name, about in meshes.items() if _whole(about.get("topology_dimension")) == 3}
     if len(volumes) != 1:
         found = ", ".join(f"'{name}' of {about.get('topology_dimension')} dimensions" for name, about in meshes.items())
-        raise usage("the data set has no mesh of volumes, or several", found or "no mesh_topology", "one of topology_dimension 3")
+        raise usage("the data set has no mesh of volumes, or several", found or "no mesh_topology", f"one of topology_dimension 3; {_REGULAR}")
     (mesh, about), = volumes.items()
 
     def named(key: str) -> list[Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
 from inspect import signature
 from math import sqrt
 from typing import Any, NamedTuple
@@ -10,9 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ._colors import colormap_widget
-from ._declared import ports
+from ._declared import parameters, ports
 from ._errors import mapping, number, picture_size, sequence, usage, warn
-from ._grid import Grid
+from ._grid import Grid, scalar_name
 from ._picture import Picture
 from ._pipeline import Pipeline
 from ._progress import Progress
@@ -89,9 +90,12 @@ def scene(
     is_told = isinstance(grid, _ToldByRun)
     grid = grid.grid if is_told else grid if isinstance(grid, Grid) else Grid.from_mesh(grid)
     about = grid.about
-    scalar = scalar or about["scalar"]
+    scalar = scalar_name(scalar) or about["scalar"]
     if scalar is None:
         raise usage("the scalar is not named", None, "one of " + ", ".join(about["arrays"]))
+    if not {scalar, scalar.partition(":")[0]} & about["arrays"].keys():
+        # That of what was left out, which it may be.
+        warn(about["warnings"])
     about = grid._about(scalar)
     if not is_told:
         # Before anything is drawn, since a volume that is plotted may never be.
@@ -119,6 +123,8 @@ def scene(
     drawn = [_surface(pipeline, f"surface_{number}", surface) for number, surface in enumerate(given)]
     clips = sequence("clip", clip, '[{"kind": "plane", "origin": [0, 0, 0], "normal": [0, 0, 1]}]')
     renderer = _words("the renderer", renderer, "", *wires)
+    for word in renderer.keys() - parameters("renderer"):
+        raise _unknown(word)
     pipeline.add("picture", "renderer", **wires, surfaces=drawn or None, clip=clips or None, **renderer)
     if annotation is not None:
         written = _words("annotation", annotation, '{} for a colour bar, {"title": "T"}, or None for no annotation', "image", *wires)
@@ -162,6 +168,9 @@ def render(mesh: Any, scalars: str | None = None, *, progress: bool | None | Pro
     >>> voltet.render(x * x + y * y + z * z, cmap="inferno", size=(32, 24), engine="cpu").shape
     (24, 32, 4)
     """
+    for word, own in (("grid", "mesh"), ("scalar", "scalars")):
+        if word in options:
+            raise usage(f"unknown word '{word}'", None, f"'{own}'")
     grid = mesh if isinstance(mesh, Grid) else Grid.from_mesh(mesh)
     return pipeline_of(grid, scalars, **options).render(progress=progress)
 
@@ -173,6 +182,15 @@ def _words(name: str, value: Any, expected: str, *own: str) -> dict[str, Any]:
         remedy = f"{both[0]}=… of the scene itself" if both[0] in signature(scene).parameters else "a pipeline of your own, whose nodes are wired freely"
         raise usage(f"the scene states '{both[0]}' itself", f"in {name}", remedy)
     return words
+
+
+def _unknown(word: str) -> Exception:
+    """The exception for a word that neither a scene nor the node `renderer` has."""
+    own = [name for name in signature(scene).parameters if name not in ("grid", "renderer")]
+    known = list(dict.fromkeys([*own, *parameters("renderer")]))
+    near = get_close_matches(word.lower(), known, 1)
+    nearest = f"'{near[0]}', the nearest name, or " if near else ""
+    return usage(f"unknown word '{word}'", None, f"{nearest}one of {', '.join(known)}")
 
 
 def _surface(pipeline: Pipeline, name: str, given: Mapping[str, Any]) -> str:

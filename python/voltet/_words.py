@@ -12,6 +12,16 @@ from ._errors import usage
 #: PyVista's own other names.
 _ALIASES = {"rng": "clim", "colormap": "cmap"}
 
+#: Words of `voltet.scene` that have another name or place in PyVista.
+_ELSEWHERE = {
+    "camera": "the camera of the plotter",
+    "extinction": "opacity, or widgets",
+    "look": "log_scale=True, or voltet.scene",
+    "scalar": "scalars=NAME",
+    "size": "window_size of the plotter or the picture",
+    "unit_distance": "opacity_unit_distance=LENGTH",
+}
+
 _MAPPER = "none of VTK's mappers draws"
 _SHAPE = "the cells are drawn as they are"
 
@@ -39,8 +49,8 @@ def options_of(words: Mapping[str, Any], light: Mapping[str, Any] | None) -> dic
     for word, value in words.items():
         if word in _ALIASES:
             options[_ALIASES[word]] = options.pop(word)
-        elif word == "scalar":
-            raise usage("'scalar' is no word of add_volume", None, "scalars=NAME")
+        elif word in _ELSEWHERE:
+            raise usage(f"'{word}' is no word of add_volume", None, _ELSEWHERE[word])
         elif word in REFUSED:
             nothing, reason, remedy = REFUSED[word]
             del options[word]

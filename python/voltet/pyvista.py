@@ -272,6 +272,8 @@ class PlotterAccessor:
         if getattr(plotter, "_closed", False) or getattr(plotter, "render_window", None) is None:
             raise usage("the plotter is closed", None, "a plotter that is open")
         options = options_of(renderer, headlight(shade, ambient, diffuse))
+        if "annotation" in options:
+            raise usage("'annotation' is no word of add_volume", None, "scalar_bar_args, or the plotter's add_text and show_bounds")
         look = Look(
             volume, scalars, preference=preference, component=component, clim=options.pop("clim", clim), cmap=options.pop("cmap", cmap),
             opacity=opacity, n_colors=n_colors, flip_scalars=flip_scalars, categories=categories, log_scale=log_scale,
