@@ -86,7 +86,7 @@ def _of_matplotlib(cmap: Any, places: np.ndarray) -> np.ndarray:
         import matplotlib
         from matplotlib.colors import Colormap, LinearSegmentedColormap
     except ImportError as error:
-        raise usage("the colour map is not known", repr(cmap), f"one of {', '.join(names())}; or matplotlib, for others") from error
+        raise usage("the colour map is not known", repr(cmap)[:80], f"one of {', '.join(names())}; or matplotlib, for others") from error
     try:
         if isinstance(cmap, str):
             cmap = matplotlib.colormaps[cmap]

@@ -182,8 +182,10 @@ _OWN = {"voltet", "vtkmodules", "pyvista", "paraview"}
 def _worded(kind: type[UsageError], what: str, found: object, expected: str | None, item: str | None) -> UsageError:
     text = what
     if found is not None:
-        # Objects of other packages describe themselves in several lines.
-        found = " ".join(str(found).split())
+        found = str(found)
+        if "\n" in found:
+            # Objects of other packages describe themselves in several lines.
+            found = " ".join(found.split())
         text += f": found {found}"
     if expected is not None:
         text += f"; expected {expected}"

@@ -93,7 +93,7 @@ def scene(
     scalar = scalar_name(scalar) or about["scalar"]
     if scalar is None:
         raise usage("the scalar is not named", None, "one of " + ", ".join(about["arrays"]))
-    if not {scalar, scalar.partition(":")[0]} & about["arrays"].keys():
+    if not {scalar, scalar.rpartition(":")[0]} & about["arrays"].keys():
         # That of what was left out, which it may be.
         warn(about["warnings"])
     about = grid._about(scalar)
@@ -123,8 +123,9 @@ def scene(
     drawn = [_surface(pipeline, f"surface_{number}", surface) for number, surface in enumerate(given)]
     clips = sequence("clip", clip, '[{"kind": "plane", "origin": [0, 0, 0], "normal": [0, 0, 1]}]')
     renderer = _words("the renderer", renderer, "", *wires)
-    for word in renderer.keys() - parameters("renderer"):
-        raise _unknown(word)
+    for word in renderer:
+        if word not in parameters("renderer"):
+            raise _unknown(word)
     pipeline.add("picture", "renderer", **wires, surfaces=drawn or None, clip=clips or None, **renderer)
     if annotation is not None:
         written = _words("annotation", annotation, '{} for a colour bar, {"title": "T"}, or None for no annotation', "image", *wires)
