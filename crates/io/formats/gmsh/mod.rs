@@ -1,6 +1,8 @@
-//! Meshes of Gmsh (.msh) of the versions 2 and 4.1, in text and in bytes of either order, with their post-processing views.
+//! Meshes of Gmsh (.msh) of the versions 1, 2 and 4, in text and, but for 1 and 4.0, in bytes of either order, with their post-processing
+//! views.
 //!
-//! Source: Gmsh reference manual, "MSH file format" and "MSH file format version 2 (Legacy)". A file is a row of sections,
+//! Source: Gmsh reference manual, "MSH file format", "MSH file format version 2 (Legacy)" and "version 1 (Legacy)"; of 4.0 the manual of Gmsh
+//! 4.0. A file is a row of sections,
 //! `$Name` to `$EndName`. On opening, sections are found, heads of views read, and volume elements counted; nodes,
 //! elements and values are read when they are asked for. Physical groups of volumes are blocks. Sections of other names are passed
 //! over.
@@ -24,13 +26,15 @@ use voltet_core::grid::CellValues;
 use voltet_core::reading::FileArray;
 use voltet_core::{Error, Result, counted};
 
-/// First words of every file.
-const MAGIC: &[u8] = b"$MeshFormat";
+/// First words of files: comments may stand before the format, which version 1 does not say.
+const MAGIC: [&str; 3] = ["$MeshFormat", "$Comments", FIRST_NODES];
+/// The section of the nodes in version 1.
+const FIRST_NODES: &str = "$NOD";
 
 /// The declaration.
 pub(super) const FORMAT: Format = Format {
     files: "a mesh of Gmsh (.msh)",
-    matches: |head, _, _| head.starts_with(MAGIC),
+    matches: |head, _, _| MAGIC.iter().any(|word| head.trim_ascii_start().starts_with(word.as_bytes())),
     open,
     has_solution: false,
 };
@@ -38,8 +42,15 @@ pub(super) const FORMAT: Format = Format {
 /// Reads the table of contents.
 fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     let mut cursor = Cursor::new(&source);
-    cursor.text_line("$MeshFormat")?;
-    let mut file = header(&mut cursor, &source)?;
+    let mut line = String::new();
+    while !["$MeshFormat", FIRST_NODES].contains(&&*line) {
+        line = cursor.text_line("$MeshFormat")?;
+    }
+    let is_first = line == FIRST_NODES;
+    let mut file = header(&mut cursor, &source, is_first)?;
+    if is_first {
+        cursor = Cursor::new(&source);
+    }
     let (mut names, mut without_dimension) = Default::default();
     let mut views = Vec::new();
     while let Some((name, section)) = next_section(&mut cursor, &file)? {
@@ -49,10 +60,11 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
             }
             "Entities" | "PartitionedEntities" if file.version >= 4.0 => {
                 let is_partitioned = name == "PartitionedEntities";
-                entities(&mut file.cursor(&section, true), is_partitioned, &mut file.group_of_volume)?;
+                let (mut cursor, is_4_0) = (file.cursor(&section, true), file.is_4_0());
+                entities(&mut cursor, [is_partitioned, is_4_0], &mut file.group_of_volume)?;
             }
-            "Nodes" => file.nodes = section,
-            "Elements" => file.elements = section,
+            "Nodes" | "NOD" => file.nodes = section,
+            "Elements" | "ELM" => file.elements = section,
             _ => views.extend(View::of_section(&name, &file.cursor(&section, false))?),
         }
     }
@@ -126,7 +138,7 @@ fn next_section(cursor: &mut Cursor, file: &MeshFile) -> Result<Option<(String, 
         let line = String::from_utf8_lossy(line.trim_ascii()).into_owned();
         let Some(name) = line.strip_prefix('$').filter(|name| *name != "EndMeshFormat") else { continue };
         let (start, line) = (cursor.position(), cursor.line_number());
-        let mark = format!("$End{name}");
+        let mark = format!("${}{name}", if file.version < 2.0 { "END" } else { "End" });
         skip_rows(cursor, file, name, mark.as_bytes())?;
         let end = cursor.skip_past(mark.as_bytes())?.ok_or_else(|| {
             Error::run("the file ends early")
@@ -194,8 +206,12 @@ fn physical_names(cursor: &mut Cursor) -> Result<(GroupNames, HashMap<i64, usize
     Ok((names, without_dimension))
 }
 
-/// Physical groups of the volumes, the first of each.
-fn entities(cursor: &mut Cursor, is_partitioned: bool, groups: &mut HashMap<i64, i64>) -> Result<()> {
+/// Physical groups of the volumes, the first of each. Points have a box, too, in version 4.0.
+fn entities(
+    cursor: &mut Cursor,
+    [is_partitioned, is_4_0]: [bool; 2],
+    groups: &mut HashMap<i64, i64>,
+) -> Result<()> {
     let (int, size) = (NumberType::I32, NumberType::U64);
     let ints = |cursor: &mut Cursor| -> Result<Option<i64>> {
         let count: u64 = cursor.number(size, "a number of tags")?;
@@ -226,7 +242,7 @@ fn entities(cursor: &mut Cursor, is_partitioned: bool, groups: &mut HashMap<i64,
                 }
                 ints(cursor)?;
             }
-            for _ in 0..if dimension == 0 { 3 } else { 6 } {
+            for _ in 0..if dimension == 0 && !is_4_0 { 3 } else { 6 } {
                 cursor.number::<f64>(NumberType::F64, "a coordinate")?;
             }
             let group = ints(cursor)?;
