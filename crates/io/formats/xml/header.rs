@@ -7,6 +7,7 @@ use crate::formats::source::Source;
 use crate::formats::text::TextRange;
 use quick_xml::events::{BytesStart, Event};
 use std::cell::RefCell;
+use std::collections::HashMap;
 use std::io::{BufReader, Read};
 use std::ops::Range;
 use std::rc::Rc;
@@ -113,6 +114,7 @@ pub(in crate::formats) fn read_as(
     };
     let text = TextRange::new(source, 0..source.len());
     let mut open: Vec<Element> = vec![Element::default()];
+    let mut entities = HashMap::new();
     let mut buffer = Vec::new();
     let mut count = 0;
     loop {
@@ -154,6 +156,12 @@ pub(in crate::formats) fn read_as(
                     inner.text.push(start..end);
                 }
             }
+            Event::DocType(_) => entities = declared_entities(source, start..end)?,
+            Event::GeneralRef(name) if entities.contains_key(name.as_ref()) => {
+                if let Some(inner) = open.last_mut() {
+                    inner.text.push(entities[name.as_ref()].clone());
+                }
+            }
             Event::CData(_) | Event::GeneralRef(_)
                 if open
                     .last()
@@ -177,6 +185,26 @@ pub(in crate::formats) fn read_as(
         return Err(error.expected("a file that was written to its end"));
     }
     root(open, root_tag).map(|root| (root, None))
+}
+
+/// Places of the values of the entities that a DOCTYPE declares: `<!ENTITY NAME "VALUE">`.
+fn declared_entities(
+    source: &Source,
+    Range { start, end }: Range<u64>,
+) -> Result<HashMap<String, Range<u64>>> {
+    const LONGEST: u64 = 1 << 16;
+    let bytes = source.read(start, (end - start).min(LONGEST))?;
+    // A byte a character.
+    let text: String =
+        bytes.iter().map(|&byte| if byte.is_ascii() { char::from(byte) } else { '?' }).collect();
+    let declared = text.match_indices("<!ENTITY").filter_map(|(at, mark)| {
+        let rest = &text[at + mark.len()..];
+        let quote = rest.find(['"', '\''])?;
+        let value = rest[quote + 1..].split(&rest[quote..=quote]).next()?;
+        let first = start + (at + mark.len() + quote + 1) as u64;
+        Some((rest[..quote].trim().to_owned(), first..first + value.len() as u64))
+    });
+    Ok(declared.collect())
 }
 
 /// Ends the innermost open element.

@@ -123,6 +123,20 @@ fn grids_of_one_file_at_other_bytes_are_others() {
 }
 
 #[test]
+fn an_entity_stands_for_the_text_that_the_document_declares() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.xdmf");
+    std::fs::write(folder.path().join("a.bin"), bytes(0.0)).unwrap();
+    let head = "<?xml version=\"1.0\" ?>\n<!DOCTYPE Xdmf SYSTEM \"Xdmf.dtd\" [\n<!ENTITY Heavy \"a\">\n<!ENTITY End '.bin'>\n]>\n";
+    let text = |name: &str| format!("{head}<Xdmf><Domain>{}</Domain></Xdmf>", tetrahedron("a", name, 0));
+    std::fs::write(&file, text("\n &Heavy;&End;\n")).unwrap();
+    follow(&read(&file, &request("s"), &NoProgress).unwrap(), |[x, ..]| x, "entities");
+    std::fs::write(&file, text("&Heavy;&Other;")).unwrap();
+    let found = read(&file, &request("s"), &NoProgress).unwrap_err().to_string();
+    assert!(["not plain text", "a.xdmf:6"].iter().all(|word| found.contains(word)), "{found}");
+}
+
+#[test]
 fn files_of_all_steps_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("a.xdmf");
