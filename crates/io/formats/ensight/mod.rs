@@ -63,6 +63,10 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
         let names = list(flat.iter().map(String::as_str));
         dataset.warnings.push(format!("Parts without cells of three dimensions are left out: {names}."));
     }
+    if !case.left_out.is_empty() {
+        let names = list(case.left_out.iter().map(String::as_str));
+        dataset.warnings.push(format!("Variables of complex numbers or of particles are left out: {names}."));
+    }
     // Each file is looked through for the step once.
     let files = case.variables.iter().map(|variable| case.file(&variable.pattern, time).map(Arc::new));
     let files: Vec<Arc<StepFile>> = files.collect::<Result<_>>()?;
