@@ -263,12 +263,12 @@ const FORMATS: &[Format] = &[
     gmsh::FORMAT,
     mfem::FORMAT,
     ensight::FORMAT,
+    nastran::FORMAT,
     tecplot::BINARY,
     tecplot::TEXT,
     ucd::FORMAT,
     abaqus::FORMAT,
     su2::FORMAT,
-    nastran::FORMAT,
     plot3d::FORMAT,
 ];
 
@@ -357,7 +357,7 @@ fn open_contents(path: &Path, request: &Request) -> Result<(Dataset, Arc<Source>
         return dataset.map(|dataset| (dataset, source.clone())).map_err(in_file);
     }
     unsupported::refuse(&source, unsupported::BY_MAGIC).map_err(in_file)?;
-    let head = source.head(256).map_err(in_file)?;
+    let head = source.head(unsupported::HEAD).map_err(in_file)?;
     let Some(format) = format_of(&head, path, request) else {
         unsupported::refuse(&source, unsupported::BY_WORDS).map_err(in_file)?;
         let error = Error::run("the format of the file is not known").got(printable(&head));
@@ -386,13 +386,15 @@ fn open_contents(path: &Path, request: &Request) -> Result<(Dataset, Arc<Source>
 pub fn is_data(path: &Path) -> bool {
     let is_of_format = |head: Vec<u8>| format_of(&head, path, &Request::default()).is_some();
     foam::case_folder(path).is_some()
-        || path.is_file() && Source::open(path).and_then(|source| source.head(256)).is_ok_and(is_of_format)
+        || path.is_file()
+            && Source::open(path).and_then(|source| source.head(unsupported::HEAD)).is_ok_and(is_of_format)
 }
 
 /// First bytes of a file that is of no format that ships; `None` for one that is, or that cannot be read.
 pub fn foreign_head(path: &Path) -> Option<Vec<u8>> {
     // A pipe can be read once.
-    let head = path.is_file().then(|| Source::open(path).and_then(|source| source.head(256)))?.ok()?;
+    let head =
+        path.is_file().then(|| Source::open(path).and_then(|source| source.head(unsupported::HEAD)))?.ok()?;
     format_of(&head, path, &Request::default()).is_none().then_some(head)
 }
 

@@ -15,6 +15,7 @@ use super::request::{Format, Request};
 use super::source::Source;
 use super::tagged::{TaggedElement, TaggedMesh, VisitElement, VisitNode, dataset};
 use super::text::{TextPiece, TextRange};
+use super::unsupported::HEAD;
 use glam::{DMat3, DVec3};
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
@@ -25,7 +26,7 @@ use voltet_core::{Error, Result};
 
 /// The declaration.
 pub(super) const FORMAT: Format =
-    Format { files: "bulk data of Nastran (.bdf, .nas)", matches, open, has_solution: false };
+    Format { files: "bulk data of Nastran (.bdf, .nas, .dat)", matches, open, has_solution: false };
 
 fn matches(head: &[u8], path: &Path, _: &Request) -> bool {
     let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
@@ -34,7 +35,7 @@ fn matches(head: &[u8], path: &Path, _: &Request) -> bool {
         text.lines().any(|line| words.iter().any(|word| line.trim_start().starts_with(word)))
     };
     ["bdf", "nas", "fem"].iter().any(|name| ending == *name)
-        || has(&["BEGIN BULK", "GRID  ", "GRID,", "GRID*"])
+        || has(&["BEGIN BULK", "CEND", "GRID  ", "GRID,", "GRID*"])
 }
 
 /// Elements: corners, their code and that with nodes on edges, and the order of these.
@@ -64,7 +65,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
 /// The files that a file includes; none for other formats.
 pub(super) fn files_named(path: &Path) -> Vec<PathBuf> {
     let Ok(source) = Source::open(path) else { return Vec::new() };
-    if !source.head(256).is_ok_and(|head| matches(&head, path, &Request::default())) {
+    if !source.head(HEAD).is_ok_and(|head| matches(&head, path, &Request::default())) {
         return Vec::new();
     }
     named_files::files_named(path, || {
@@ -550,14 +551,11 @@ fn element(entry: &BulkEntry) -> Result<BulkElement> {
     let Some((_, corners, codes, order)) = ELEMENTS.iter().find(|element| element.0 == entry.name) else {
         return Err(Error::run("an entry is no element").got(&entry.name));
     };
-    let on_edges = order[*corners..].iter().filter(|&&place| !entry.field(2 + place).is_empty()).count();
-    let is_quadratic = on_edges == order.len() - corners;
-    if on_edges > 0 && !is_quadratic {
-        let error = Error::run(format!("a {} has nodes on some of its edges alone", entry.name));
-        return Err(error.got(on_edges).expected(order.len() - corners));
-    }
-    let places = if is_quadratic { order } else { &order[..*corners] };
-    let nodes = places.iter().map(|&place| entry.integer(2 + place, "a node")).collect::<Result<_>>()?;
+    // The nodes of some edges alone are further ones of the linear cell.
+    let is_there = |place: &usize| place < corners || !["", "0"].contains(&entry.field(2 + place));
+    let places = order.iter().filter(|place| is_there(place));
+    let nodes = places.map(|&place| entry.integer(2 + place, "a node")).collect::<Result<Vec<_>>>()?;
+    let is_quadratic = nodes.len() == order.len();
     Ok(BulkElement {
         tag: entry.integer(0, "the number")?,
         code: codes[usize::from(is_quadratic)],

@@ -8,7 +8,7 @@ use crate::formats::cursor::{Cursor, Place};
 use crate::formats::lazy::{GatheredCells, geometry};
 use crate::formats::numbers::{self, NumberType};
 use crate::formats::request::{Format, Request};
-use crate::formats::source::{Source, printable};
+use crate::formats::source::Source;
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
@@ -102,7 +102,8 @@ impl TecplotFile {
             match entries.iter().filter(|entry| entry.0 == "ZONE").count() {
                 1 => {}
                 0 => {
-                    let Some(word) = cursor.word()?.map(printable) else { break };
+                    let Some(word) = cursor.word()?.map(<[u8]>::to_vec) else { break };
+                    let word = String::from_utf8_lossy(&word);
                     let error = cursor.error("numbers belong to no zone").got(format_args!("'{word}'"));
                     return Err(error.expected("ZONE before them; geometries are not read"));
                 }
@@ -148,6 +149,10 @@ impl TecplotFile {
             "LINESEG" => ZoneKind::Flat(2),
             "POLYHEDRON" => ZoneKind::Polyhedra,
             "POLYGON" => ZoneKind::Flat(0),
+            "" => {
+                let error = cursor.error("a zone of finite elements does not say of which type they are");
+                return Err(error.expected("ZONETYPE, or ET beside F=FEPOINT or F=FEBLOCK"));
+            }
             _ => {
                 let error = cursor.error("zones of this type are not read").got(format_args!("'{shape}'"));
                 return Err(error.expected(
@@ -186,8 +191,9 @@ impl TecplotFile {
         // Of a zone that says neither, VTK and VisIt take each node's variables to stand side by side.
         // Those of faces are always blocks.
         let is_of_faces = shape.contains("POLY");
-        let is_block =
-            value(&["DATAPACKING"]).eq_ignore_ascii_case("BLOCK") || form.ends_with("BLOCK") || is_of_faces;
+        let is_block = value(&["DATAPACKING"]).to_ascii_uppercase().ends_with("BLOCK")
+            || form.ends_with("BLOCK")
+            || is_of_faces;
         let face_count = count(&["FACES"], 0)?;
         // Faces of polygons are edges, of two nodes each.
         let of_edges = if shape.ends_with("POLYGON") { face_count.saturating_mul(2) } else { 0 };
@@ -217,10 +223,9 @@ impl TecplotFile {
                 error.expected(format_args!("the number of a zone, at most {}", self.zones.len()))
             })
         };
-        if let word @ [_, ..] = value(&["VARSHARELIST"]).as_bytes()
-            && !word.contains(&b'[')
-        {
-            let error = cursor.error("VARSHARELIST of a zone is damaged").got(printable(word));
+        let word = value(&["VARSHARELIST"]);
+        if !word.is_empty() && !word.contains('[') {
+            let error = cursor.error("VARSHARELIST of a zone is damaged").got(format_args!("'{word}'"));
             return Err(error.expected("numbers of variables in brackets, and a zone"));
         }
         for (variables, word) in lists("VARSHARELIST")? {
