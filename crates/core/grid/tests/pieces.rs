@@ -248,7 +248,7 @@ fn structured_pieces_become_hexahedra_for_their_cells_may_be_no_boxes() {
     let sheared = |shift: f64| {
         let points = lattice([1; 3], UNIT, 0.0).into_iter();
         RawGrid::new(
-            points.map(|p| DVec3::new(p.x + shift, p.y + p.x, p.z)).collect(),
+            points.map(|p| DVec3::new(p.x + shift, p.y + p.x, p.z)).collect::<Vec<_>>(),
             Cells::Structured([2; 3]),
         )
     };
