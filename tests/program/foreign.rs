@@ -27,6 +27,7 @@ fn formats_are_told_by_content_and_named_with_a_remedy() {
         ("fluent.msh", bytes("(0 \"GAMBIT to Fluent File\")\n"), "Ansys Fluent", paraview),
         ("results.h5", hdf5("NASTRAN"), "results of Nastran", "pyNastran"),
         ("room.cas.h5", hdf5("meshes\0settings"), "Ansys Fluent", paraview),
+        ("checkpoint.h5", hdf5("topologies"), "a checkpoint of Firedrake", "VTKFile"),
         ("text.h5", bytes("\u{89}HDF\n\x1a\n"), "line ends were changed", "transfer of bytes"),
         ("restart_flow.dat", bytes("\u{ec}\u{2b}\u{8}\0"), "a restart file of SU2", "SU2_SOL"),
         ("bytes.inp", bytes("\u{7}\0\0\u{5}"), "AVS UCD as bytes", paraview),
