@@ -437,8 +437,8 @@ pub(super) fn header(cursor: &mut Cursor, source: &Arc<Source>, is_first: bool) 
     let words: Vec<&str> = line.split_ascii_whitespace().collect();
     let version = words.first().and_then(|word| word.parse::<f64>().ok()).unwrap_or(0.0);
     let is_text = words.get(1) == Some(&"0");
-    let is_read = (2.0..3.0).contains(&version) || (4.1..5.0).contains(&version);
-    if !is_read && !(is_text && [1.0, 4.0].contains(&version)) {
+    let is_old_text = is_text && [1.0, 4.0].contains(&version);
+    if !(is_old_text || (2.0..3.0).contains(&version) || (4.1..5.0).contains(&version)) {
         let error = cursor.error("this version of Gmsh's format is not read").got(format_args!("'{line}'"));
         return Err(error.expected(
             "1, 2 or 4, of 1 and 4.0 text: `gmsh FILE -save -o out.msh -format msh41` writes 4.1",
