@@ -477,7 +477,12 @@ impl Pipeline {
         let title = self.source.nodes.title.clone();
         // It is written to no file, so that the locations of its paths are of no use.
         let stated = ResolvedPipeline::new(title, self.source.text(), std::iter::empty());
-        Some(RunRecord { path: self.source.path.display().to_string(), stated, run, peak_memory: last.peak_memory })
+        Some(RunRecord {
+            path: self.source.path.display().to_string(),
+            stated,
+            run,
+            peak_memory: last.peak_memory,
+        })
     }
 
     /// Report of the last run (JSON); `None` before there was one.

@@ -52,6 +52,8 @@ fn formats_are_told_by_content_and_named_with_a_remedy() {
         ("binary.stl", stl, "a surface (STL)", surface),
         ("a.ply", bytes("ply\nformat ascii 1.0\n"), "a surface (PLY)", surface),
         ("a.obj", bytes("# Blender\nv 0 0 0\nf 1 2 3\n"), "a surface (OBJ)", surface),
+        ("points.csv", bytes("-1 0.5 2\n-1 1 3\n"), "a table as text", "points alone have no volume"),
+        ("nodes.k", bytes("$NODE of a part\n*KEYWORD\n"), "input of LS-DYNA", "LS-PrePost"),
         ("a.nrrd", bytes("NRRD0004\n"), "an image (NRRD)", ".vti"),
         ("a.vtu.gz", bytes("\x1f\u{8b}\x08\0"), "a gzip archive", "unpack it first"),
         ("a.csv", bytes("x,y,z,t\n0,0,0,1\n"), "a table as text", "points alone have no volume"),

@@ -158,15 +158,9 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
 
 /// The files that a file includes; none for other formats.
 pub(super) fn files_named(path: &Path) -> Vec<PathBuf> {
-    let Ok(source) = Source::open(path) else { return Vec::new() };
-    if !source.head(256).is_ok_and(|head| matches(&head, path, &Request::default())) {
-        return Vec::new();
-    }
-    named_files::files_named(path, || {
-        let mut scan = Scan::new(&source);
-        // What is damaged is an error of the reading itself.
-        let is_whole = scan.lines().is_ok();
-        (scan.included.paths, is_whole)
+    named_files::files_included(path, matches, |source| {
+        let mut scan = Scan::new(source);
+        (scan.lines(), scan.included)
     })
 }
 

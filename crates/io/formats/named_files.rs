@@ -1,7 +1,8 @@
 //! Files that a file includes, and limits on them. They are remembered until one of them changes: large files are read as a whole to find
 //! them.
 
-use super::source::Source;
+use super::request::Request;
+use super::source::{HEAD, Source};
 use super::xml::open_named;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -83,8 +84,16 @@ impl IncludedFiles {
     }
 }
 
-/// The files that a path names by `find`: those and whether it came to the end, without which they are not remembered.
-pub(super) fn files_named(path: &Path, find: impl FnOnce() -> (Vec<PathBuf>, bool)) -> Vec<PathBuf> {
+/// The files that a file of a format includes, by the scan that finds them; none for other formats.
+pub(super) fn files_included(
+    path: &Path,
+    matches: impl FnOnce(&[u8], &Path, &Request) -> bool,
+    scan: impl FnOnce(&Arc<Source>) -> (Result<()>, IncludedFiles),
+) -> Vec<PathBuf> {
+    let Ok(source) = Source::open(path) else { return Vec::new() };
+    if !source.head(HEAD).is_ok_and(|head| matches(&head, path, &Request::default())) {
+        return Vec::new();
+    }
     let stamps = |first: Stamp, files: &[PathBuf]| -> Vec<Stamp> {
         std::iter::once(first).chain(files.iter().map(|file| stamp(file))).collect()
     };
@@ -96,13 +105,14 @@ pub(super) fn files_named(path: &Path, find: impl FnOnce() -> (Vec<PathBuf>, boo
     {
         return files;
     }
-    let (files, is_whole) = find();
+    // What is damaged is an error of the reading itself, and not remembered.
+    let (scanned, IncludedFiles { paths: files, .. }) = scan(&source);
     let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
     if known.len() >= MAX_FILES {
         known.clear();
     }
     known.remove(path);
-    if is_whole {
+    if scanned.is_ok() {
         known.insert(path.to_owned(), (files.clone(), stamps(own, &files)));
     }
     files

@@ -1,6 +1,6 @@
 //! Formats that are not read, told by their content: what a file is, and what to do with it.
 
-use super::source::Source;
+use super::source::{HEAD, Source};
 use std::path::Path;
 use voltet_core::{Error, Result};
 
@@ -45,15 +45,16 @@ const GRID_FUNCTION: &str = "the mesh that it belongs to, with this file as its 
 const TABLE: &str =
     "a grid with cells: points alone have no volume; ParaView's Delaunay3D joins them to tetrahedra";
 
-/// Formats in HDF5, by the names within.
+/// Formats in HDF5, by the names in the root group; where that cannot be read, by those anywhere within.
 pub(super) const IN_HDF5: &[UnsupportedFormat] = &[
-    ("a MED file (Salome)", SALOME, |file| file.holds(&["ENS_MAA", "INFOS_GENERALES"])),
-    ("results of Nastran", NASTRAN_RESULTS, |file| file.holds(&["NASTRAN"])),
+    ("a MED file (Salome)", SALOME, |file| file.has_name("ENS_MAA") || file.has_name("INFOS_GENERALES")),
+    ("results of Nastran", NASTRAN_RESULTS, |file| file.has_name("NASTRAN")),
     ("a case or results of Ansys Fluent", PARAVIEW, |file| {
-        file.holds(&["settings"]) && file.holds(&["meshes", "results"])
+        file.has_name("settings") && (file.has_name("meshes") || file.has_name("results"))
     }),
+    // Meshes of Conduit (Blueprint) have topologies beside their coordinates.
     ("a checkpoint of Firedrake", "a .pvd file: VTKFile of Firedrake writes one", |file| {
-        file.holds(&["topologies"])
+        file.has_name("topologies") && !file.has_name("coordsets")
     }),
 ];
 
@@ -116,9 +117,9 @@ pub(super) const BY_WORDS: &[UnsupportedFormat] = &[
         |file| [512, 1024, 2048].iter().any(|&place| file.has_magic_at(place, HDF5_MAGIC)),
     ),
     ("a neutral file of Femap", "a .bdf file: Femap exports Nastran", |file| {
-        file.begins_with_words(&["-1", "100"])
+        file.universal_set() == Some(100)
     }),
-    ("a universal file of I-DEAS (.unv)", GMSH, |file| file.begins_with_words(&["-1"])),
+    ("a universal file of I-DEAS (.unv)", GMSH, |file| file.universal_set().is_some()),
     ("a neutral file of GAMBIT", "a .vtu file: vtkGAMBITReader of VTK (pip install vtk) reads it", |file| {
         file.has_line(|line| line.trim_start().starts_with("CONTROL INFO"))
     }),
@@ -147,8 +148,7 @@ pub(super) const BY_WORDS: &[UnsupportedFormat] = &[
     ("a table as text", TABLE, |file| ["csv", "tsv"].contains(&file.ending.as_str())),
 ];
 
-/// Bytes searched of a text; names in HDF5 stand anywhere, for the most part early.
-pub(super) const HEAD: u64 = 4096;
+/// Bytes searched of HDF5, in which names stand anywhere, for the most part early.
 const CONTAINER_HEAD: u64 = 4 << 20;
 
 /// Refuses a folder of a format whose data are one.
@@ -166,7 +166,17 @@ pub(super) fn refuse(source: &Source, formats: &[UnsupportedFormat]) -> Result<(
     if file.is_container() {
         file.bytes = source.head(CONTAINER_HEAD)?;
     }
-    match formats.iter().find(|(_, _, is_one)| is_one(&file)) {
+    refuse_one(&file, formats)
+}
+
+/// Refuses a file in HDF5 with these names in its root group.
+pub(super) fn refuse_hdf5(names: &[String]) -> Result<()> {
+    let bytes = format!("\0{}\0", names.join("\0")).into_bytes();
+    refuse_one(&FileStart { bytes, len: 0, ending: String::new() }, IN_HDF5)
+}
+
+fn refuse_one(file: &FileStart, formats: &[UnsupportedFormat]) -> Result<()> {
+    match formats.iter().find(|(_, _, is_one)| is_one(file)) {
         Some((what, remedy, _)) => Err(refusal(what, remedy)),
         None => Ok(()),
     }
@@ -219,10 +229,17 @@ impl FileStart {
         words.iter().any(|word| holds(&self.bytes, word.as_bytes()))
     }
 
-    /// True if the text begins with these words.
-    fn begins_with_words(&self, words: &[&str]) -> bool {
+    /// True if the name stands between two zeros, as names in HDF5 do.
+    fn has_name(&self, name: &str) -> bool {
+        self.holds(&[&format!("\0{name}\0")])
+    }
+
+    /// The number of the first set of data of a universal file: a line -1, and one of the number.
+    fn universal_set(&self) -> Option<u32> {
         let text = String::from_utf8_lossy(self.text());
-        text.split_ascii_whitespace().take(words.len()).eq(words.iter().copied())
+        let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+        lines.next().filter(|line| *line == "-1")?;
+        lines.next()?.parse().ok()
     }
 
     /// True if some line of text is one of those; there may be bytes behind it.
@@ -248,5 +265,25 @@ impl FileStart {
             && self.has_line(|line| line.trim_start().starts_with("facet normal"));
         let count = self.bytes.get(80..84).and_then(|bytes| bytes.try_into().ok()).map(u32::from_le_bytes);
         words || count.is_some_and(|count| count > 0 && self.len == 84 + 50 * u64::from(count))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formats_in_hdf5_are_told_by_whole_names() {
+        let found = |names: &str| {
+            let names: Vec<String> = names.split(' ').map(str::to_owned).collect();
+            refuse_hdf5(&names).err().map_or(String::new(), |error| error.to_string())
+        };
+        assert!(found("settings meshes").contains("Ansys Fluent"));
+        assert!(found("results settings").contains("Ansys Fluent"));
+        assert!(found("INDEX NASTRAN").contains("Nastran"));
+        assert!(found("topologies").contains("Firedrake"));
+        for others in ["settings meshesPath", "coordsets fields topologies", "PYNASTRAN2", "", "data"] {
+            assert_eq!(found(others), "", "{others}");
+        }
     }
 }

@@ -75,8 +75,8 @@ fn named<'a>(nodes: &'a [Node], name: &str) -> Option<&'a Node> {
 pub(super) fn open(root: &Group, request: &Request) -> Result<Dataset> {
     let mut dataset = Dataset { format: "CGNS in HDF5".to_owned(), has_blocks: true, ..Dataset::default() };
     let nodes = root.groups()?.into_iter().map(Node::new).collect::<Result<Vec<_>>>()?;
-    let version = named(&nodes, ROOT).map(|node| node.data()?.numbers::<f64>()).transpose()?;
-    // A number of 32 bits.
+    // A number of 32 bits. What states no version is of none that has other numbers of types.
+    let version = named(&nodes, ROOT).and_then(|node| node.data().ok()?.numbers::<f64>().ok());
     let is_3_0 = version.is_some_and(|version| version.iter().any(|own| (2.99..3.09).contains(own)));
     let mut zones = Vec::new();
     for base in nodes.into_iter().filter(|node| node.label == "CGNSBase_t") {
@@ -339,7 +339,20 @@ fn sections(zone: &[Node], is_3_0: bool) -> Result<Vec<Section>> {
     Ok(sections)
 }
 
-/// Adds the arrays of a solution. X, Y and Z of a name, or x, y and z, become a vector.
+/// The name of the vector that a field is the first component of, and the names of the others: `VelocityX`, or as of some writers
+/// `momentum_x`, unless that stem is a field of its own.
+fn vector(name: &str, is_field: impl Fn(&str) -> bool) -> Option<(&str, [String; 2])> {
+    let upper = name.strip_suffix('X').map(|stem| (stem, ["Y", "Z"]));
+    let lower = || {
+        let stem = name.strip_suffix("_x").filter(|stem| !is_field(stem))?;
+        Some((stem, ["_y", "_z"]))
+    };
+    let (stem, others) = upper.or_else(lower).filter(|own| !own.0.is_empty())?;
+    let others = others.map(|axis| format!("{stem}{axis}"));
+    others.iter().all(|name| is_field(name)).then_some((stem, others))
+}
+
+/// Adds the arrays of a solution. Components that [`vector`] finds are one array.
 fn add_solution(
     solution: &Node,
     sizes: &Sizes,
@@ -369,17 +382,11 @@ fn add_solution(
         if done.contains(&node.name) {
             continue;
         }
-        // Some writers have momentum_x, momentum_y and momentum_z.
-        let upper = node.name.strip_suffix('X').map(|stem| (stem, ["Y", "Z"]));
-        let axes = upper.or_else(|| node.name.strip_suffix('x').map(|stem| (stem, ["y", "z"])));
-        let others = axes.and_then(|(stem, axes)| {
-            let [y, z] = axes.map(|axis| field(&format!("{stem}{axis}")));
-            y.zip(z)
-        });
-        let stem = axes.map(|axes| axes.0.trim_end_matches('_')).filter(|stem| !stem.is_empty());
+        let others = vector(&node.name, |name| field(name).is_some())
+            .and_then(|(stem, [y, z])| Some((stem, field(&y)?, field(&z)?)));
         let mut own = stored(node, sizes, &rind)?;
         let mut component_names = Vec::new();
-        if let Some(((y, z), stem)) = others.zip(stem) {
+        if let Some((stem, y, z)) = others {
             own = Stored::joined(stem, [own, stored(y, sizes, &rind)?, stored(z, sizes, &rind)?]);
             component_names = ["X", "Y", "Z"].map(str::to_owned).to_vec();
             done.extend([y.name.clone(), z.name.clone()]);
@@ -392,4 +399,23 @@ fn add_solution(
         arrays.push(PieceArray { component_names, unit, ..PieceArray::new(association, own) });
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn components_are_joined_where_their_names_say_so() {
+        let stem = |names: &str| {
+            let names: Vec<&str> = names.split(' ').collect();
+            vector(names[0], |name| names.contains(&name)).map(|own| own.0.to_owned())
+        };
+        assert_eq!(stem("VelocityX VelocityY VelocityZ").as_deref(), Some("Velocity"));
+        assert_eq!(stem("Velocity_X Velocity_Y Velocity_Z").as_deref(), Some("Velocity_"));
+        assert_eq!(stem("u_x u_y u_z").as_deref(), Some("u"));
+        for others in ["u_x u_y u_z u", "fx fy fz", "u_x u_y", "X Y Z", "_x _y _z", "s"] {
+            assert_eq!(stem(others), None, "{others}");
+        }
+    }
 }

@@ -136,7 +136,7 @@ impl CaseFile {
             return Ok(());
         }
         match key {
-            _ if key.ends_with(" node") || key.ends_with(" element") => {
+            _ if key.starts_with("complex ") || key.contains(" per measured node") => {
                 self.left_out.extend(numbers_first(value, 2).1.into_iter().next());
             }
             "" => self.is_of_files = value.eq_ignore_ascii_case("file"),

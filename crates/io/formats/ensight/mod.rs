@@ -12,7 +12,7 @@ use super::blocks::selected;
 use super::contents::{CellBlocks, Compute, Dataset, Encoding, Geometry, Piece, PieceArray, Stored};
 use super::lazy::geometry;
 use super::request::{Format, Request, list};
-use super::source::Source;
+use super::source::{HEAD, Source};
 use glam::{DMat3, DVec3};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -131,7 +131,7 @@ fn part_geometry(grid: &Arc<GoldGeometry>, place: usize, source: &Arc<Source>) -
 /// The files that a case names, of every step or of that asked for; none for other files.
 pub(super) fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf> {
     let Ok(source) = Source::open(path) else { return Vec::new() };
-    if !source.head(256).is_ok_and(|head| is_case(&head)) {
+    if !source.head(HEAD).is_ok_and(|head| is_case(&head)) {
         return Vec::new();
     }
     let Ok(case) = &CaseFile::read(&source) else { return Vec::new() };

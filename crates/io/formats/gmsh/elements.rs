@@ -303,6 +303,11 @@ fn each_row(
             else {
                 return Ok(Some(used));
             };
+            // Version 1 states the number of nodes, too.
+            if let Some(&stated) = tags.get(2).filter(|&&own| is_first && own != node_count as i64) {
+                let error = Error::run("an element has another number of nodes than its type").got(stated);
+                return Err((used + 4, error.expected(node_count)));
+            }
             let Some(nodes) = rest.get(..node_count) else { return Ok(Some(used)) };
             own.clear();
             add_row(tag, nodes, &mut own).map_err(at(begin + tags.len()))?;

@@ -339,10 +339,18 @@ impl Nodes {
         each_nodes_of_4(cursor, is_4_0, |cursor, count, width| {
             if is_4_0 {
                 return each_batch(count, 1 + width, |count| {
+                    let start = cursor.clone();
                     let rows: Vec<f64> =
                         cursor.numbers(NumberType::F64, count * (1 + width), "a tag or a coordinate")?;
-                    for row in rows.chunks_exact(1 + width as usize) {
-                        self.tags.push(node_tag(row[0])?);
+                    for (place, row) in rows.chunks_exact(1 + width as usize).enumerate() {
+                        let tag = node_tag(row[0]);
+                        self.tags.push(tag.map_err(|error| {
+                            let mut row = start.clone();
+                            let found = row.skip_numbers(place as u64 * (1 + width), 8);
+                            found
+                                .and_then(|()| row.word().map(drop))
+                                .map_or(error.clone(), |()| row.locate(error))
+                        })?);
                         self.points.push(DVec3::from_slice(&row[1..]));
                     }
                     Ok(())

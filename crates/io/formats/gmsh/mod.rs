@@ -26,30 +26,42 @@ use voltet_core::grid::CellValues;
 use voltet_core::reading::FileArray;
 use voltet_core::{Error, Result, counted};
 
-/// First words of files: comments may stand before the format, which version 1 does not say.
+/// First lines of files: comments may stand before the format, which version 1 does not say.
 const MAGIC: [&str; 3] = ["$MeshFormat", "$Comments", FIRST_NODES];
 /// The section of the nodes in version 1.
 const FIRST_NODES: &str = "$NOD";
+/// The mark of UTF-8 at the head of a file.
+const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
 /// The declaration.
 pub(super) const FORMAT: Format = Format {
     files: "a mesh of Gmsh (.msh)",
-    matches: |head, _, _| MAGIC.iter().any(|word| head.trim_ascii_start().starts_with(word.as_bytes())),
+    matches: |head, _, _| {
+        let first = head.split(|&byte| byte == b'\n').next().unwrap_or_default().trim_ascii();
+        MAGIC.iter().any(|word| first == word.as_bytes())
+    },
     open,
     has_solution: false,
 };
 
 /// Reads the table of contents.
 fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
-    let mut cursor = Cursor::new(&source);
-    let mut line = String::new();
-    while !["$MeshFormat", FIRST_NODES].contains(&&*line) {
-        line = cursor.text_line("$MeshFormat")?;
-    }
-    let is_first = line == FIRST_NODES;
+    // The mark of UTF-8 is no part of the first line.
+    let begin = source.head(BYTE_ORDER_MARK.len() as u64)?;
+    let begin = if begin == BYTE_ORDER_MARK { begin.len() as u64 } else { 0 };
+    let start = Cursor::within(&source, begin, source.len(), 1);
+    let mut cursor = start.clone();
+    let is_first = loop {
+        match &*cursor.text_line("$MeshFormat")? {
+            "$MeshFormat" => break false,
+            FIRST_NODES => break true,
+            "$Comments" => drop(end_of_section(&mut cursor, "Comments", "End")?),
+            _ => {}
+        }
+    };
     let mut file = header(&mut cursor, &source, is_first)?;
     if is_first {
-        cursor = Cursor::new(&source);
+        cursor = start;
     }
     let (mut names, mut without_dimension) = Default::default();
     let mut views = Vec::new();
@@ -68,7 +80,8 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
             _ => views.extend(View::of_section(&name, &file.cursor(&section, false))?),
         }
     }
-    for (section, name) in [(&file.nodes, "$Nodes"), (&file.elements, "$Elements")] {
+    let required = if is_first { [FIRST_NODES, "$ELM"] } else { ["$Nodes", "$Elements"] };
+    for (section, name) in [&file.nodes, &file.elements].into_iter().zip(required) {
         if section.end == 0 {
             return Err(Error::run("the mesh is not complete").expected(format_args!("a section {name}")));
         }
@@ -138,16 +151,22 @@ fn next_section(cursor: &mut Cursor, file: &MeshFile) -> Result<Option<(String, 
         let line = String::from_utf8_lossy(line.trim_ascii()).into_owned();
         let Some(name) = line.strip_prefix('$').filter(|name| *name != "EndMeshFormat") else { continue };
         let (start, line) = (cursor.position(), cursor.line_number());
-        let mark = format!("${}{name}", if file.version < 2.0 { "END" } else { "End" });
-        skip_rows(cursor, file, name, mark.as_bytes())?;
-        let end = cursor.skip_past(mark.as_bytes())?.ok_or_else(|| {
-            Error::run("the file ends early")
-                .got(format_args!("a section ${name} without its end"))
-                .at_line(line)
-        })?;
+        // Those of version 1 alone are in capitals.
+        let is_old = file.version < 2.0 && ["NOD", "ELM"].contains(&name);
+        let end_word = if is_old { "END" } else { "End" };
+        skip_rows(cursor, file, name, format!("${end_word}{name}").as_bytes())?;
+        let end = end_of_section(cursor, name, end_word).map_err(|error| error.at_line(line))?;
         return Ok(Some((name.to_owned(), MeshSection { start, end, line })));
     }
     Ok(None)
+}
+
+/// Moves behind the end of a section, and returns the place where its mark begins.
+fn end_of_section(cursor: &mut Cursor, name: &str, end_word: &str) -> Result<u64> {
+    let end = cursor.skip_past(format!("${end_word}{name}").as_bytes())?;
+    end.ok_or_else(|| {
+        Error::run("the file ends early").got(format_args!("a section ${name} without its end"))
+    })
 }
 
 /// Moves from the beginning of a section of bytes to the mark of its end by the numbers of its rows, which are not read. Stays where they

@@ -15,10 +15,10 @@ use super::request::{Format, Request};
 use super::source::Source;
 use super::tagged::{TaggedElement, TaggedMesh, VisitElement, VisitNode, dataset};
 use super::text::{TextPiece, TextRange};
-use super::unsupported::HEAD;
 use glam::{DMat3, DVec3};
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::grid::code;
@@ -29,13 +29,34 @@ pub(super) const FORMAT: Format =
     Format { files: "bulk data of Nastran (.bdf, .nas, .dat)", matches, open, has_solution: false };
 
 fn matches(head: &[u8], path: &Path, _: &Request) -> bool {
-    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-    let text = String::from_utf8_lossy(head).to_ascii_uppercase();
-    let has = |words: &[&str]| {
-        text.lines().any(|line| words.iter().any(|word| line.trim_start().starts_with(word)))
-    };
-    ["bdf", "nas", "fem"].iter().any(|name| ending == *name)
-        || has(&["BEGIN BULK", "CEND", "GRID  ", "GRID,", "GRID*"])
+    let is_named = path.extension().is_some_and(is_ending);
+    is_named || String::from_utf8_lossy(head).lines().any(|line| begins_bulk(line) || is_grid(line))
+}
+
+/// True for the endings of names of such files alone.
+pub(super) fn is_ending(ending: &OsStr) -> bool {
+    ["bdf", "nas", "fem"].iter().any(|own| ending.eq_ignore_ascii_case(own))
+}
+
+/// True for a line that ends the sections before the bulk data.
+pub(super) fn begins_bulk(line: &str) -> bool {
+    let words: Vec<&str> = line.split_ascii_whitespace().take(3).collect();
+    match words[..] {
+        [first] => first.eq_ignore_ascii_case("CEND"),
+        [first, second, ..] => first.eq_ignore_ascii_case("BEGIN") && second.eq_ignore_ascii_case("BULK"),
+        [] => false,
+    }
+}
+
+/// True for a GRID with its number.
+fn is_grid(line: &str) -> bool {
+    let line = line.trim_start();
+    let Some((name, fields)) = line.split_at_checked(4) else { return false };
+    let number = fields.trim_start_matches([',', '*', ' ', '\t']);
+    let is_separated = [",", "*", "  ", "\t"].iter().any(|own| fields.starts_with(own));
+    name.eq_ignore_ascii_case("GRID")
+        && is_separated
+        && number.starts_with(|first: char| first.is_ascii_digit())
 }
 
 /// Elements: corners, their code and that with nodes on edges, and the order of these.
@@ -64,15 +85,9 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
 
 /// The files that a file includes; none for other formats.
 pub(super) fn files_named(path: &Path) -> Vec<PathBuf> {
-    let Ok(source) = Source::open(path) else { return Vec::new() };
-    if !source.head(HEAD).is_ok_and(|head| matches(&head, path, &Request::default())) {
-        return Vec::new();
-    }
-    named_files::files_named(path, || {
-        let mut deck = Deck::new(&source);
-        // What is damaged is an error of the reading itself.
-        let is_whole = deck.add(&source).is_ok();
-        (deck.included.paths, is_whole)
+    named_files::files_included(path, matches, |source| {
+        let mut deck = Deck::new(source);
+        (deck.add(source), deck.included)
     })
 }
 

@@ -6,9 +6,10 @@ use super::zones::{ZoneHead, ZoneKind, arrays, axes, dataset, polyhedra};
 use crate::formats::contents::{CellBlocks, Dataset, Meter, Piece, Stored};
 use crate::formats::cursor::{Cursor, Place};
 use crate::formats::lazy::{GatheredCells, geometry};
+use crate::formats::nastran;
 use crate::formats::numbers::{self, NumberType};
 use crate::formats::request::{Format, Request};
-use crate::formats::source::Source;
+use crate::formats::source::{Source, quoted};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
@@ -19,8 +20,12 @@ use voltet_core::{Error, Result};
 pub(super) const FORMAT: Format =
     Format { files: "Tecplot data as text (.dat, .tec)", matches, open, has_solution: false };
 
-fn matches(head: &[u8], _: &Path, _: &Request) -> bool {
+fn matches(head: &[u8], path: &Path, _: &Request) -> bool {
     let text = String::from_utf8_lossy(head).to_lowercase();
+    // Decks of Nastran may begin with a title, too.
+    if path.extension().is_some_and(nastran::is_ending) || text.lines().any(nastran::begins_bulk) {
+        return false;
+    }
     let is_first = |line: &str| {
         let key = line.split('=').next().unwrap_or_default().trim();
         line.contains('=') && ["title", "variables", "filetype"].contains(&key) || line.starts_with("zone ")
@@ -102,9 +107,8 @@ impl TecplotFile {
             match entries.iter().filter(|entry| entry.0 == "ZONE").count() {
                 1 => {}
                 0 => {
-                    let Some(word) = cursor.word()?.map(<[u8]>::to_vec) else { break };
-                    let word = String::from_utf8_lossy(&word);
-                    let error = cursor.error("numbers belong to no zone").got(format_args!("'{word}'"));
+                    let Some(word) = cursor.word()?.map(quoted) else { break };
+                    let error = cursor.error("numbers belong to no zone").got(word);
                     return Err(error.expected("ZONE before them; geometries are not read"));
                 }
                 _ => return Err(cursor.error("a zone without numbers of its own is not read")),
@@ -225,7 +229,7 @@ impl TecplotFile {
         };
         let word = value(&["VARSHARELIST"]);
         if !word.is_empty() && !word.contains('[') {
-            let error = cursor.error("VARSHARELIST of a zone is damaged").got(format_args!("'{word}'"));
+            let error = cursor.error("VARSHARELIST of a zone is damaged").got(quoted(word.as_bytes()));
             return Err(error.expected("numbers of variables in brackets, and a zone"));
         }
         for (variables, word) in lists("VARSHARELIST")? {

@@ -338,6 +338,9 @@ fn older_versions_and_those_behind_comments_read_the_same() {
     let fourth = "$MeshFormat\n4 0 8\n$EndMeshFormat\n$Entities\n1 0 0 2\n1 0 0 0 0 0 0 0\n1 0 0 0 1 1 1 1 6 0\n2 0 0 0 1 1 1 1 8 0\n\
         $EndEntities\n$Nodes\n3 5\n1 0 0 1\n1 0 0 0\n1 3 0 3\n2 1 0 0\n5 0 1 0\n9 0 0 1\n1 2 1 1\n7 1 1 1 0.5 0.25\n$EndNodes\n\
         $Elements\n3 3\n1 2 2 1\n1 1 2 5\n1 3 4 1\n3 1 2 5 9\n2 3 4 1\n4 2 5 9 7\n$EndElements\n";
+    let marked = |text: &str| format!("\u{feff}{text}");
+    let (first_marked, second_marked) = (marked(&first), marked(&second));
+    let first_commented = format!("$Comments\n$NOD\n$MeshFormat\n$EndComments\n{first}");
     let commented = format!("$Comments\n{}\n$EndComments\n{second}", "a line\n".repeat(900));
     // Sizes of four bytes are of no account in text.
     let of_four = fourth.replacen("4 0 8", "4 0 4", 1);
@@ -354,13 +357,16 @@ fn older_versions_and_those_behind_comments_read_the_same() {
         (&*expected.0, expected.1.len(), expected.2.len()),
         (&["6".to_owned(), "8".to_owned()][..], 5, 2)
     );
-    for text in [&first, fourth, &commented, &of_four] {
+    for text in [&first, fourth, &commented, &of_four, &first_marked, &second_marked, &first_commented] {
         assert_eq!(of(text), expected, "{text:.60}");
     }
     for (text, from, to, words) in [
         (&*first, "3 4 6 1 4 1 2 5 9", "3 4 6 1 4 1 2 5 8", ["element 3", "found 8"]),
         (&*first, "$ENDELM", "", ["ends early", "$ELM without its end"]),
-        (fourth, "5 0 1 0\n", "5.5 0 1 0\n", ["number of a node", "5.5"]),
+        (&*first, "1 4 1 2 5 9", "1 5 1 2 5 9", ["than its type: found 5; expected 4", "a.msh:12"]),
+        (&*first, "$NOD\n", "$XOD\n", ["format of the file is not known", "'$XOD"]),
+        (&*first, "$ELM\n", "$XLM\n$EndXLM\n", ["not complete", "a section $ELM"]),
+        (fourth, "5 0 1 0\n", "5.5 0 1 0\n", ["number of a node", "a.msh:16"]),
     ] {
         let path = file(&folder, "a.msh", text.replacen(from, to, 1).as_bytes());
         let found = read(&path, &mesh, &NoProgress).unwrap_err().to_string();

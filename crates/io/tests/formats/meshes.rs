@@ -201,6 +201,22 @@ fn nastran_is_told_by_its_content_and_may_lack_nodes_on_edges() {
     let path = file(&folder, "a.dat", text.as_bytes());
     let all = grid(&path, &mesh());
     assert_eq!((&all.tetrahedra[..], all.points[4].y), (&[[0, 1, 2, 3], [1, 2, 3, 4]][..], 1.0));
+    // The ending of the name comes before a title; words that only resemble those of Nastran mean nothing.
+    let path = file(
+        &folder,
+        "a.bdf",
+        format!("TITLE = a deck\n{}", &text[text.find("GRID,1").unwrap()..]).as_bytes(),
+    );
+    assert_eq!(grid(&path, &mesh()).tetrahedra, all.tetrahedra);
+    let path =
+        file(&folder, "b.bdf", format!("$NODES\n{}", &text[text.find("GRID,1").unwrap()..]).as_bytes());
+    assert_eq!(grid(&path, &mesh()).tetrahedra, all.tetrahedra);
+    let nodes = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n4, 0., 0., 1.\n*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n";
+    let path = file(&folder, "a.inp", format!("*HEADING\nGrid, 20 x 20 x 20\ncenter\n{nodes}").as_bytes());
+    assert_eq!(grid(&path, &mesh()).tetrahedra.len(), 1);
+    let path = file(&folder, "b.dat", b"Grids of a city\ncenter, begin bulky\nGrid  of all\n");
+    let found = read(&path, &mesh(), &NoProgress).unwrap_err().to_string();
+    assert!(found.contains("the format of the file is not known"), "{found}");
     let words = "The points of 1 cell beyond those that their type of cell has are left out.";
     assert!(all.origin.warnings.iter().any(|warning| warning == words), "{:?}", all.origin.warnings);
 }
