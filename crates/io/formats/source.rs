@@ -226,7 +226,7 @@ pub(super) fn quoted(bytes: &[u8]) -> String {
     format!("'{text}'")
 }
 
-/// What a message says of a file by its head.
+/// A phrase of a message about a file, by its head.
 pub(super) fn printable(bytes: &[u8]) -> String {
     format!("a file that begins with {}", quoted(bytes))
 }

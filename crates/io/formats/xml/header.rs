@@ -19,7 +19,7 @@ const GREATEST_ELEMENT_COUNT: usize = 500_000;
 /// Deeper than any VTK file.
 const GREATEST_DEPTH: usize = 32;
 /// Text that entities stand for, for each byte of the file: they name a file in some items.
-const MOST_REFERRED_PER_BYTE: u64 = 4;
+const MAX_REFERRED_PER_BYTE: u64 = 4;
 
 /// An element of the header.
 #[derive(Debug, Default)]
@@ -174,10 +174,10 @@ pub(in crate::formats) fn read_as(
             {
                 let value: Range<u64> = entities[name.as_ref()].clone();
                 referred_bytes = referred_bytes.saturating_add(value.end - value.start);
-                if referred_bytes > source.len().saturating_mul(MOST_REFERRED_PER_BYTE) {
+                if referred_bytes > source.len().saturating_mul(MAX_REFERRED_PER_BYTE) {
                     return Err(failed(
                         Error::run("the entities of the XML stand for too much text").expected(format!(
-                            "at most {MOST_REFERRED_PER_BYTE} times the length of the file"
+                            "at most {MAX_REFERRED_PER_BYTE} times the length of the file"
                         )),
                     ));
                 }
