@@ -55,7 +55,10 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
         match &*cursor.text_line("$MeshFormat")? {
             "$MeshFormat" => break false,
             FIRST_NODES => break true,
-            "$Comments" => drop(end_of_section(&mut cursor, "Comments", "End")?),
+            "$Comments" => {
+                let line = cursor.line_number();
+                end_of_section(&mut cursor, "Comments", "End").map_err(|error| error.at_line(line))?;
+            }
             _ => {}
         }
     };

@@ -364,6 +364,7 @@ fn older_versions_and_those_behind_comments_read_the_same() {
     for (text, from, to, words) in [
         (&*first, "3 4 6 1 4 1 2 5 9", "3 4 6 1 4 1 2 5 8", ["element 3", "found 8"]),
         (&*first, "$ENDELM", "", ["ends early", "$ELM without its end"]),
+        (&*commented, "$EndComments", "", ["$Comments without its end", "a.msh:2"]),
         (&*first, "1 4 1 2 5 9", "1 5 1 2 5 9", ["than its type: found 5; expected 4", "a.msh:12"]),
         (&*first, "$NOD\n", "$XOD\n", ["format of the file is not known", "'$XOD"]),
         (&*first, elements, "", ["not complete", "a section $ELM"]),
