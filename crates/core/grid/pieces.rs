@@ -45,7 +45,7 @@ pub(super) fn prepare(piece: &mut RawGrid, index: usize) -> Result<()> {
     let checked = piece.check_lengths().and_then(|()| check_cells(piece));
     checked.map_err(|error| error.at_item(format!("piece {index}")))?;
     if let Cells::Structured(_) = piece.cells {
-        piece.cells = Cells::Mixed(into_set(take_cells(piece), code::VOXEL));
+        piece.cells = Cells::Mixed(into_set(take_cells(piece)));
     }
     Ok(())
 }
@@ -187,7 +187,7 @@ fn join_cells(pieces: &mut [RawGrid], starts: &[usize], numbers: &[u32]) -> Cell
                 tetrahedra.par_extend(own.par_iter().with_min_len(CHUNK).map(|corners| corners.map(number)));
             }
             cells => {
-                let set = into_set(cells, code::VOXEL);
+                let set = into_set(cells);
                 let (first_cell, begin) = (all.types.len() as u32, all.connectivity.len() as u64);
                 all.types.extend(set.types);
                 all.offsets.extend(set.offsets[1..].iter().map(|offset| offset + begin));
@@ -203,8 +203,8 @@ fn join_cells(pieces: &mut [RawGrid], starts: &[usize], numbers: &[u32]) -> Cell
     if all_tetrahedra { Cells::Tetrahedra(tetrahedra.into()) } else { Cells::Mixed(all) }
 }
 
-/// Any cells as a set; those of a structured grid of the type `structured`, [`code::VOXEL`] or [`code::HEXAHEDRON`].
-pub fn into_set(cells: Cells, structured: u8) -> CellSet {
+/// Any cells as a set; those of a structured grid as hexahedra, for they may be no boxes along the axes.
+pub fn into_set(cells: Cells) -> CellSet {
     let regular = |code: u8, corners: usize, connectivity: Vec<u32>| {
         let count = connectivity.len() / corners;
         let offsets = (0..=count).map(|number| (corners * number) as u64).collect();
@@ -216,13 +216,11 @@ pub fn into_set(cells: Cells, structured: u8) -> CellSet {
             regular(code::TETRA, 4, std::mem::take(own.make_mut()).into_flattened())
         }
         Cells::Structured(dimensions) => {
-            let order =
-                if structured == code::VOXEL { [0, 1, 2, 3, 4, 5, 6, 7] } else { [0, 1, 3, 2, 4, 5, 7, 6] };
             let corners = |number: usize| {
                 let corners = structured_corners(dimensions, number);
-                order.map(|corner: usize| corners[corner])
+                [0, 1, 3, 2, 4, 5, 7, 6].map(|corner: usize| corners[corner])
             };
-            regular(structured, 8, (0..cells.count()).flat_map(corners).collect())
+            regular(code::HEXAHEDRON, 8, (0..cells.count()).flat_map(corners).collect())
         }
     }
 }

@@ -34,7 +34,7 @@ fn matches(head: &[u8], path: &Path, _: &Request) -> bool {
 }
 
 /// True for a line with one of the keywords that begin most files.
-pub(super) fn is_first_keyword(line: &str) -> bool {
+fn is_first_keyword(line: &str) -> bool {
     let line = line.trim_start().to_ascii_lowercase();
     ["*heading", "*node", "*part", "*element", "*preprint"].iter().any(|word| line.starts_with(word))
 }

@@ -104,7 +104,7 @@ pub use voltet_core::reading::FileArray;
 use contents::{Dataset, ExternalFormat, Geometry, Piece, PieceArray};
 use piece_share::Share;
 use request::Format;
-use source::{Source, printable, text_of};
+use source::{HEAD, Source, printable, text_of};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -245,12 +245,12 @@ fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf> {
 /// Files that external links of a file in HDF5 lead to; none for other files.
 fn files_linked(path: &Path, request: &Request) -> Vec<PathBuf> {
     let Ok(source) = Source::open(path) else { return Vec::new() };
-    if !source.head(256).is_ok_and(|head| (HDF5.matches)(&head, path, request)) {
+    if !source.head(HEAD).is_ok_and(|head| (HDF5.matches)(&head, path, request)) {
         return Vec::new();
     }
     let Ok(root) = hdf5::Group::root(source.clone()) else { return Vec::new() };
     // Links are followed by reading; one that is damaged is an error of the reading itself.
-    let _ = read_hdf5(&source, &root, request);
+    let _ = read_hdf5(&root, request);
     root.linked_files()
 }
 
@@ -305,19 +305,19 @@ const IN_HDF5: &[(&str, Hdf5Reader)] =
 /// Reads the table of contents by the format that the names in the root group show.
 fn open_hdf5(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     match hdf5::Group::root(source.clone()) {
-        Ok(root) => read_hdf5(&source, &root, request),
+        Ok(root) => read_hdf5(&root, request),
         Err(error) => unsupported::refuse(&source, unsupported::IN_HDF5).and(Err(error)),
     }
 }
 
 /// Reads the table of contents from the root group.
-fn read_hdf5(source: &Source, root: &hdf5::Group, request: &Request) -> Result<Dataset> {
+fn read_hdf5(root: &hdf5::Group, request: &Request) -> Result<Dataset> {
     let names = root.names()?;
     let is_there = |name: &str| names.iter().any(|own| own == name);
     if let Some((_, open)) = IN_HDF5.iter().find(|(name, _)| is_there(name)) {
         return open(root, request);
     }
-    unsupported::refuse(source, unsupported::IN_HDF5)?;
+    unsupported::refuse_hdf5(&names)?;
     let first: Vec<&str> = names.iter().take(8).map(String::as_str).collect();
     let found = if first.is_empty() { "nothing".to_owned() } else { first.join(", ") };
     Err(Error::run("the file is HDF5, but of no format that is read")
@@ -359,7 +359,7 @@ fn open_contents(path: &Path, request: &Request) -> Result<(Dataset, Arc<Source>
         return dataset.map(|dataset| (dataset, source.clone())).map_err(in_file);
     }
     unsupported::refuse(&source, unsupported::BY_MAGIC).map_err(in_file)?;
-    let head = source.head(256).map_err(in_file)?;
+    let head = source.head(HEAD).map_err(in_file)?;
     let Some(format) = format_of(&head, path, request) else {
         unsupported::refuse(&source, unsupported::BY_WORDS).map_err(in_file)?;
         let error = Error::run("the format of the file is not known").got(printable(&head));
@@ -388,15 +388,20 @@ fn open_contents(path: &Path, request: &Request) -> Result<(Dataset, Arc<Source>
 pub fn is_data(path: &Path) -> bool {
     let is_of_format = |head: Vec<u8>| format_of(&head, path, &Request::default()).is_some();
     foam::case_folder(path).is_some()
-        || path.is_file() && Source::open(path).and_then(|source| source.head(256)).is_ok_and(is_of_format)
+        || path.is_file() && Source::open(path).and_then(|source| source.head(HEAD)).is_ok_and(is_of_format)
 }
 
-/// First bytes of a file that is of no format that ships; `None` for one that is, or that cannot be read.
+/// First bytes of a file whose first few are of no format that ships; `None` for one that is, or that cannot be read. Words further behind
+/// are read as a format that ships only where no reader from outside takes the file.
 pub fn foreign_head(path: &Path) -> Option<Vec<u8>> {
     // A pipe can be read once.
-    let head = path.is_file().then(|| Source::open(path).and_then(|source| source.head(256)))?.ok()?;
-    format_of(&head, path, &Request::default()).is_none().then_some(head)
+    let head = path.is_file().then(|| Source::open(path).and_then(|source| source.head(HEAD)))?.ok()?;
+    let few = &head[..head.len().min(FEW)];
+    format_of(few, path, &Request::default()).is_none().then_some(head)
 }
+
+/// Bytes within which a format that ships has to show itself to come before readers from outside.
+const FEW: usize = 256;
 
 /// The format that a file shows, by how it begins and its name.
 fn format_of(head: &[u8], path: &Path, request: &Request) -> Option<&'static Format> {

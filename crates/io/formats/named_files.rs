@@ -2,7 +2,7 @@
 //! them.
 
 use super::request::Request;
-use super::source::Source;
+use super::source::{HEAD, Source};
 use super::xml::open_named;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -91,7 +91,7 @@ pub(super) fn files_included(
     scan: impl FnOnce(&Arc<Source>) -> (Result<()>, IncludedFiles),
 ) -> Vec<PathBuf> {
     let Ok(source) = Source::open(path) else { return Vec::new() };
-    if !source.head(256).is_ok_and(|head| matches(&head, path, &Request::default())) {
+    if !source.head(HEAD).is_ok_and(|head| matches(&head, path, &Request::default())) {
         return Vec::new();
     }
     let stamps = |first: Stamp, files: &[PathBuf]| -> Vec<Stamp> {

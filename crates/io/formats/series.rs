@@ -1,7 +1,7 @@
 //! Series of files (`.vtu.series`, `.vtk.series`, …): JSON that names a file for each time, as ParaView writes it.
 
 use super::request::Request;
-use super::source::Source;
+use super::source::{HEAD, Source};
 use super::xml::{beside, open_named};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -62,7 +62,7 @@ pub(super) fn step(source: &Source, request: &Request) -> Result<SeriesStep> {
     let entries = entries(source)?;
     let times: Vec<f64> = entries.iter().map(|entry| entry.time).collect();
     let path = beside(source.path(), &entries[request.step_index(&times)?].name);
-    if is_series(&open_named(source.path(), &path, 0)?.head(256)?, &path) {
+    if is_series(&open_named(source.path(), &path, 0)?.head(HEAD)?, &path) {
         return Err(Error::run("a series names another").got(path.display()).expected("files of data"));
     }
     Ok(SeriesStep { path, times })
@@ -71,7 +71,7 @@ pub(super) fn step(source: &Source, request: &Request) -> Result<SeriesStep> {
 /// The files that a series names, of every step or of that asked for; none for other files.
 pub(super) fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf> {
     let Ok(source) = Source::open(path) else { return Vec::new() };
-    if !source.head(256).is_ok_and(|head| is_series(&head, path)) {
+    if !source.head(HEAD).is_ok_and(|head| is_series(&head, path)) {
         return Vec::new();
     }
     let Ok(entries) = entries(&source) else { return Vec::new() };

@@ -219,16 +219,24 @@ fn read_exact_at(file: &File, mut offset: u64, mut bytes: &mut [u8]) -> std::io:
     Ok(())
 }
 
+/// First bytes of a file, which tell its format.
+pub(super) const HEAD: u64 = 4096;
+
 /// The head of a file as text: without the mark of UTF-8 and white space before it.
 pub(super) fn text_of(head: &[u8]) -> &[u8] {
     head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(head).trim_ascii_start()
 }
 
-/// Bytes as a message can show them: the first few, what cannot be printed as dots.
-pub(super) fn printable(bytes: &[u8]) -> String {
+/// Bytes as a message can show them, in quotes: the first few, what cannot be printed as dots.
+pub(super) fn quoted(bytes: &[u8]) -> String {
     let text: String =
         bytes.iter().take(24).map(|&b| if (0x20..0x7f).contains(&b) { b as char } else { '·' }).collect();
-    format!("a file that begins with '{text}'")
+    format!("'{text}'")
+}
+
+/// A phrase of a message about a file, by its head.
+pub(super) fn printable(bytes: &[u8]) -> String {
+    format!("a file that begins with {}", quoted(bytes))
 }
 
 #[cfg(test)]

@@ -1,7 +1,6 @@
 //! Formats that are not read, told by their content: what a file is, and what to do with it.
 
-use super::abaqus::is_first_keyword;
-use super::source::Source;
+use super::source::{HEAD, Source};
 use std::path::Path;
 use voltet_core::{Error, Result};
 
@@ -20,6 +19,9 @@ pub(super) struct FileStart {
 
 const PARAVIEW: &str = "a .vtu file: open it in ParaView and save its data as .vtu";
 const MESHIO: &str = "a .vtu file: `meshio convert FILE out.vtu` (pip install meshio) makes one of its mesh";
+const GMSH: &str = "a mesh of Gmsh: `gmsh FILE -save -o out.msh` makes one of it";
+const NASTRAN_RESULTS: &str = "the bulk data (.bdf) that they belong to, whose mesh is read; pyNastran (pip install pyNastran) reads the results";
+const SU2_RESTART: &str = "the mesh (.su2), or a .vtu file: SU2 writes one by OUTPUT_FILES= PARAVIEW, and SU2_SOL makes one of a restart file";
 const SURFACE: &str =
     "cells with a volume: a surface has to be filled with them by a mesher (Gmsh, TetGen) first";
 const IMAGE: &str = "a .vti file (VTK image data): ParaView reads it and saves its data as .vti";
@@ -43,9 +45,18 @@ const GRID_FUNCTION: &str = "the mesh that it belongs to, with this file as its 
 const TABLE: &str =
     "a grid with cells: points alone have no volume; ParaView's Delaunay3D joins them to tetrahedra";
 
-/// Formats in HDF5, by the names within.
-pub(super) const IN_HDF5: &[UnsupportedFormat] =
-    &[("a MED file (Salome)", SALOME, |file| file.holds(&["ENS_MAA", "INFOS_GENERALES"]))];
+/// Formats in HDF5, by the names in the root group; where that cannot be read, by those anywhere within.
+pub(super) const IN_HDF5: &[UnsupportedFormat] = &[
+    ("a MED file (Salome)", SALOME, |file| file.has_name("ENS_MAA") || file.has_name("INFOS_GENERALES")),
+    ("results of Nastran", NASTRAN_RESULTS, |file| file.has_name("NASTRAN")),
+    ("a case or results of Ansys Fluent", PARAVIEW, |file| {
+        file.has_name("settings") && (file.has_name("meshes") || file.has_name("results"))
+    }),
+    // Meshes of Conduit (Blueprint) have topologies beside their coordinates.
+    ("a checkpoint of Firedrake", "a .pvd file: VTKFile of Firedrake writes one", |file| {
+        file.has_name("topologies") && !file.has_name("coordsets")
+    }),
+];
 
 /// Formats that their first bytes tell for sure. Of containers those that are told by what is inside stand first.
 pub(super) const BY_MAGIC: &[UnsupportedFormat] = &[
@@ -68,6 +79,15 @@ pub(super) const BY_MAGIC: &[UnsupportedFormat] = &[
         !file.begins(&["# vtk DataFile"]) && file.begins_after_comments("MeshVersionFormatted")
     }),
     ("a mesh of FEniCS (XML)", MESHIO, |file| file.has_tag("dolfin")),
+    (
+        "an HDF5 file whose line ends were changed",
+        "the file as it was written, by a transfer of bytes: Git and FTP change those of text",
+        |file| file.has_magic_at(0, b"\x89HDF\n\x1a\n"),
+    ),
+    ("a restart file of SU2", SU2_RESTART, |file| file.has_magic_at(0, b"\xec\x2b\x08\0")),
+    ("AVS UCD as bytes", PARAVIEW, |file| {
+        file.has_magic_at(0, b"\x07\0") && ["inp", "ucd", "avs"].contains(&file.ending.as_str())
+    }),
     ("a surface (PLY)", SURFACE, |file| file.begins(&["ply\n", "ply\r"])),
     ("a surface (STL)", SURFACE, |file| file.is_stl()),
     ("a surface (OFF)", SURFACE, |file| file.begins(&["OFF\n", "OFF\r"])),
@@ -96,17 +116,28 @@ pub(super) const BY_WORDS: &[UnsupportedFormat] = &[
         "the file without that block: `h5unjam -i FILE -o NEW` makes one",
         |file| [512, 1024, 2048].iter().any(|&place| file.has_magic_at(place, HDF5_MAGIC)),
     ),
+    ("a neutral file of Femap", "a .bdf file: Femap exports Nastran", |file| {
+        file.universal_set() == Some(100)
+    }),
+    ("a universal file of I-DEAS (.unv)", GMSH, |file| file.universal_set().is_some()),
+    ("a neutral file of GAMBIT", "a .vtu file: vtkGAMBITReader of VTK (pip install vtk) reads it", |file| {
+        file.has_line(|line| line.trim_start().starts_with("CONTROL INFO"))
+    }),
+    (
+        "a mesh of FrontISTR (HEC-MW)",
+        "a .vtu file: FrontISTR writes its results as such by `!WRITE, VISUAL` with `!output_type = VTK`",
+        |file| file.has_line_with(&["!NODE", "!HEADER"]),
+    ),
+    ("an EnSight case of several servers", "one of the .case files that it names", |file| {
+        file.has_line(|line| line.contains("master_server"))
+    }),
     ("input of LS-DYNA", LS_DYNA, |file| file.has_line(|line| line.to_lowercase().starts_with("*keyword"))),
-    ("input of Abaqus", "a name that ends in .inp", |file| file.has_line(is_first_keyword)),
     ("input of Ansys (.cdb)", ANSYS, |file| file.has_line_with(&["/COM,", "/PREP7", "NBLOCK,"])),
     (
         "results of Ansys",
         "a .vtu file: `pymapdl_reader` (ansys-mapdl-reader) reads it and saves it by save_as_vtk",
         |file| ["rst", "rth", "rfl"].contains(&file.ending.as_str()),
     ),
-    ("input of Nastran", "a name that ends in .bdf or .nas", |file| {
-        file.has_line_with(&["BEGIN BULK", "GRID  ", "GRID,"])
-    }),
     ("data of COMSOL as text", "a .vtu file: COMSOL exports VTK (.vtu) by Export › Data", |file| {
         file.begins(&["% Model:", "# Created by COMSOL"])
     }),
@@ -117,8 +148,7 @@ pub(super) const BY_WORDS: &[UnsupportedFormat] = &[
     ("a table as text", TABLE, |file| ["csv", "tsv"].contains(&file.ending.as_str())),
 ];
 
-/// Bytes searched of a text; names in HDF5 stand anywhere, for the most part early.
-const HEAD: u64 = 4096;
+/// Bytes searched of HDF5, in which names stand anywhere, for the most part early.
 const CONTAINER_HEAD: u64 = 4 << 20;
 
 /// Refuses a folder of a format whose data are one.
@@ -136,7 +166,17 @@ pub(super) fn refuse(source: &Source, formats: &[UnsupportedFormat]) -> Result<(
     if file.is_container() {
         file.bytes = source.head(CONTAINER_HEAD)?;
     }
-    match formats.iter().find(|(_, _, is_one)| is_one(&file)) {
+    refuse_one(&file, formats)
+}
+
+/// Refuses a file in HDF5 with these names in its root group.
+pub(super) fn refuse_hdf5(names: &[String]) -> Result<()> {
+    let bytes = format!("\0{}\0", names.join("\0")).into_bytes();
+    refuse_one(&FileStart { bytes, len: 0, ending: String::new() }, IN_HDF5)
+}
+
+fn refuse_one(file: &FileStart, formats: &[UnsupportedFormat]) -> Result<()> {
+    match formats.iter().find(|(_, _, is_one)| is_one(file)) {
         Some((what, remedy, _)) => Err(refusal(what, remedy)),
         None => Ok(()),
     }
@@ -189,10 +229,24 @@ impl FileStart {
         words.iter().any(|word| holds(&self.bytes, word.as_bytes()))
     }
 
-    /// True if some line of text is one of those; bytes that are no text have none.
+    /// True if the name stands between two zeros, as names in HDF5 do.
+    fn has_name(&self, name: &str) -> bool {
+        self.holds(&[&format!("\0{name}\0")])
+    }
+
+    /// The number of the first set of data of a universal file: a line -1, and one of the number.
+    fn universal_set(&self) -> Option<u32> {
+        let text = String::from_utf8_lossy(self.text());
+        let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+        lines.next().filter(|line| *line == "-1")?;
+        lines.next()?.parse().ok()
+    }
+
+    /// True if some line of text is one of those; there may be bytes behind it.
     fn has_line(&self, is_one: impl Fn(&str) -> bool) -> bool {
         let head = &self.text()[..self.text().len().min(HEAD as usize)];
-        !head.contains(&0) && String::from_utf8_lossy(head).lines().any(is_one)
+        let text = head.split(|&byte| byte == 0).next().unwrap_or_default();
+        String::from_utf8_lossy(text).lines().any(is_one)
     }
 
     /// True if some line begins with one of the words.
@@ -211,5 +265,25 @@ impl FileStart {
             && self.has_line(|line| line.trim_start().starts_with("facet normal"));
         let count = self.bytes.get(80..84).and_then(|bytes| bytes.try_into().ok()).map(u32::from_le_bytes);
         words || count.is_some_and(|count| count > 0 && self.len == 84 + 50 * u64::from(count))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formats_in_hdf5_are_told_by_whole_names() {
+        let found = |names: &str| {
+            let names: Vec<String> = names.split(' ').map(str::to_owned).collect();
+            refuse_hdf5(&names).err().map_or(String::new(), |error| error.to_string())
+        };
+        assert!(found("settings meshes").contains("Ansys Fluent"));
+        assert!(found("results settings").contains("Ansys Fluent"));
+        assert!(found("INDEX NASTRAN").contains("Nastran"));
+        assert!(found("topologies").contains("Firedrake"));
+        for others in ["settings meshesPath", "coordsets fields topologies", "PYNASTRAN2", "", "data"] {
+            assert_eq!(found(others), "", "{others}");
+        }
     }
 }

@@ -91,8 +91,7 @@ impl<'a> WrittenCells<'a> {
                 WrittenCells { types, offsets, connectivity, polyhedra }
             }
             Cells::Structured(_) => {
-                let CellSet { types, offsets, connectivity, polyhedra } =
-                    into_set(cells.clone(), code::HEXAHEDRON);
+                let CellSet { types, offsets, connectivity, polyhedra } = into_set(cells.clone());
                 WrittenCells {
                     types: types.into(),
                     offsets: offsets.into(),

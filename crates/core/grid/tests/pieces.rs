@@ -242,3 +242,20 @@ fn assert_fills_unit_cube_but_wedges(grid: &Grid, whole: &RawGrid) {
     assert!((total_volume(grid) - total_volume(&built(whole.clone()))).abs() < 1e-3);
     assert!(triangle_uses(grid).values().all(|&uses| uses <= 2));
 }
+
+#[test]
+fn structured_pieces_become_hexahedra_for_their_cells_may_be_no_boxes() {
+    let sheared = |shift: f64| {
+        let points = lattice([1; 3], UNIT, 0.0).into_iter();
+        RawGrid::new(
+            points.map(|p| DVec3::new(p.x + shift, p.y + p.x, p.z)).collect::<Vec<_>>(),
+            Cells::Structured([2; 3]),
+        )
+    };
+    let joined = join(vec![sheared(0.0), sheared(5.0)]).unwrap();
+    let Cells::Mixed(set) = &joined.cells else { panic!("mixed cells") };
+    assert_eq!(
+        (&set.types[..], &set.connectivity[..8]),
+        (&[code::HEXAHEDRON; 2][..], &[0, 1, 3, 2, 4, 5, 7, 6][..])
+    );
+}

@@ -76,10 +76,21 @@ const ELEMENTS: &[ElementType] = &[
     element(28, "QUAD_16", 2, 16),
 ];
 
+/// The number of an element type in a file of the library 3.0, which numbered PYRA_13 behind PYRA_5.
+pub(super) fn of_version_3_0(kind: i64) -> i64 {
+    match kind {
+        13 => 21,
+        14..NGON => kind - 1,
+        _ => kind,
+    }
+}
+
 /// A run of elements.
 pub(super) struct Section {
     /// Number of the element type.
     pub kind: i64,
+    /// True if types within are numbered as the library 3.0 did.
+    pub is_3_0: bool,
     /// Numbers of the first and last element.
     pub range: [u64; 2],
     pub connectivity: Stored,
@@ -236,7 +247,8 @@ fn mixed(section: &Section, cells: &mut GatheredCells, meter: &Meter) -> Result<
     for number in 0..section.count()? {
         let ends = || section.wrong(&format!("the connectivity ends within element {number} of the section"));
         let (&kind, after) = rest.split_first().ok_or_else(ends)?;
-        let element = known(section, i64::from(kind))?;
+        let kind = if section.is_3_0 { of_version_3_0(kind.into()) } else { kind.into() };
+        let element = known(section, kind)?;
         let (nodes, after) = after.split_at_checked(element.node_count).ok_or_else(ends)?;
         if element.dimension == 3 {
             // The types of a mixed section are known only here.
@@ -343,7 +355,7 @@ mod tests {
         let numbers: Vec<f64> = [13.0].into_iter().chain((1..=14).map(f64::from)).collect();
         let compute = Arc::new(move |_: &Meter| Ok(numbers.clone()));
         let connectivity = Stored::of_f64(&source, "a", 1, 15, Encoding::Computed(compute));
-        let section = Section { kind: MIXED, range: [1, 1], connectivity, offsets: None };
+        let section = Section { kind: MIXED, is_3_0: false, range: [1, 1], connectivity, offsets: None };
         let mut own = cells(&[section], 1, &Meter::new(&NoProgress, 1)).unwrap();
         let warning = crate::formats::cells::leave_out_further_points(&mut own);
         assert_eq!(

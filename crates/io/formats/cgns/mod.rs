@@ -75,6 +75,9 @@ fn named<'a>(nodes: &'a [Node], name: &str) -> Option<&'a Node> {
 pub(super) fn open(root: &Group, request: &Request) -> Result<Dataset> {
     let mut dataset = Dataset { format: "CGNS in HDF5".to_owned(), has_blocks: true, ..Dataset::default() };
     let nodes = root.groups()?.into_iter().map(Node::new).collect::<Result<Vec<_>>>()?;
+    // A number of 32 bits. What states no version is of none that has other numbers of types.
+    let version = named(&nodes, ROOT).and_then(|node| node.data().ok()?.numbers::<f64>().ok());
+    let is_3_0 = version.is_some_and(|version| version.iter().any(|own| (2.99..3.09).contains(own)));
     let mut zones = Vec::new();
     for base in nodes.into_iter().filter(|node| node.label == "CGNSBase_t") {
         let children = base.children()?;
@@ -91,7 +94,7 @@ pub(super) fn open(root: &Group, request: &Request) -> Result<Dataset> {
     let own = zones.iter().enumerate().filter(|(block, _)| selected[*block]);
     for (block, (zone, step, has_volume, units)) in own {
         if *has_volume {
-            let piece = piece(zone, *step, units, &mut dataset.warnings)?;
+            let piece = piece(zone, *step, units, is_3_0, &mut dataset.warnings)?;
             dataset.pieces.push(Piece { blocks: CellBlocks::One(block), ..piece });
         } else {
             flat.push(dataset.blocks[block].as_str());
@@ -201,7 +204,13 @@ impl Sizes {
 }
 
 /// The grid of a zone.
-fn piece(zone: &Node, step: Option<usize>, units: &Units, warnings: &mut Vec<String>) -> Result<Piece> {
+fn piece(
+    zone: &Node,
+    step: Option<usize>,
+    units: &Units,
+    is_3_0: bool,
+    warnings: &mut Vec<String>,
+) -> Result<Piece> {
     let children = zone.children()?;
     let units = units_there(&children, units)?;
     let kind = labelled(&children, "ZoneType_t").map(Node::text).transpose()?;
@@ -226,7 +235,7 @@ fn piece(zone: &Node, step: Option<usize>, units: &Units, warnings: &mut Vec<Str
         let (point_count, cell_count) = structured_counts(dimensions)?;
         (point_count, cell_count, Geometry::Curvilinear { dimensions, points })
     } else {
-        let sections = sections(&children)?;
+        let sections = sections(&children, is_3_0)?;
         let warning = "The node in the middle of the base of pyramids of 14 nodes (PYRA_14) is left out.";
         let has_larger = sections.iter().any(|section| section.kind == elements::PYRA_14);
         if has_larger && !warnings.iter().any(|known| known == warning) {
@@ -295,12 +304,13 @@ fn points(coordinates: &Node, sizes: &[u64]) -> Result<Stored> {
 }
 
 /// The sections of a zone that can hold cells with a volume, in the order of their elements.
-fn sections(zone: &[Node]) -> Result<Vec<Section>> {
+fn sections(zone: &[Node], is_3_0: bool) -> Result<Vec<Section>> {
     let mut sections = Vec::new();
     for node in zone.iter().filter(|node| node.label == "Elements_t") {
         let [kind, ..] = node.numbers()?[..] else {
             return Err(node.wrong("the section does not say its element type"));
         };
+        let kind = if is_3_0 { elements::of_version_3_0(kind) } else { kind };
         if !elements::may_have_volume(kind) {
             continue;
         }
@@ -319,6 +329,7 @@ fn sections(zone: &[Node]) -> Result<Vec<Section>> {
             named(&children, "ElementStartOffset").map(|node| node.data()?.stored("ElementStartOffset", 1));
         sections.push(Section {
             kind,
+            is_3_0,
             range: [first, last],
             connectivity: connectivity.stored(connectivity.path(), 1)?,
             offsets: offsets.transpose()?,
@@ -328,7 +339,20 @@ fn sections(zone: &[Node]) -> Result<Vec<Section>> {
     Ok(sections)
 }
 
-/// Adds the arrays of a solution. X, Y and Z of a name become a vector.
+/// The name of the vector that a field is the first component of, and the names of the others: `VelocityX`, or as of some writers
+/// `momentum_x`, unless that stem is a field of its own.
+fn vector(name: &str, is_field: impl Fn(&str) -> bool) -> Option<(&str, [String; 2])> {
+    let upper = name.strip_suffix('X').map(|stem| (stem, ["Y", "Z"]));
+    let lower = || {
+        let stem = name.strip_suffix("_x").filter(|stem| !is_field(stem))?;
+        Some((stem, ["_y", "_z"]))
+    };
+    let (stem, others) = upper.or_else(lower).filter(|own| !own.0.is_empty())?;
+    let others = others.map(|axis| format!("{stem}{axis}"));
+    others.iter().all(|name| is_field(name)).then_some((stem, others))
+}
+
+/// Adds the arrays of a solution. Components that [`vector`] finds are one array.
 fn add_solution(
     solution: &Node,
     sizes: &Sizes,
@@ -358,11 +382,11 @@ fn add_solution(
         if done.contains(&node.name) {
             continue;
         }
-        let stem = node.name.strip_suffix('X').filter(|stem| !stem.is_empty());
-        let others = stem.and_then(|stem| field(&format!("{stem}Y")).zip(field(&format!("{stem}Z"))));
+        let others = vector(&node.name, |name| field(name).is_some())
+            .and_then(|(stem, [y, z])| Some((stem, field(&y)?, field(&z)?)));
         let mut own = stored(node, sizes, &rind)?;
         let mut component_names = Vec::new();
-        if let Some(((y, z), stem)) = others.zip(stem) {
+        if let Some((stem, y, z)) = others {
             own = Stored::joined(stem, [own, stored(y, sizes, &rind)?, stored(z, sizes, &rind)?]);
             component_names = ["X", "Y", "Z"].map(str::to_owned).to_vec();
             done.extend([y.name.clone(), z.name.clone()]);
@@ -375,4 +399,23 @@ fn add_solution(
         arrays.push(PieceArray { component_names, unit, ..PieceArray::new(association, own) });
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn components_are_joined_where_their_names_say_so() {
+        let stem = |names: &str| {
+            let names: Vec<&str> = names.split(' ').collect();
+            vector(names[0], |name| names.contains(&name)).map(|own| own.0.to_owned())
+        };
+        assert_eq!(stem("VelocityX VelocityY VelocityZ").as_deref(), Some("Velocity"));
+        assert_eq!(stem("Velocity_X Velocity_Y Velocity_Z").as_deref(), Some("Velocity_"));
+        assert_eq!(stem("u_x u_y u_z").as_deref(), Some("u"));
+        for others in ["u_x u_y u_z u", "fx fy fz", "u_x u_y", "X Y Z", "_x _y _z", "s"] {
+            assert_eq!(stem(others), None, "{others}");
+        }
+    }
 }

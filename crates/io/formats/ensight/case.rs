@@ -63,6 +63,8 @@ pub(super) struct CaseFile {
     folder: PathBuf,
     pub geometry: FilePattern,
     pub variables: Vec<CaseVariable>,
+    /// Variables of kinds that are not read: complex ones, those of measured particles.
+    pub left_out: Vec<String>,
     time_sets: Vec<TimeSet>,
     file_sets: Vec<FileSet>,
     /// True in the section about file sets.
@@ -90,6 +92,7 @@ impl CaseFile {
             folder: source.path().parent().unwrap_or(Path::new("")).to_owned(),
             geometry: FilePattern::new(&[], ""),
             variables: Vec::new(),
+            left_out: Vec::new(),
             time_sets: Vec::new(),
             file_sets: Vec::new(),
             is_of_files: false,
@@ -133,6 +136,9 @@ impl CaseFile {
             return Ok(());
         }
         match key {
+            _ if key.starts_with("complex ") || key.contains(" per measured node") => {
+                self.left_out.extend(numbers_first(value, 2).1.into_iter().next());
+            }
             "" => self.is_of_files = value.eq_ignore_ascii_case("file"),
             "file set" => {
                 let number = first_word(value).parse().map_err(|_| damaged(key, value))?;
@@ -157,7 +163,11 @@ impl CaseFile {
         let set = self.time_sets.last_mut();
         match (key, set) {
             ("type", _) if !value.to_lowercase().contains("gold") => {
-                Err(Error::run("this type of EnSight case is not read").got(value).expected("ensight gold"))
+                let error =
+                    Error::run("this type of EnSight case is not read").got(format_args!("'{value}'"));
+                Err(error.expected(
+                    "ensight gold, or a .vtu file: ParaView reads EnSight 6 and saves its data as .vtu",
+                ))
             }
             ("model", _) => {
                 let (numbers, words) = numbers_first(value, 1);

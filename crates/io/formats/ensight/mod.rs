@@ -12,7 +12,7 @@ use super::blocks::selected;
 use super::contents::{CellBlocks, Compute, Dataset, Encoding, Geometry, Piece, PieceArray, Stored};
 use super::lazy::geometry;
 use super::request::{Format, Request, list};
-use super::source::Source;
+use super::source::{HEAD, Source};
 use glam::{DMat3, DVec3};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -62,6 +62,10 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     if !flat.is_empty() {
         let names = list(flat.iter().map(String::as_str));
         dataset.warnings.push(format!("Parts without cells of three dimensions are left out: {names}."));
+    }
+    if !case.left_out.is_empty() {
+        let names = list(case.left_out.iter().map(String::as_str));
+        dataset.warnings.push(format!("Variables of complex numbers or of particles are left out: {names}."));
     }
     // Each file is looked through for the step once.
     let files = case.variables.iter().map(|variable| case.file(&variable.pattern, time).map(Arc::new));
@@ -127,7 +131,7 @@ fn part_geometry(grid: &Arc<GoldGeometry>, place: usize, source: &Arc<Source>) -
 /// The files that a case names, of every step or of that asked for; none for other files.
 pub(super) fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf> {
     let Ok(source) = Source::open(path) else { return Vec::new() };
-    if !source.head(256).is_ok_and(|head| is_case(&head)) {
+    if !source.head(HEAD).is_ok_and(|head| is_case(&head)) {
         return Vec::new();
     }
     let Ok(case) = &CaseFile::read(&source) else { return Vec::new() };

@@ -9,7 +9,7 @@ pub(super) struct Joined {
 }
 
 /// The arrays of variables with these names: a vector of each three that follow one another and end in x, y and z; others by
-/// themselves.
+/// themselves. Some writers list a variable again: a further one of a name has its number among these.
 pub(super) fn joined(names: &[String]) -> Vec<Joined> {
     let mut arrays: Vec<Joined> = Vec::new();
     let mut place = 0;
@@ -23,11 +23,12 @@ pub(super) fn joined(names: &[String]) -> Vec<Joined> {
                 place += 3;
             }
             None => {
-                arrays.push(Joined {
-                    name: names[place].clone(),
-                    places: vec![place],
-                    components: Vec::new(),
-                });
+                let own = &names[place];
+                let name = match names[..place].iter().filter(|name| *name == own).count() {
+                    0 => own.clone(),
+                    before => format!("{own} ({})", before + 1),
+                };
+                arrays.push(Joined { name, places: vec![place], components: Vec::new() });
                 place += 1;
             }
         }
@@ -63,6 +64,7 @@ mod tests {
         assert_eq!(of("stress_xx stress_xy stress_xz"), "stress_xx stress_xy stress_xz");
         assert_eq!(of("disp disp_x disp_y disp_z"), "disp disp_x disp_y disp_z");
         assert_eq!(of("x y z"), "x y z");
+        assert_eq!(of("id map id id"), "id map id (2) id (3)");
         assert_eq!(of("disp_x disp_y"), "disp_x disp_y");
         assert_eq!(joined(&names("p v_x v_y v_z"))[1].places, [1, 2, 3]);
     }

@@ -35,8 +35,8 @@ pub(super) struct FaceOwners {
 impl FaceOwners {
     /// Reads them.
     pub fn read(mesh: &MeshPaths) -> Result<FaceOwners> {
-        let labels = |path: &PathBuf| FoamFile::read(path, mesh.part.as_ref(), FoamFile::labels);
-        let (owner, neighbour) = (labels(&mesh.owner)?, labels(&mesh.neighbour)?);
+        let owner: Vec<u32> = FoamFile::read(&mesh.owner, mesh.part.as_ref(), FoamFile::labels)?;
+        let neighbour = neighbours(mesh)?;
         if neighbour.len() > owner.len() {
             let most = format!("at most {}", owner.len());
             return Err(misfit("neighbours of faces", neighbour.len(), most, &mesh.neighbour));
@@ -48,6 +48,22 @@ impl FaceOwners {
             return Err(misfit("cells", cell_count, "no more than its faces have", &mesh.owner));
         }
         Ok(FaceOwners { owner, neighbour, cell_count })
+    }
+}
+
+/// The neighbours of the faces within; older meshes have -1 for those of the boundary, which stand last.
+fn neighbours(mesh: &MeshPaths) -> Result<Vec<u32>> {
+    let (path, part) = (&mesh.neighbour, mesh.part.as_ref());
+    let error = match FoamFile::read(path, part, FoamFile::labels) {
+        Ok(cells) => return Ok(cells),
+        Err(error) => error,
+    };
+    let Ok(all) = FoamFile::read(path, part, FoamFile::labels::<i64>) else { return Err(error) };
+    let (inner, outer) = all.split_at(all.partition_point(|&cell| cell >= 0));
+    let cells = inner.iter().map(|&cell| u32::try_from(cell));
+    match cells.collect() {
+        Ok(cells) if !outer.is_empty() && outer.iter().all(|&cell| cell == -1) => Ok(cells),
+        _ => Err(error),
     }
 }
 

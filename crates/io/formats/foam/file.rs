@@ -314,7 +314,7 @@ impl FoamFile {
     }
 
     /// A list of labels.
-    pub fn labels(&mut self) -> Result<Vec<u32>> {
+    pub fn labels<T: Target>(&mut self) -> Result<Vec<T>> {
         let (count, is_uniform) = self.list_head()?;
         if is_uniform {
             return Err(self.cursor.error("a list of labels holds one value for all").expected("each label"));

@@ -75,16 +75,39 @@ impl ElementRun<'_> {
     }
 }
 
-/// Calls `visit` with all volume elements of the section at the cursor; `groups`: physical groups of the volumes of version 4, `None` for 2.
+/// Ways in which elements stand in a section, by the version of the format.
+#[derive(Clone, Copy)]
+pub(super) enum ElementRows<'a> {
+    First,
+    Second,
+    /// With the physical groups of the volumes; version 4.0 has entities in another order than 4.1.
+    Fourth {
+        groups: &'a HashMap<i64, i64>,
+        is_4_0: bool,
+    },
+}
+
+/// Calls `visit` with all volume elements of the section at the cursor.
 pub(super) fn each(
     cursor: &mut Cursor,
-    groups: Option<&HashMap<i64, i64>>,
+    rows: ElementRows,
     mut visit: impl FnMut(&ElementRun) -> Result<()>,
 ) -> Result<()> {
-    match groups {
-        Some(groups) => each_of_4(cursor, groups, &mut visit),
-        None => each_of_2(cursor, &mut visit),
+    match rows {
+        ElementRows::Fourth { groups, is_4_0 } => each_of_4(cursor, groups, is_4_0, &mut visit),
+        ElementRows::Second => each_of_2(cursor, &mut visit),
+        ElementRows::First => {
+            let count: u64 = cursor.number(NumberType::U64, "the number of elements")?;
+            each_row(cursor, count, true, &mut visit)
+        }
     }
+}
+
+/// Dimension and tag of an entity.
+pub(super) fn entity_head(cursor: &mut Cursor, is_4_0: bool) -> Result<(i64, i64)> {
+    let first = cursor.number(NumberType::I32, "the dimension or tag of an entity")?;
+    let second = cursor.number(NumberType::I32, "the dimension or tag of an entity")?;
+    Ok(if is_4_0 { (second, first) } else { (first, second) })
 }
 
 /// The type with this number, and how many nodes it has.
@@ -102,13 +125,14 @@ fn element_type(number: u64) -> Result<(Option<&'static GmshElement>, usize)> {
     }
 }
 
-/// Version 4.1: entities, each with elements of one type.
+/// Version 4: entities, each with elements of one type.
 fn each_of_4(
     cursor: &mut Cursor,
     groups: &HashMap<i64, i64>,
+    is_4_0: bool,
     visit: &mut dyn FnMut(&ElementRun) -> Result<()>,
 ) -> Result<()> {
-    each_entity(cursor, groups, &mut |cursor, entity| {
+    each_entity(cursor, groups, is_4_0, &mut |cursor, entity| {
         let &EntityElements { volume, group, count, node_count } = entity;
         each_batch(count, 1 + node_count as u64, |count| {
             let numbers = count * (1 + node_count as u64);
@@ -144,16 +168,16 @@ struct EntityElements {
 fn each_entity(
     cursor: &mut Cursor,
     groups: &HashMap<i64, i64>,
+    is_4_0: bool,
     visit: &mut dyn FnMut(&mut Cursor, &EntityElements) -> Result<()>,
 ) -> Result<()> {
     let size = NumberType::U64;
     let entity_count: u64 = cursor.number(size, "the number of entities")?;
-    for _ in 0..3 {
+    for _ in 0..if is_4_0 { 1 } else { 3 } {
         cursor.number::<u64>(size, "numbers of elements")?;
     }
     for _ in 0..entity_count {
-        let dimension: i64 = cursor.number(NumberType::I32, "the dimension of an entity")?;
-        let entity: i64 = cursor.number(NumberType::I32, "the tag of an entity")?;
+        let (dimension, entity) = entity_head(cursor, is_4_0)?;
         let number: u64 = cursor.number(NumberType::I32, "a type of elements")?;
         let count: u64 = cursor.number(size, "a number of elements")?;
         let (volume, node_count) = element_type(number).map_err(|error| cursor.locate(error))?;
@@ -174,15 +198,17 @@ fn skip_elements(cursor: &mut Cursor, count: u64, node_count: usize) -> Result<(
 /// Calls `visit` with the type, the physical group, the number and the numbers of nodes of volume elements; parameters as of [`each`].
 pub(super) fn count(
     cursor: &mut Cursor,
-    groups: Option<&HashMap<i64, i64>>,
+    rows: ElementRows,
     mut visit: impl FnMut(&'static GmshElement, i64, u64, usize),
 ) -> Result<()> {
-    match groups {
-        Some(groups) => each_entity(cursor, groups, &mut |cursor, entity| {
-            visit(entity.volume, entity.group, entity.count, entity.node_count);
-            skip_elements(cursor, entity.count, entity.node_count)
-        }),
-        None => each_of_2(cursor, &mut |run| {
+    match rows {
+        ElementRows::Fourth { groups, is_4_0 } => {
+            each_entity(cursor, groups, is_4_0, &mut |cursor, entity| {
+                visit(entity.volume, entity.group, entity.count, entity.node_count);
+                skip_elements(cursor, entity.count, entity.node_count)
+            })
+        }
+        _ => each(cursor, rows, |run| {
             visit(run.volume, run.group, run.count() as u64, run.node_count);
             Ok(())
         }),
@@ -194,7 +220,7 @@ fn each_of_2(cursor: &mut Cursor, visit: &mut dyn FnMut(&ElementRun) -> Result<(
     let binary = cursor.binary.take();
     let count: u64 = cursor.number(NumberType::U64, "the number of elements")?;
     if binary.is_none() {
-        return each_of_text_2(cursor, count, visit);
+        return each_row(cursor, count, false, visit);
     }
     cursor.line()?;
     cursor.binary = binary;
@@ -244,10 +270,12 @@ fn each_of_2(cursor: &mut Cursor, visit: &mut dyn FnMut(&ElementRun) -> Result<(
     Ok(())
 }
 
-/// Rows of text: the number of an element, its type, the number of tags, tags, nodes.
-fn each_of_text_2(
+/// Rows of text: the number of an element, its type, the number of tags, tags, nodes. In version 1 the two tags stand before the number of
+/// the nodes.
+fn each_row(
     cursor: &mut Cursor,
     count: u64,
+    is_first: bool,
     visit: &mut dyn FnMut(&ElementRun) -> Result<()>,
 ) -> Result<()> {
     let (mut passed, mut own) = (0, Vec::new());
@@ -258,7 +286,9 @@ fn each_of_text_2(
         let mut used = 0;
         while passed < count {
             let row = &shown[used..];
-            let &[tag, number, tag_count, ref rest @ ..] = row else { return Ok(Some(used)) };
+            let &[tag, number, third, ref rest @ ..] = row else { return Ok(Some(used)) };
+            let (tag_count, rest) = if is_first { (3, &row[2..]) } else { (third, rest) };
+            let begin = row.len() - rest.len();
             let at = |place: usize| move |error: String| (used + place, Error::run(error));
             whole(tag).map_err(at(0))?;
             let tag_count = whole(tag_count).map_err(at(2))?;
@@ -273,14 +303,19 @@ fn each_of_text_2(
             else {
                 return Ok(Some(used));
             };
+            // Version 1 states the number of nodes, too.
+            if let Some(&stated) = tags.get(2).filter(|&&own| is_first && own != node_count as i64) {
+                let error = Error::run("an element has another number of nodes than its type").got(stated);
+                return Err((used + 4, error.expected(node_count)));
+            }
             let Some(nodes) = rest.get(..node_count) else { return Ok(Some(used)) };
             own.clear();
-            add_row(tag, nodes, &mut own).map_err(at(3 + tags.len()))?;
+            add_row(tag, nodes, &mut own).map_err(at(begin + tags.len()))?;
             if let Some(volume) = volume {
                 visit(&ElementRun { volume, group: group_of(tags), node_count, rows: &own })
                     .map_err(|error| (used, error))?;
             }
-            used += 3 + tags.len() + node_count;
+            used += begin + tags.len() + node_count;
             passed += 1;
         }
         Ok(None)

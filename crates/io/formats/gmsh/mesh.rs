@@ -1,6 +1,6 @@
 //! The mesh of a file: version and encoding, nodes, and the elements that are volumes.
 
-use super::elements::{ElementRun, GmshElement, count, each, each_batch};
+use super::elements::{ElementRows, ElementRun, GmshElement, count, each, each_batch, entity_head};
 use crate::formats::cursor::Cursor;
 use crate::formats::lazy::{MeshTags, Tags, missing_node, tetrahedra};
 use crate::formats::numbers::{ByteOrder, NumberType, convert};
@@ -136,9 +136,17 @@ impl MeshFile {
         cursor
     }
 
-    /// Physical groups of the volumes of version 4.
-    fn groups_of_4(&self) -> Option<&HashMap<i64, i64>> {
-        (self.version >= 4.0).then_some(&self.group_of_volume)
+    /// True for the version whose entities and nodes stand in another order.
+    pub fn is_4_0(&self) -> bool {
+        (4.0..4.1).contains(&self.version)
+    }
+
+    fn element_rows(&self) -> ElementRows<'_> {
+        match self.version {
+            ..2.0 => ElementRows::First,
+            2.0..4.0 => ElementRows::Second,
+            _ => ElementRows::Fourth { groups: &self.group_of_volume, is_4_0: self.is_4_0() },
+        }
     }
 
     /// End of the rows of bytes of a section that begins at the cursor, by the heads of entities; `None` where these do not tell it.
@@ -148,7 +156,7 @@ impl MeshFile {
         let is_passed = match name {
             _ if self.version < 4.0 => false,
             "Nodes" => skip_nodes_of_4(&mut ahead).is_ok(),
-            _ => count(&mut ahead, Some(&HashMap::new()), |_, _, _, _| {}).is_ok(),
+            _ => count(&mut ahead, self.element_rows(), |_, _, _, _| {}).is_ok(),
         };
         is_passed.then(|| ahead.position())
     }
@@ -187,7 +195,7 @@ impl MeshFile {
         let mut place = 0;
         count(
             &mut self.cursor(&self.elements, true),
-            self.groups_of_4(),
+            self.element_rows(),
             |volume, group, count, node_count| {
                 if groups.get(place) != Some(&group) {
                     place = *places.entry(group).or_insert(groups.len());
@@ -214,7 +222,7 @@ impl MeshFile {
         let mut cursor = self.cursor(&self.nodes, self.version >= 4.0);
         match self.version < 4.0 {
             true => nodes.read_2(&mut cursor, self.binary)?,
-            false => nodes.read_4(&mut cursor)?,
+            false => nodes.read_4(&mut cursor, self.is_4_0())?,
         }
         let Nodes { tags, points } = nodes;
         self.tags.keep(0, Tags::new(tags, "node", |tag| tag)?);
@@ -232,7 +240,7 @@ impl MeshFile {
     /// Calls `visit` with the selected volume elements and their place among the groups.
     fn each_run(&self, mut visit: impl FnMut(&ElementRun, usize) -> Result<()>) -> Result<()> {
         let mut block = 0;
-        each(&mut self.cursor(&self.elements, true), self.groups_of_4(), |run| {
+        each(&mut self.cursor(&self.elements, true), self.element_rows(), |run| {
             if self.groups.get(block) != Some(&run.group) {
                 block = self.group_places.get(&run.group).copied().unwrap_or(0);
             }
@@ -298,35 +306,56 @@ struct Nodes {
     points: Vec<DVec3>,
 }
 
-/// Calls `visit` with the number of nodes of each entity of version 4.1 and the numbers of a position, behind which it has to move.
+/// Calls `visit` with the number of nodes of each entity of version 4 and the numbers of a position, behind which it has to move.
 fn each_nodes_of_4(
     cursor: &mut Cursor,
+    is_4_0: bool,
     mut visit: impl FnMut(&mut Cursor, u64, u64) -> Result<()>,
 ) -> Result<()> {
     let (int, size) = (NumberType::I32, NumberType::U64);
     let entity_count: u64 = cursor.number(size, "the number of entities")?;
-    for _ in 0..3 {
+    for _ in 0..if is_4_0 { 1 } else { 3 } {
         cursor.number::<u64>(size, "numbers of nodes")?;
     }
     for _ in 0..entity_count {
-        let dimension: u64 = cursor.number(int, "the dimension of an entity")?;
-        cursor.number::<i64>(int, "the tag of an entity")?;
+        let dimension = entity_head(cursor, is_4_0)?.0;
         let is_parametric = cursor.number::<u64>(int, "0 or 1")? == 1;
         let count: u64 = cursor.number(size, "a number of nodes")?;
-        visit(cursor, count, 3 + if is_parametric { dimension.min(3) } else { 0 })?;
+        visit(cursor, count, 3 + if is_parametric { dimension.clamp(0, 3) as u64 } else { 0 })?;
     }
     Ok(())
 }
 
 /// Passes over the nodes of version 4.1.
 fn skip_nodes_of_4(cursor: &mut Cursor) -> Result<()> {
-    each_nodes_of_4(cursor, |cursor, count, width| cursor.skip_numbers(count.saturating_mul(1 + width), 8))
+    let skip =
+        |cursor: &mut Cursor, count: u64, width| cursor.skip_numbers(count.saturating_mul(1 + width), 8);
+    each_nodes_of_4(cursor, false, skip)
 }
 
 impl Nodes {
-    /// Version 4.1: entities, each with the tags of its nodes, then positions with parameters.
-    fn read_4(&mut self, cursor: &mut Cursor) -> Result<()> {
-        each_nodes_of_4(cursor, |cursor, count, width| {
+    /// Version 4: entities, each with the tags of its nodes, then positions with parameters; in 4.0 rows of both.
+    fn read_4(&mut self, cursor: &mut Cursor, is_4_0: bool) -> Result<()> {
+        each_nodes_of_4(cursor, is_4_0, |cursor, count, width| {
+            if is_4_0 {
+                return each_batch(count, 1 + width, |count| {
+                    let start = cursor.clone();
+                    let rows: Vec<f64> =
+                        cursor.numbers(NumberType::F64, count * (1 + width), "a tag or a coordinate")?;
+                    for (place, row) in rows.chunks_exact(1 + width as usize).enumerate() {
+                        let tag = node_tag(row[0]);
+                        self.tags.push(tag.map_err(|error| {
+                            let mut row = start.clone();
+                            let found = row.skip_numbers(place as u64 * (1 + width), 8);
+                            found
+                                .and_then(|()| row.word().map(drop))
+                                .map_or(error.clone(), |()| row.locate(error))
+                        })?);
+                        self.points.push(DVec3::from_slice(&row[1..]));
+                    }
+                    Ok(())
+                });
+            }
             self.tags.extend(cursor.numbers::<u64>(NumberType::U64, count, "the tag of a node")?);
             each_batch(count, width, |count| {
                 let rows: Vec<f64> = cursor.numbers(NumberType::F64, count * width, "a coordinate")?;
@@ -348,6 +377,17 @@ impl Nodes {
             self.points.push(DVec3::from_slice(position));
             Ok(())
         })
+    }
+}
+
+/// The number of a node or element in a row of floats, which hold whole numbers below 2^53.
+fn node_tag(number: f64) -> Result<u64> {
+    match number.fract() == 0.0 && (0.0..9e15).contains(&number) {
+        true => Ok(number as u64),
+        false => {
+            let error = Error::run("a number is damaged").got(number);
+            Err(error.expected("the number of a node or element"))
+        }
     }
 }
 
@@ -380,12 +420,7 @@ pub(super) fn each_row(
                 return Ok(None);
             }
             let at = |error: Error| (place * (1 + width), error);
-            // Floats hold whole numbers below 2^53.
-            if row[0].fract() != 0.0 || !(0.0..9e15).contains(&row[0]) {
-                let error = Error::run("a number is damaged").got(row[0]);
-                return Err(at(error.expected("the number of a node or element")));
-            }
-            visit(row[0] as u64, &row[1..]).map_err(at)?;
+            node_tag(row[0]).and_then(|tag| visit(tag, &row[1..])).map_err(at)?;
             passed += 1;
         }
         Ok((passed < count).then_some(shown.len() / (1 + width) * (1 + width)))
@@ -404,16 +439,20 @@ pub(super) fn each_row(
     }
 }
 
-/// Version, encoding and byte order.
-pub(super) fn header(cursor: &mut Cursor, source: &Arc<Source>) -> Result<MeshFile> {
-    let line = cursor.text_line("the version of the format")?;
+/// Version, encoding and byte order; those of the first version are not in the file.
+pub(super) fn header(cursor: &mut Cursor, source: &Arc<Source>, is_first: bool) -> Result<MeshFile> {
+    let line = if is_first { "1 0 8".to_owned() } else { cursor.text_line("the version of the format")? };
     let words: Vec<&str> = line.split_ascii_whitespace().collect();
     let version = words.first().and_then(|word| word.parse::<f64>().ok()).unwrap_or(0.0);
-    if !(2.0..3.0).contains(&version) && !(4.1..5.0).contains(&version) {
+    let is_text = words.get(1) == Some(&"0");
+    let is_old_text = is_text && [1.0, 4.0].contains(&version);
+    if !(is_old_text || (2.0..3.0).contains(&version) || (4.1..5.0).contains(&version)) {
         let error = cursor.error("this version of Gmsh's format is not read").got(format_args!("'{line}'"));
-        return Err(error.expected("2 or 4.1: Gmsh saves them by Mesh.MshFileVersion = 4.1"));
+        return Err(error.expected(
+            "1, 2 or 4, of 1 and 4.0 text: `gmsh FILE -save -o out.msh -format msh41` writes 4.1",
+        ));
     }
-    if words.get(2) != Some(&"8") {
+    if !is_text && words.get(2) != Some(&"8") {
         let error = cursor.error("numbers of this size are not read").got(format_args!("'{line}'"));
         return Err(error.expected("a size of 8 bytes"));
     }

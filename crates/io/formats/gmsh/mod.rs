@@ -1,6 +1,8 @@
-//! Meshes of Gmsh (.msh) of the versions 2 and 4.1, in text and in bytes of either order, with their post-processing views.
+//! Meshes of Gmsh (.msh) of the versions 1, 2 and 4, in text and, but for 1 and 4.0, in bytes of either order, with their post-processing
+//! views.
 //!
-//! Source: Gmsh reference manual, "MSH file format" and "MSH file format version 2 (Legacy)". A file is a row of sections,
+//! Source: Gmsh reference manual, "MSH file format", "MSH file format version 2 (Legacy)" and "version 1 (Legacy)"; of 4.0 the manual of Gmsh
+//! 4.0. A file is a row of sections,
 //! `$Name` to `$EndName`. On opening, sections are found, heads of views read, and volume elements counted; nodes,
 //! elements and values are read when they are asked for. Physical groups of volumes are blocks. Sections of other names are passed
 //! over.
@@ -24,22 +26,46 @@ use voltet_core::grid::CellValues;
 use voltet_core::reading::FileArray;
 use voltet_core::{Error, Result, counted};
 
-/// First words of every file.
-const MAGIC: &[u8] = b"$MeshFormat";
+/// First lines of files: comments may stand before the format, which version 1 does not say.
+const MAGIC: [&str; 3] = ["$MeshFormat", "$Comments", FIRST_NODES];
+/// The section of the nodes in version 1.
+const FIRST_NODES: &str = "$NOD";
+/// The mark of UTF-8 at the head of a file.
+const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
 /// The declaration.
 pub(super) const FORMAT: Format = Format {
     files: "a mesh of Gmsh (.msh)",
-    matches: |head, _, _| head.starts_with(MAGIC),
+    matches: |head, _, _| {
+        let first = head.split(|&byte| byte == b'\n').next().unwrap_or_default().trim_ascii();
+        MAGIC.iter().any(|word| first == word.as_bytes())
+    },
     open,
     has_solution: false,
 };
 
 /// Reads the table of contents.
 fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
-    let mut cursor = Cursor::new(&source);
-    cursor.text_line("$MeshFormat")?;
-    let mut file = header(&mut cursor, &source)?;
+    // The mark of UTF-8 is no part of the first line.
+    let begin = source.head(BYTE_ORDER_MARK.len() as u64)?;
+    let begin = if begin == BYTE_ORDER_MARK { begin.len() as u64 } else { 0 };
+    let start = Cursor::within(&source, begin, source.len(), 1);
+    let mut cursor = start.clone();
+    let is_first = loop {
+        match &*cursor.text_line("$MeshFormat")? {
+            "$MeshFormat" => break false,
+            FIRST_NODES => break true,
+            "$Comments" => {
+                let line = cursor.line_number();
+                end_of_section(&mut cursor, "Comments", "End").map_err(|error| error.at_line(line))?;
+            }
+            _ => {}
+        }
+    };
+    let mut file = header(&mut cursor, &source, is_first)?;
+    if is_first {
+        cursor = start;
+    }
     let (mut names, mut without_dimension) = Default::default();
     let mut views = Vec::new();
     while let Some((name, section)) = next_section(&mut cursor, &file)? {
@@ -49,14 +75,16 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
             }
             "Entities" | "PartitionedEntities" if file.version >= 4.0 => {
                 let is_partitioned = name == "PartitionedEntities";
-                entities(&mut file.cursor(&section, true), is_partitioned, &mut file.group_of_volume)?;
+                let (mut cursor, is_4_0) = (file.cursor(&section, true), file.is_4_0());
+                entities(&mut cursor, [is_partitioned, is_4_0], &mut file.group_of_volume)?;
             }
-            "Nodes" => file.nodes = section,
-            "Elements" => file.elements = section,
+            "Nodes" | "NOD" => file.nodes = section,
+            "Elements" | "ELM" => file.elements = section,
             _ => views.extend(View::of_section(&name, &file.cursor(&section, false))?),
         }
     }
-    for (section, name) in [(&file.nodes, "$Nodes"), (&file.elements, "$Elements")] {
+    let required = if is_first { [FIRST_NODES, "$ELM"] } else { ["$Nodes", "$Elements"] };
+    for (section, name) in [&file.nodes, &file.elements].into_iter().zip(required) {
         if section.end == 0 {
             return Err(Error::run("the mesh is not complete").expected(format_args!("a section {name}")));
         }
@@ -126,16 +154,22 @@ fn next_section(cursor: &mut Cursor, file: &MeshFile) -> Result<Option<(String, 
         let line = String::from_utf8_lossy(line.trim_ascii()).into_owned();
         let Some(name) = line.strip_prefix('$').filter(|name| *name != "EndMeshFormat") else { continue };
         let (start, line) = (cursor.position(), cursor.line_number());
-        let mark = format!("$End{name}");
-        skip_rows(cursor, file, name, mark.as_bytes())?;
-        let end = cursor.skip_past(mark.as_bytes())?.ok_or_else(|| {
-            Error::run("the file ends early")
-                .got(format_args!("a section ${name} without its end"))
-                .at_line(line)
-        })?;
+        // Those of version 1 alone are in capitals.
+        let is_old = file.version < 2.0 && ["NOD", "ELM"].contains(&name);
+        let end_word = if is_old { "END" } else { "End" };
+        skip_rows(cursor, file, name, format!("${end_word}{name}").as_bytes())?;
+        let end = end_of_section(cursor, name, end_word).map_err(|error| error.at_line(line))?;
         return Ok(Some((name.to_owned(), MeshSection { start, end, line })));
     }
     Ok(None)
+}
+
+/// Moves behind the end of a section, and returns the place where its mark begins.
+fn end_of_section(cursor: &mut Cursor, name: &str, end_word: &str) -> Result<u64> {
+    let end = cursor.skip_past(format!("${end_word}{name}").as_bytes())?;
+    end.ok_or_else(|| {
+        Error::run("the file ends early").got(format_args!("a section ${name} without its end"))
+    })
 }
 
 /// Moves from the beginning of a section of bytes to the mark of its end by the numbers of its rows, which are not read. Stays where they
@@ -194,8 +228,12 @@ fn physical_names(cursor: &mut Cursor) -> Result<(GroupNames, HashMap<i64, usize
     Ok((names, without_dimension))
 }
 
-/// Physical groups of the volumes, the first of each.
-fn entities(cursor: &mut Cursor, is_partitioned: bool, groups: &mut HashMap<i64, i64>) -> Result<()> {
+/// Physical groups of the volumes, the first of each. Points have a box, too, in version 4.0.
+fn entities(
+    cursor: &mut Cursor,
+    [is_partitioned, is_4_0]: [bool; 2],
+    groups: &mut HashMap<i64, i64>,
+) -> Result<()> {
     let (int, size) = (NumberType::I32, NumberType::U64);
     let ints = |cursor: &mut Cursor| -> Result<Option<i64>> {
         let count: u64 = cursor.number(size, "a number of tags")?;
@@ -226,7 +264,7 @@ fn entities(cursor: &mut Cursor, is_partitioned: bool, groups: &mut HashMap<i64,
                 }
                 ints(cursor)?;
             }
-            for _ in 0..if dimension == 0 { 3 } else { 6 } {
+            for _ in 0..if dimension == 0 && !is_4_0 { 3 } else { 6 } {
                 cursor.number::<f64>(NumberType::F64, "a coordinate")?;
             }
             let group = ints(cursor)?;

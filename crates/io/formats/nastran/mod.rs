@@ -18,6 +18,7 @@ use super::text::{TextPiece, TextRange};
 use glam::{DMat3, DVec3};
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::grid::code;
@@ -25,16 +26,37 @@ use voltet_core::{Error, Result};
 
 /// The declaration.
 pub(super) const FORMAT: Format =
-    Format { files: "bulk data of Nastran (.bdf, .nas)", matches, open, has_solution: false };
+    Format { files: "bulk data of Nastran (.bdf, .nas, .dat)", matches, open, has_solution: false };
 
 fn matches(head: &[u8], path: &Path, _: &Request) -> bool {
-    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-    let text = String::from_utf8_lossy(head).to_ascii_uppercase();
-    let has = |words: &[&str]| {
-        text.lines().any(|line| words.iter().any(|word| line.trim_start().starts_with(word)))
-    };
-    ["bdf", "nas", "fem"].iter().any(|name| ending == *name)
-        || has(&["BEGIN BULK", "GRID  ", "GRID,", "GRID*"])
+    let is_named = path.extension().is_some_and(is_ending);
+    is_named || String::from_utf8_lossy(head).lines().any(|line| begins_bulk(line) || is_grid(line))
+}
+
+/// True for the endings of names of such files alone.
+pub(super) fn is_ending(ending: &OsStr) -> bool {
+    ["bdf", "nas", "fem"].iter().any(|own| ending.eq_ignore_ascii_case(own))
+}
+
+/// True for a line that ends the sections before the bulk data.
+pub(super) fn begins_bulk(line: &str) -> bool {
+    let words: Vec<&str> = line.split_ascii_whitespace().take(3).collect();
+    match words[..] {
+        [first] => first.eq_ignore_ascii_case("CEND"),
+        [first, second, ..] => first.eq_ignore_ascii_case("BEGIN") && second.eq_ignore_ascii_case("BULK"),
+        [] => false,
+    }
+}
+
+/// True for a GRID with its number.
+fn is_grid(line: &str) -> bool {
+    let line = line.trim_start();
+    let Some((name, fields)) = line.split_at_checked(4) else { return false };
+    let number = fields.trim_start_matches([',', '*', ' ', '\t']);
+    let is_separated = [",", "*", "  ", "\t"].iter().any(|own| fields.starts_with(own));
+    name.eq_ignore_ascii_case("GRID")
+        && is_separated
+        && number.starts_with(|first: char| first.is_ascii_digit())
 }
 
 /// Elements: corners, their code and that with nodes on edges, and the order of these.
@@ -544,14 +566,11 @@ fn element(entry: &BulkEntry) -> Result<BulkElement> {
     let Some((_, corners, codes, order)) = ELEMENTS.iter().find(|element| element.0 == entry.name) else {
         return Err(Error::run("an entry is no element").got(&entry.name));
     };
-    let on_edges = order[*corners..].iter().filter(|&&place| !entry.field(2 + place).is_empty()).count();
-    let is_quadratic = on_edges == order.len() - corners;
-    if on_edges > 0 && !is_quadratic {
-        let error = Error::run(format!("a {} has nodes on some of its edges alone", entry.name));
-        return Err(error.got(on_edges).expected(order.len() - corners));
-    }
-    let places = if is_quadratic { order } else { &order[..*corners] };
-    let nodes = places.iter().map(|&place| entry.integer(2 + place, "a node")).collect::<Result<_>>()?;
+    // The nodes of some edges alone are further ones of the linear cell.
+    let is_there = |place: &usize| place < corners || !["", "0"].contains(&entry.field(2 + place));
+    let places = order.iter().filter(|place| is_there(place));
+    let nodes = places.map(|&place| entry.integer(2 + place, "a node")).collect::<Result<Vec<_>>>()?;
+    let is_quadratic = nodes.len() == order.len();
     Ok(BulkElement {
         tag: entry.integer(0, "the number")?,
         code: codes[usize::from(is_quadratic)],

@@ -6,9 +6,10 @@ use super::zones::{ZoneHead, ZoneKind, arrays, axes, dataset, polyhedra};
 use crate::formats::contents::{CellBlocks, Dataset, Meter, Piece, Stored};
 use crate::formats::cursor::{Cursor, Place};
 use crate::formats::lazy::{GatheredCells, geometry};
+use crate::formats::nastran;
 use crate::formats::numbers::{self, NumberType};
 use crate::formats::request::{Format, Request};
-use crate::formats::source::{Source, printable};
+use crate::formats::source::{Source, quoted};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
@@ -19,8 +20,12 @@ use voltet_core::{Error, Result};
 pub(super) const FORMAT: Format =
     Format { files: "Tecplot data as text (.dat, .tec)", matches, open, has_solution: false };
 
-fn matches(head: &[u8], _: &Path, _: &Request) -> bool {
+fn matches(head: &[u8], path: &Path, _: &Request) -> bool {
     let text = String::from_utf8_lossy(head).to_lowercase();
+    // Decks of Nastran may begin with a title, too.
+    if path.extension().is_some_and(nastran::is_ending) || text.lines().any(nastran::begins_bulk) {
+        return false;
+    }
     let is_first = |line: &str| {
         let key = line.split('=').next().unwrap_or_default().trim();
         line.contains('=') && ["title", "variables", "filetype"].contains(&key) || line.starts_with("zone ")
@@ -102,8 +107,8 @@ impl TecplotFile {
             match entries.iter().filter(|entry| entry.0 == "ZONE").count() {
                 1 => {}
                 0 => {
-                    let Some(word) = cursor.word()?.map(printable) else { break };
-                    let error = cursor.error("numbers belong to no zone").got(format_args!("'{word}'"));
+                    let Some(word) = cursor.word()?.map(quoted) else { break };
+                    let error = cursor.error("numbers belong to no zone").got(word);
                     return Err(error.expected("ZONE before them; geometries are not read"));
                 }
                 _ => return Err(cursor.error("a zone without numbers of its own is not read")),
@@ -148,6 +153,10 @@ impl TecplotFile {
             "LINESEG" => ZoneKind::Flat(2),
             "POLYHEDRON" => ZoneKind::Polyhedra,
             "POLYGON" => ZoneKind::Flat(0),
+            "" => {
+                let error = cursor.error("a zone of finite elements does not say of which type they are");
+                return Err(error.expected("ZONETYPE, or ET beside F=FEPOINT or F=FEBLOCK"));
+            }
             _ => {
                 let error = cursor.error("zones of this type are not read").got(format_args!("'{shape}'"));
                 return Err(error.expected(
@@ -186,8 +195,9 @@ impl TecplotFile {
         // Of a zone that says neither, VTK and VisIt take each node's variables to stand side by side.
         // Those of faces are always blocks.
         let is_of_faces = shape.contains("POLY");
-        let is_block =
-            value(&["DATAPACKING"]).eq_ignore_ascii_case("BLOCK") || form.ends_with("BLOCK") || is_of_faces;
+        let is_block = value(&["DATAPACKING"]).to_ascii_uppercase().ends_with("BLOCK")
+            || form.ends_with("BLOCK")
+            || is_of_faces;
         let face_count = count(&["FACES"], 0)?;
         // Faces of polygons are edges, of two nodes each.
         let of_edges = if shape.ends_with("POLYGON") { face_count.saturating_mul(2) } else { 0 };
@@ -217,10 +227,9 @@ impl TecplotFile {
                 error.expected(format_args!("the number of a zone, at most {}", self.zones.len()))
             })
         };
-        if let word @ [_, ..] = value(&["VARSHARELIST"]).as_bytes()
-            && !word.contains(&b'[')
-        {
-            let error = cursor.error("VARSHARELIST of a zone is damaged").got(printable(word));
+        let word = value(&["VARSHARELIST"]);
+        if !word.is_empty() && !word.contains('[') {
+            let error = cursor.error("VARSHARELIST of a zone is damaged").got(quoted(word.as_bytes()));
             return Err(error.expected("numbers of variables in brackets, and a zone"));
         }
         for (variables, word) in lists("VARSHARELIST")? {

@@ -7,6 +7,7 @@ use crate::formats::source::Source;
 use crate::formats::text::TextRange;
 use quick_xml::events::{BytesStart, Event};
 use std::cell::RefCell;
+use std::collections::HashMap;
 use std::io::{BufReader, Read};
 use std::ops::Range;
 use std::rc::Rc;
@@ -17,6 +18,8 @@ use voltet_core::{Error, Result};
 const GREATEST_ELEMENT_COUNT: usize = 500_000;
 /// Deeper than any VTK file.
 const GREATEST_DEPTH: usize = 32;
+/// Text that entities stand for, for each byte of the file: they name a file in some items.
+const MAX_REFERRED_PER_BYTE: u64 = 4;
 
 /// An element of the header.
 #[derive(Debug, Default)]
@@ -69,6 +72,11 @@ impl Element {
             .expected(accepted)
     }
 
+    /// True for an item of XDMF whose text names a file; that of others holds numbers.
+    fn names_file(&self) -> bool {
+        self.tag == "DataItem" && self.attribute("Format").is_some_and(|format| format != "XML")
+    }
+
     /// The first child of that tag.
     pub fn child(&self, tag: &str) -> Option<&Element> {
         self.children.iter().find(|child| child.tag == tag)
@@ -113,6 +121,8 @@ pub(in crate::formats) fn read_as(
     };
     let text = TextRange::new(source, 0..source.len());
     let mut open: Vec<Element> = vec![Element::default()];
+    let mut entities = HashMap::new();
+    let mut referred_bytes = 0_u64;
     let mut buffer = Vec::new();
     let mut count = 0;
     loop {
@@ -150,8 +160,29 @@ pub(in crate::formats) fn read_as(
             }
             Event::End(_) => close(&mut open),
             Event::Text(words) => {
-                if let Some(inner) = open.last_mut().filter(|_| !words.trim_ascii().is_empty()) {
+                // White space stands between entities.
+                let is_text = |inner: &&mut Element| {
+                    !words.trim_ascii().is_empty() || inner.names_file() && !inner.text.is_empty()
+                };
+                if let Some(inner) = open.last_mut().filter(is_text) {
                     inner.text.push(start..end);
+                }
+            }
+            Event::DocType(_) => entities = declared_entities(source, start..end)?,
+            Event::GeneralRef(name)
+                if entities.contains_key(name.as_ref()) && open.last().is_some_and(Element::names_file) =>
+            {
+                let value: Range<u64> = entities[name.as_ref()].clone();
+                referred_bytes = referred_bytes.saturating_add(value.end - value.start);
+                if referred_bytes > source.len().saturating_mul(MAX_REFERRED_PER_BYTE) {
+                    return Err(failed(
+                        Error::run("the entities of the XML stand for too much text").expected(format!(
+                            "at most {MAX_REFERRED_PER_BYTE} times the length of the file"
+                        )),
+                    ));
+                }
+                if let Some(inner) = open.last_mut().filter(|_| !value.is_empty()) {
+                    inner.text.push(value);
                 }
             }
             Event::CData(_) | Event::GeneralRef(_)
@@ -177,6 +208,44 @@ pub(in crate::formats) fn read_as(
         return Err(error.expected("a file that was written to its end"));
     }
     root(open, root_tag).map(|root| (root, None))
+}
+
+/// Places of the values of the entities that a DOCTYPE declares in its first 64 KiB: `<!ENTITY NAME "VALUE">`. Of several of a name
+/// the first holds (XML 1.0, 4.2). Those of values with entities within are not among them.
+fn declared_entities(
+    source: &Source,
+    Range { start, end }: Range<u64>,
+) -> Result<HashMap<String, Range<u64>>> {
+    const LONGEST: u64 = 1 << 16;
+    const MARK: &str = "<!ENTITY";
+    let bytes = source.read(start, (end - start).min(LONGEST))?;
+    // A byte a character.
+    let text: String =
+        bytes.iter().map(|&byte| if byte.is_ascii() { char::from(byte) } else { '?' }).collect();
+    let (mut entities, mut at) = (HashMap::new(), 0);
+    while let Some(place) = text[at..].find('<') {
+        at += place;
+        if text[at..].starts_with("<!--") {
+            let Some(length) = text[at..].find("-->") else { break };
+            at += length;
+            continue;
+        }
+        let Some(rest) = text[at..].strip_prefix(MARK) else {
+            at += 1;
+            continue;
+        };
+        let Some(quote) = rest.find(['"', '\'']) else { break };
+        let Some(length) = rest[quote + 1..].find(&rest[quote..=quote]) else { break };
+        let (name, value) = (rest[..quote].trim(), &rest[quote + 1..][..length]);
+        let first = at + MARK.len() + quote + 1;
+        at = first + length;
+        if !name.is_empty() && !name.contains(|own: char| own.is_whitespace() || "<>&%".contains(own)) {
+            entities.entry(name.to_owned()).or_insert((value, start + first as u64));
+        }
+    }
+    let is_plain = |value: &str| !value.contains(['&', '%']);
+    let known = entities.into_iter().filter(|(_, (value, _))| is_plain(value));
+    Ok(known.map(|(name, (value, first))| (name, first..first + value.len() as u64)).collect())
 }
 
 /// Ends the innermost open element.

@@ -52,10 +52,10 @@ def solution(name, location, children):
     return node(name, "FlowSolution_t", None, [node("GridLocation", "GridLocation_t", location), *children])
 
 
-def solutions(grid):
+def solutions(grid, axes="XYZ"):
     s, v = (vtk_to_numpy(grid.GetPointData().GetArray(name)) for name in "sv")
     c = vtk_to_numpy(grid.GetCellData().GetArray("c"))
-    vector = {f"v{axis}": v[:, place].copy() for place, axis in enumerate("XYZ")}
+    vector = {f"v{axis}": v[:, place].copy() for place, axis in enumerate(axes)}
     return [
         solution("Solution", "Vertex", arrays(s=s.astype(np.float32), **vector)),
         solution("Cells", "CellCenter", arrays(c=c)),
@@ -85,20 +85,25 @@ def cells_of(grid):
     return points, cells
 
 
-def unstructured(name, grid, mixed, old=False):
+def of_3_0(kind):
+    """The number of an element type in the library 3.0, which had PYRA_13 behind PYRA_5."""
+    return 13 if kind == 21 else kind + (12 < kind < 21)
+
+
+def unstructured(name, grid, mixed, old=False, number=int, axes="XYZ"):
     """A boundary section of triangles, then the cells: one section each, or all in one of mixed types."""
     points, cells = cells_of(grid)
     sections = [section("Wall", 5, 1, 1, [1, 2, 3])]
     if mixed:
-        connectivity = [number for kind, nodes in cells for number in (kind, *nodes)]
+        connectivity = [own for kind, nodes in cells for own in (number(kind), *nodes)]
         offsets = np.concatenate([[0], np.cumsum([len(nodes) + 1 for _, nodes in cells])])
-        sections.append(section("Mixed", 20, 2, len(cells), connectivity, None if old else offsets))
+        sections.append(section("Mixed", number(20), 2, len(cells), connectivity, None if old else offsets))
     else:
-        sections += [section(f"E{i}", kind, 2 + i, 1, nodes) for i, (kind, nodes) in enumerate(cells)]
+        sections += [section(f"E{i}", number(kind), 2 + i, 1, nodes) for i, (kind, nodes) in enumerate(cells)]
         # The order in the file is not that of the element numbers.
         sections = sections[::-1]
     sizes = [[len(points), len(cells), 0]]
-    return zone(name, sizes, "Unstructured", [coordinates(points), *sections, *solutions(grid)])
+    return zone(name, sizes, "Unstructured", [coordinates(points), *sections, *solutions(grid, axes)])
 
 
 def faces(name, grid, old):
@@ -212,6 +217,9 @@ append.Update()
 write("cells", base("Base", unstructured("Zone", every, False)))
 write("mixed", base("Base", unstructured("Zone", every, True)))
 write("mixed_old", base("Base", unstructured("Zone", every, True, old=True)), version=3.1)
+axes = ["_x", "_y", "_z"]
+for name, mixed in [("cells_3_0", False), ("mixed_3_0", True)]:
+    write(name, base("Base", unstructured("Zone", every, mixed, old=True, number=of_3_0, axes=axes)), version=3.0)
 write("polyhedra", base("Base", faces("Zone", append.GetOutput(), False)))
 write("polyhedra_old", base("Base", faces("Zone", append.GetOutput(), True)), version=3.1)
 surface = zone("Skin", [[3, 1, 0]], "Unstructured", [coordinates(np.eye(3)), section("E", 5, 1, 1, [1, 2, 3])])

@@ -441,6 +441,18 @@ fn descriptions_and_names_may_be_blank() {
 }
 
 #[test]
+fn complex_variables_are_left_out_and_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = write_case(folder.path(), None);
+    let more = "VARIABLE\ncomplex scalar per node: 1 wave a.re a.im 50.\nscalar per measured node: 1 dust a.d\n\
+        material id per element: 1 stuff a.m\nconstant per case: mass 2.\n";
+    std::fs::write(&path, CASE.replacen("VARIABLE\n", more, 1)).unwrap();
+    let summary = inspect(&path, &Request::default(), &NoProgress).unwrap();
+    let expected = "Variables of complex numbers or of particles are left out: 'wave', 'dust'.";
+    assert!(summary.warnings.iter().any(|warning| warning == expected), "{:?}", summary.warnings);
+}
+
+#[test]
 fn mistakes_say_what_and_where() {
     let folder = tempfile::tempdir().unwrap();
     let path = write_case(folder.path(), None);

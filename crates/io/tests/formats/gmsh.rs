@@ -324,6 +324,59 @@ fn both_versions_in_text_and_in_bytes_of_either_order_read_the_same() {
 }
 
 #[test]
+fn older_versions_and_those_behind_comments_read_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let nodes = "5\n1 0 0 0\n2 1 0 0\n5 0 1 0\n9 0 0 1\n7 1 1 1\n";
+    let second = format!(
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{nodes}$EndNodes\n$Elements\n3\n1 2 2 4 1 1 2 5\n3 4 2 6 1 1 2 5 9\n\
+         4 4 2 8 1 2 5 9 7\n$EndElements\n"
+    );
+    let first = format!(
+        "$NOD\n{nodes}$ENDNOD\n$ELM\n3\n1 2 4 1 3 1 2 5\n3 4 6 1 4 1 2 5 9\n4 4 8 1 4 2 5 9 7\n$ENDELM\n"
+    );
+    let elements = &first[first.find("$ELM").unwrap()..];
+    // Points have boxes, entities their tag first, nodes their tags in their rows; one has parameters.
+    let fourth = "$MeshFormat\n4 0 8\n$EndMeshFormat\n$Entities\n1 0 0 2\n1 0 0 0 0 0 0 0\n1 0 0 0 1 1 1 1 6 0\n2 0 0 0 1 1 1 1 8 0\n\
+        $EndEntities\n$Nodes\n3 5\n1 0 0 1\n1 0 0 0\n1 3 0 3\n2 1 0 0\n5 0 1 0\n9 0 0 1\n1 2 1 1\n7 1 1 1 0.5 0.25\n$EndNodes\n\
+        $Elements\n3 3\n1 2 2 1\n1 1 2 5\n1 3 4 1\n3 1 2 5 9\n2 3 4 1\n4 2 5 9 7\n$EndElements\n";
+    let marked = |text: &str| format!("\u{feff}{text}");
+    let (first_marked, second_marked) = (marked(&first), marked(&second));
+    let first_commented = format!("$Comments\n$NOD\n$MeshFormat\n$EndComments\n{first}");
+    let commented = format!("$Comments\n{}\n$EndComments\n{second}", "a line\n".repeat(900));
+    // Sizes of four bytes are of no account in text.
+    let of_four = fourth.replacen("4 0 8", "4 0 4", 1);
+    let mesh = Request { without_scalar: true, ..Request::default() };
+    let of = |text: &str| {
+        let path = file(&folder, "a.msh", text.as_bytes());
+        let blocks = inspect(&path, &Request::default(), &NoProgress).unwrap().blocks;
+        let own = grid(&path, &mesh);
+        let names: Vec<String> = blocks.into_iter().map(|block| block.name).collect();
+        (names, own.points.to_vec(), own.tetrahedra.to_vec())
+    };
+    let expected = of(&second);
+    assert_eq!(
+        (&*expected.0, expected.1.len(), expected.2.len()),
+        (&["6".to_owned(), "8".to_owned()][..], 5, 2)
+    );
+    for text in [&first, fourth, &commented, &of_four, &first_marked, &second_marked, &first_commented] {
+        assert_eq!(of(text), expected, "{text:.60}");
+    }
+    for (text, from, to, words) in [
+        (&*first, "3 4 6 1 4 1 2 5 9", "3 4 6 1 4 1 2 5 8", ["element 3", "found 8"]),
+        (&*first, "$ENDELM", "", ["ends early", "$ELM without its end"]),
+        (&*commented, "$EndComments", "", ["$Comments without its end", "a.msh:2"]),
+        (&*first, "1 4 1 2 5 9", "1 5 1 2 5 9", ["than its type: found 5; expected 4", "a.msh:12"]),
+        (&*first, "$NOD\n", "$XOD\n", ["format of the file is not known", "'$XOD"]),
+        (&*first, elements, "", ["not complete", "a section $ELM"]),
+        (fourth, "5 0 1 0\n", "5.5 0 1 0\n", ["number of a node", "a.msh:16"]),
+    ] {
+        let path = file(&folder, "a.msh", text.replacen(from, to, 1).as_bytes());
+        let found = read(&path, &mesh, &NoProgress).unwrap_err().to_string();
+        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+    }
+}
+
+#[test]
 fn cells_without_values_have_no_part_in_means() {
     let folder = tempfile::tempdir().unwrap();
     let mut text = String::from_utf8(partitioned(4.1, None)).unwrap();
@@ -352,8 +405,9 @@ fn mistakes_say_what_and_where() {
             assert!(message.contains(part), "'{part}' is not in: {message}");
         }
     };
-    expect(message("4.1 0 8", "4 0 8"), &["version", "'4 0 8'", "2 or 4.1", "a.msh:2"]);
-    expect(message("4.1 0 8", "4.1 0 4"), &["size", "8 bytes"]);
+    expect(message("4.1 0 8", "3 0 8"), &["version", "'3 0 8'", "msh41", "a.msh:2"]);
+    expect(message("4.1 0 8", "4 1 8"), &["version", "'4 1 8'", "text", "a.msh:2"]);
+    expect(message("4.1 0 8", "4.1 1 4"), &["size", "8 bytes"]);
     expect(message("$EndElements", "$EndElement"), &["ends early", "$Elements without its end"]);
     expect(message("800 13 12", "800 14 12"), &["element 800", "node that does not exist", "found 14"]);
     expect(message("3 3 4 1 800", "3 3 30 1 800"), &["not read", "found 30", "orders 1 to 3"]);

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use voltet_core::grid::Grid;
 use voltet_core::progress::NoProgress;
-use voltet_io::formats::{Request, files_beside, files_read_beside, inspect, read};
+use voltet_io::formats::{Request, files_beside, files_read_beside, foreign_head, inspect, read};
 use voltet_testing::files::samples::file;
 
 fn sample(name: &str) -> PathBuf {
@@ -182,12 +182,54 @@ fn nastran_has_three_forms_of_fields() {
         ("GRID,2,,1.0", "GRID,2,4,1.0", ["not defined", "found 4", "a.bdf:7"]),
         ("GRID,2,,1.0", "GRID,2,,l.0", ["coordinate of a GRID", "'l.0'", "a.bdf:7"]),
         ("2,7,2,3,4,5", "2,7,2,3,4,6", ["element 2", "does not exist", "found 6"]),
-        ("2,7,2,3,4,5", "2,7,2,3,4,5,1", ["some of its edges", "found 1", "6"]),
     ] {
         let path = file(&folder, "a.bdf", text.replacen(from, to, 1).as_bytes());
         let found = read(&path, &mesh(), &NoProgress).unwrap_err().to_string();
         assert!(words.iter().all(|word| found.contains(word)), "{found}");
     }
+}
+
+#[test]
+fn nastran_is_told_by_its_content_and_may_lack_nodes_on_edges() {
+    let folder = tempfile::tempdir().unwrap();
+    // The title is one of Tecplot, too, and the bulk data begin far behind.
+    let text = format!(
+        "TITLE = a deck\n{}BEGIN BULK\nGRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\nGRID,5,,.5,0.,0.\n\
+         GRID,6,,1.,1.,1.\nCTETRA,1,1,1,2,3,4\nCTETRA,2,1,2,3,4,6,,0\n,,,5\nENDDATA\n",
+        "$ a comment of a case\n".repeat(150)
+    );
+    let path = file(&folder, "a.dat", text.as_bytes());
+    let all = grid(&path, &mesh());
+    assert_eq!((&all.tetrahedra[..], all.points[4].y), (&[[0, 1, 2, 3], [1, 2, 3, 4]][..], 1.0));
+    let words = "The points of 1 cell beyond those that their type of cell has are left out.";
+    assert!(all.origin.warnings.iter().any(|warning| warning == words), "{:?}", all.origin.warnings);
+}
+
+#[test]
+fn formats_of_text_are_told_by_whole_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let deck = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\nCTETRA,1,1,1,2,3,4\n";
+    // The ending of the name comes before a title; words that only resemble those of Nastran mean nothing.
+    let path = file(&folder, "a.bdf", format!("TITLE = a deck\n{deck}").as_bytes());
+    assert_eq!(grid(&path, &mesh()).tetrahedra.len(), 1);
+    let path = file(&folder, "b.bdf", format!("$NODES\n{deck}").as_bytes());
+    assert_eq!(grid(&path, &mesh()).tetrahedra.len(), 1);
+    let nodes = "*NODE\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n4, 0., 0., 1.\n*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n";
+    let path = file(&folder, "a.inp", format!("*HEADING\nGrid, 20 x 20 x 20\ncenter\n{nodes}").as_bytes());
+    assert_eq!(grid(&path, &mesh()).tetrahedra.len(), 1);
+    // Readers from outside come first where words of Abaqus stand further behind.
+    for (comment, is_foreign) in [("** of a mesh\n", false), (&*"** of a mesh\n".repeat(30), true)] {
+        let path = file(&folder, "a.cells", format!("{comment}{nodes}").as_bytes());
+        assert_eq!(grid(&path, &mesh()).tetrahedra.len(), 1);
+        assert_eq!(foreign_head(&path).is_some(), is_foreign, "{comment}");
+    }
+    // Files that are included are seen wherever the words that tell the format stand.
+    let begin = format!("{}INCLUDE 'a.bdf'\nBEGIN BULK\n", "$ of a mesh\n".repeat(30));
+    let path = file(&folder, "c.txt", begin.as_bytes());
+    assert_eq!(files_beside(&path), [folder.path().join("a.bdf")]);
+    let path = file(&folder, "b.dat", b"Grids of a city\ncenter, begin bulky\nGrid  of all\n");
+    let found = read(&path, &mesh(), &NoProgress).unwrap_err().to_string();
+    assert!(found.contains("the format of the file is not known"), "{found}");
 }
 
 #[test]

@@ -255,7 +255,22 @@ fn mistakes_name_the_file_and_the_line() {
         message("constant/polyMesh/faces", "format      ascii", "format      asci", "T"),
         &["'asci'", "faces"],
     );
-    std::fs::remove_file(folder.path().join("case/constant/polyMesh/neighbour")).unwrap();
+    copy(&sample("text"), &folder.path().join("case"));
+    let neighbour = folder.path().join("case/constant/polyMesh/neighbour");
+    let inner = std::fs::read_to_string(&neighbour).unwrap();
+    let expected = grid(&folder.path().join("case"), &request("T"));
+    let (head, list) = inner.rsplit_once("\n(\n").unwrap();
+    let (head, count) = head.rsplit_once('\n').unwrap();
+    let outer = |label: &str| {
+        let more = format!("{label}\n").repeat(3);
+        let count = count.trim().parse::<usize>().unwrap() + 3;
+        let text = format!("{head}\n{count}\n(\n{}", list.replacen("\n)", &format!("\n{more})"), 1));
+        std::fs::write(&neighbour, text).unwrap();
+        read(&folder.path().join("case"), &request("T"), &NoProgress)
+    };
+    assert_eq!(outer("-1").unwrap().tetrahedra, expected.tetrahedra);
+    expect(outer("-2").unwrap_err().to_string(), &["damaged", "'-2'", "neighbour:"]);
+    std::fs::remove_file(neighbour).unwrap();
     let missing = read(&folder.path().join("case"), &request("T"), &NoProgress).unwrap_err().to_string();
     assert!(missing.contains("not complete") && missing.contains("polyMesh/neighbour"), "{missing}");
     std::fs::remove_dir_all(folder.path().join("case/constant")).unwrap();
@@ -332,7 +347,10 @@ fn labels_and_numbers_of_every_width_and_order_are_read() {
         write("constant/polyMesh/points", "vectorField", &[&arch.scalars(12, &points)]);
         write("constant/polyMesh/faces", "faceCompactList", &[&arch.labels(&ends), &arch.labels(corners)]);
         write("constant/polyMesh/owner", "labelList", &[&arch.labels(&owner)]);
-        write("constant/polyMesh/neighbour", "labelList", &[&arch.labels(&[1])]);
+        // Older meshes have -1 for the faces of the boundary.
+        let mut neighbours = vec![-1; if bits & 4 == 0 { 1 } else { owner.len() }];
+        neighbours[0] = 1;
+        write("constant/polyMesh/neighbour", "labelList", &[&arch.labels(&neighbours)]);
         let values = arch.scalars(2, &[0.25, 8.5]);
         let rest: &[u8] =
             b";\nboundaryField { #include \"walls\" a { value nonuniform List<scalar> 0(); } }\n";

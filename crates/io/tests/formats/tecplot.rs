@@ -63,6 +63,10 @@ fn zones_are_blocks_and_steps() {
     let same = grid(&path, &Request { blocks: vec!["solid".into()], ..request("load") });
     assert_eq!(same.scalar, part.scalar);
     assert_eq!(inspect(&path, &Request::default(), &NoProgress).unwrap().time_steps, [1.5, 3.0]);
+    // As VTK's reader has it.
+    let path =
+        file(&folder, "a.dat", TEXT.replacen("DATAPACKING=BLOCK", "DATAPACKING=FEBLOCK", 1).as_bytes());
+    assert_eq!(grid(&path, &request("T")).scalar, all.scalar);
     let point = "variables = x, y, z, s zone t=one n=4, e=1, f=fepoint, et=tetrahedron\n\
         0 0 0 1\n1 0 0 2\n0 1 0 3\n0 0 1 4\n1 2 3 4\n";
     let path = file(&folder, "b.dat", point.as_bytes());
@@ -79,16 +83,17 @@ fn mistakes_say_what_and_where() {
         ("2 3 4 5", "2 3 4 6", ["does not exist", "found 6", "a.dat:15"]),
         ("0 0 1 0 1", "0 0 l 0 1", ["damaged", "'l'", "a.dat:10"]),
         ("-1 2.5", "-1 7*2.5", ["beyond its zone", "found 7", "a.dat:13"]),
-        ("([1-3]=1)", "(1,2,3)", ["VARSHARELIST", "(1,2,3)", "brackets"]),
+        ("([1-3]=1)", "(1,2,3)", ["VARSHARELIST", "found '(1,2,3)'", "brackets"]),
         ("[1-3]=1", "[1-3]=9", ["shares", "'9'", "at most 3"]),
         ("N=5,", "N=5000000000,", ["does not fit the file", "5000000000", "a.dat:"]),
         ("ZONE T=\"box\"", "VARIABLES=a b c ZONE", ["change between zones", "found 3", "5 variables"]),
-        ("2 3 4 5\n", "2 3 4 5\n7 7\n", ["no zone", "'7'", "a.dat:16"]),
+        ("2 3 4 5\n", "2 3 4 5\n7 7\n", ["no zone: found '7'", "geometries", "a.dat:16"]),
         ("ZONE T=\"box\"", "ZONE\nZONE", ["zone without numbers", "not read", "a.dat:"]),
         ("=CELLCENTERED", "=CELLCENTRED", ["VARLOCATION", "'CELLCENTRED'", "NODAL or CELLCENTERED"]),
         ("[5]=CELL", "[9]=CELL", ["VARLOCATION", "'9'", "in brackets"]),
         ("SOLUTIONTIME=1.5", "SOLUTIONTIME=l.5", ["SOLUTIONTIME", "'l.5'", "a number"]),
         ("TITLE", "FILETYPE=SOLUTION\nTITLE", ["no coordinates", "SOLUTION", "FULL"]),
+        ("ET=TRIANGLE", "C=RED", ["finite elements", "ZONETYPE", "a.dat:"]),
         ("DATAPACKING=BLOCK", "DATAPACKING=POINT", ["at cells", "side by side", "BLOCK"]),
     ] {
         assert!(TEXT.contains(from));

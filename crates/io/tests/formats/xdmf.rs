@@ -123,6 +123,48 @@ fn grids_of_one_file_at_other_bytes_are_others() {
 }
 
 #[test]
+fn an_entity_stands_for_the_text_that_the_document_declares() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a.xdmf");
+    std::fs::write(folder.path().join("a.bin"), bytes(0.0)).unwrap();
+    let head = "<?xml version=\"1.0\" ?>\n<!DOCTYPE Xdmf SYSTEM \"Xdmf.dtd\" [\n<!ENTITY Heavy \"a\">\n<!ENTITY End '.bin'>\n]>\n";
+    let text = |name: &str| format!("{head}<Xdmf><Domain>{}</Domain></Xdmf>", tetrahedron("a", name, 0));
+    std::fs::write(&file, text("\n &Heavy;&End;\n")).unwrap();
+    follow(&read(&file, &request("s"), &NoProgress).unwrap(), |[x, ..]| x, "entities");
+    // The first declaration holds, one in a comment does not; space between entities is of the name.
+    std::fs::write(folder.path().join("a b.bin"), bytes(0.0)).unwrap();
+    let more =
+        "<!-- <!ENTITY First 'c'> -->\n<!ENTITY First 'a'>\n<!ENTITY First 'c'>\n<!ENTITY Last 'b.bin'>\n]>";
+    std::fs::write(&file, text("&First; &Last;").replacen("]>", more, 1)).unwrap();
+    follow(&read(&file, &request("s"), &NoProgress).unwrap(), |[x, ..]| x, "entities");
+    let error = |text: String| {
+        std::fs::write(&file, text).unwrap();
+        read(&file, &request("s"), &NoProgress).unwrap_err().to_string()
+    };
+    let within = |value: &str| text("&New;.bin").replacen("]>", &format!("<!ENTITY New {value}>\n]>"), 1);
+    let numbers = "<DataItem Dimensions=\"4 3\">0 0 0 1 0 0 0 1 0 0 0 &Heavy;</DataItem>";
+    let (path, repeated) = ("<DataItem>a&Heavy;</DataItem>", "&Long;".repeat(1000));
+    let long = text(&repeated).replacen("]>", &format!("<!ENTITY Long '{}'>]>", "a".repeat(2000)), 1);
+    let items = |item: &str| {
+        let whole = text("a.bin");
+        let (begin, end) = (whole.find("<DataItem").unwrap(), whole.find("</DataItem>").unwrap());
+        format!("{}{item}{}", &whole[..begin], &whole[end + "</DataItem>".len()..])
+    };
+    for (text, words) in [
+        (text("&Heavy;&Other;"), ["not plain text", "a.xdmf:6"]),
+        (within("'&Heavy;'"), ["not plain text", "a.xdmf:7"]),
+        (within("SYSTEM 'a'"), ["not plain text", "a.xdmf:7"]),
+        (within("'a"), ["a.xdmf", ":"]),
+        (items(numbers), ["not plain text", "a.xdmf:6"]),
+        (items(path), ["not plain text", "a.xdmf:6"]),
+        (long, ["stand for too much text", "a.xdmf:6"]),
+    ] {
+        let found = error(text);
+        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+    }
+}
+
+#[test]
 fn files_of_all_steps_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("a.xdmf");
