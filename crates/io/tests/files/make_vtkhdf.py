@@ -235,6 +235,13 @@ def damaged():
 
     hexahedron("bad_virtual", virtual)
 
+    # In another file: at the address of the virtual dataset this one has a virtual dataset of other files.
+    elsewhere = pathlib.Path("vtkhdf_bad_elsewhere.vtkhdf")
+    elsewhere.write_bytes(pathlib.Path("vtkhdf_bad_virtual.vtkhdf").read_bytes().replace(b"values_", b"others_"))
+    with h5py.File(elsewhere, "a", libver="latest") as file:
+        file.move("VTKHDF", "own")
+        file["VTKHDF"] = h5py.ExternalLink("vtkhdf_bad_virtual.vtkhdf", "/VTKHDF")
+
     def filtered(root):
         replace("Points", None)(root)
         root.create_dataset("Points", (8, 3), dtype="f8", chunks=(8, 3), data=np.zeros((8, 3)), compression="lzf")
