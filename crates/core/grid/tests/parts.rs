@@ -435,7 +435,7 @@ fn every_box_that_meets_that_of_a_piece_is_among_those_of_others() {
     let meets = |[a, b]: [DVec3; 2], [c, d]: [DVec3; 2]| a.cmple(d).all() && c.cmple(b).all();
     let mut of_counts = [0; 3];
     for (seed, count, size) in
-        [(1, 40, 0.1), (2, 400, 0.15), (3, 60, 0.9), (4, 1, 1.0), (5, 300, 0.5), (6, 900, 0.2)]
+        [(1, 40, 0.1), (2, 400, 0.15), (3, 60, 0.9), (4, 1, 1.0), (5, 300, 2.0), (6, 600, 1.2)]
     {
         let mut random = Random(seed);
         // Coordinates of which many are the same, so that boxes touch each other.
