@@ -49,7 +49,7 @@ impl Group {
     /// A group in this one, or one that a link in it leads to. Errors: they stand too deep in one another.
     fn child(&self, opened: &mut ObjectCache, name: &str, group: hdf5_reader::group::Group) -> Result<Group> {
         let path = self.below(name);
-        if path.split('/').count() > MAX_DEPTH {
+        if path.matches('/').count() > MAX_DEPTH {
             let error = Error::run("the HDF5 groups stand too deep in one another").at_item(path);
             return Err(error.expected(format_args!("at most {MAX_DEPTH} steps")));
         }

@@ -2,6 +2,7 @@
 
 import glob
 import os
+import pathlib
 
 import h5py
 import numpy as np
