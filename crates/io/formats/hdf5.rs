@@ -13,11 +13,17 @@ use super::numbers::{ByteOrder, NumberType};
 use super::source::Source;
 use hdf5_reader::messages::{HdfMessage, layout::DataLayout};
 use hdf5_reader::{Datatype, Hdf5File, SliceInfo, SliceInfoElem, StringSize, VarLenKind};
+use std::collections::HashSet;
 use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use voltet_core::{Error, Result};
+
+/// Most groups in one that are found by their names.
+const FEW_GROUPS: usize = 16;
+/// Most groups in one another.
+const MAX_DEPTH: usize = 128;
 
 /// A group of a file.
 #[derive(Clone)]
@@ -40,11 +46,15 @@ impl Group {
         Ok(Group { file, path: String::new(), identity })
     }
 
-    /// A group in this one, or one that a link in it leads to.
-    fn child(&self, opened: &mut ObjectCache, name: &str, group: hdf5_reader::group::Group) -> Group {
+    /// A group in this one, or one that a link in it leads to. Errors: they stand too deep in one another.
+    fn child(&self, opened: &mut ObjectCache, name: &str, group: hdf5_reader::group::Group) -> Result<Group> {
         let path = self.below(name);
+        if path.matches('/').count() > MAX_DEPTH {
+            let error = Error::run("the HDF5 groups stand too deep in one another").at_item(path);
+            return Err(error.expected(format_args!("at most {MAX_DEPTH} steps")));
+        }
         let identity = self.file.note(opened, &path, group);
-        Group { file: self.file.clone(), path, identity }
+        Ok(Group { file: self.file.clone(), path, identity })
     }
 
     /// Path from the root, for messages.
@@ -82,7 +92,7 @@ impl Group {
         let mut opened = self.file.opened()?;
         let group = self.file.optional(&path, self.file.group(&mut opened, &self.path)?.group(name))?;
         opened.count += 1;
-        Ok(group.map(|group| self.child(&mut opened, name, group)))
+        group.map(|group| self.child(&mut opened, name, group)).transpose()
     }
 
     /// The group of that name. Errors: there is none.
@@ -93,23 +103,26 @@ impl Group {
     /// The groups in this one, in the order of their names or of their making, whichever the file keeps.
     pub fn groups(&self) -> Result<Vec<Group>> {
         let mut opened = self.file.opened()?;
-        let own = self.file.group(&mut opened, &self.path)?;
-        // This opens the arrays too, some of which may be of types that are not read.
-        if let Ok(groups) = own.groups() {
-            opened.count += groups.len();
-            let child = |group: hdf5_reader::group::Group| {
+        let (names, arrays) = self.member_names(&mut opened)?;
+        // Many are opened together: finding one by name costs as much as listing a few hundred. This opens the arrays too, some of which
+        // may be of types that are not read.
+        if names.len() > arrays.len().max(FEW_GROUPS)
+            && let Ok(groups) = self.file.group(&mut opened, &self.path)?.groups()
+        {
+            let mut child = |group: hdf5_reader::group::Group| {
                 let name = group.name().to_owned();
                 self.child(&mut opened, &name, group)
             };
-            return Ok(groups.into_iter().map(child).collect());
+            return groups.into_iter().map(&mut child).collect();
         }
         drop(opened);
-        self.member_names()?.0.iter().map(|name| self.required_group(name)).collect()
+        names.iter().map(|name| self.required_group(name)).collect()
     }
 
     /// The arrays in this group.
     pub fn arrays(&self) -> Result<Vec<Array>> {
-        self.member_names()?.1.iter().map(|name| self.required_array(name)).collect()
+        let names = self.member_names(&mut *self.file.opened()?)?.1;
+        names.iter().map(|name| self.required_array(name)).collect()
     }
 
     /// The name of this group in that above it.
@@ -119,13 +132,23 @@ impl Group {
 
     /// The names of groups and arrays.
     pub fn names(&self) -> Result<Vec<String>> {
-        let (groups, arrays) = self.member_names()?;
+        let (groups, arrays) = self.member_names(&mut *self.file.opened()?)?;
         Ok(groups.into_iter().chain(arrays).collect())
     }
 
-    fn member_names(&self) -> Result<(Vec<String>, Vec<String>)> {
-        let group = self.file.group(&mut *self.file.opened()?, &self.path)?;
-        group.member_names().map_err(|error| self.file.damaged(self.path(), &error))
+    /// The names of groups and of arrays. Errors: two are the same, or one is a path.
+    fn member_names(&self, opened: &mut ObjectCache) -> Result<(Vec<String>, Vec<String>)> {
+        let names = self.file.group(opened, &self.path)?.member_names();
+        let (groups, arrays) = names.map_err(|error| self.file.damaged(self.path(), &error))?;
+        opened.count += groups.len() + arrays.len();
+        let mut known = HashSet::new();
+        match groups.iter().chain(&arrays).find(|name| name.contains('/') || !known.insert(*name)) {
+            Some(name) => Err(Error::run("the names in an HDF5 group are damaged")
+                .got(format_args!("'{name}'"))
+                .expected("names without '/' that differ")
+                .at_item(self.path())),
+            None => Ok((groups, arrays)),
+        }
     }
 
     fn attribute(&self, name: &str) -> Result<Option<hdf5_reader::Attribute>> {

@@ -13,8 +13,9 @@ const LAYOUT: [u8; 2] = [4, 3];
 /// Bytes of an object header in which its layout is looked for.
 const HEADER_BYTES: u64 = 1 << 12;
 
-/// The error about a virtual dataset at a path or in the group there, if that is why the crate failed.
-pub(super) fn refusal(storage: &dyn Storage, path: &str, error: &Failure) -> Option<Error> {
+/// The error about a virtual dataset at a path or in the group there, if that is why the crate failed; with the first dataset that its values
+/// are of where its file is known.
+pub(super) fn refusal(storage: Option<&dyn Storage>, path: &str, error: &Failure) -> Option<Error> {
     let (mut child, mut error) = ("", error);
     while let Failure::Context { path, source } = error {
         (child, error) = (path, source);
@@ -27,7 +28,9 @@ pub(super) fn refusal(storage: &dyn Storage, path: &str, error: &Failure) -> Opt
     let is_named = path.rsplit('/').next() == Some(name);
     let path = if is_named { path.to_owned() } else { format!("{}/{name}", path.trim_end_matches('/')) };
     let address = u64::from_str_radix(address, 16).ok()?;
-    let found = source(storage, address).unwrap_or_else(|| "values of other datasets".to_owned());
+    let found = storage
+        .and_then(|storage| source(storage, address))
+        .unwrap_or_else(|| "values of other datasets".to_owned());
     let expected = "a file with the values themselves: `h5repack -l CONTI FILE NEW` makes one while the files of the values are there";
     Some(Error::run("virtual datasets are not read").got(found).expected(expected).at_item(path))
 }

@@ -433,9 +433,13 @@ fn processes_keep_the_keys_that_several_pieces_have() {
 #[test]
 fn every_box_that_meets_that_of_a_piece_is_among_those_of_others() {
     let meets = |[a, b]: [DVec3; 2], [c, d]: [DVec3; 2]| a.cmple(d).all() && c.cmple(b).all();
-    for (seed, count, size) in [(1, 40, 0.1), (2, 400, 0.15), (3, 60, 0.9), (4, 1, 1.0)] {
+    let mut of_counts = [0; 3];
+    for (seed, count, size) in
+        [(1, 40, 0.1), (2, 400, 0.15), (3, 60, 0.9), (4, 1, 1.0), (5, 300, 2.0), (6, 600, 1.2)]
+    {
         let mut random = Random(seed);
-        let mut point = || DVec3::from_array(std::array::from_fn(|_| random.next()));
+        // Coordinates of which many are the same, so that boxes touch each other.
+        let mut point = || DVec3::from_array(std::array::from_fn(|_| (random.next() * 64.0).floor() / 64.0));
         let mut boxes: Vec<(usize, Option<[DVec3; 2]>)> = (0..count)
             .map(|index| {
                 let low = point();
@@ -452,14 +456,37 @@ fn every_box_that_meets_that_of_a_piece_is_among_those_of_others() {
             let others = boxes.iter().enumerate().filter(is_other).filter_map(|(_, other)| other.1);
             let mut meeting: Vec<_> =
                 others.filter(|&other| own.is_some_and(|own| meets(own, other))).collect();
+            of_counts[usize::from(!meeting.is_empty()) + usize::from(meeting.len() > 32)] += 1;
             if meeting.len() > 32 {
                 meeting = own.iter().copied().collect();
             }
-            let sorted = |mut boxes: Vec<[DVec3; 2]>| {
-                boxes.sort_by(|a, b| a[0].x.total_cmp(&b[0].x));
-                boxes
+            let sorted = |boxes: &[[DVec3; 2]]| {
+                let mut words: Vec<[[u64; 3]; 2]> =
+                    boxes.iter().map(|own| own.map(|at| at.to_array().map(f64::to_bits))).collect();
+                words.sort_unstable();
+                words
             };
-            assert_eq!(sorted(found[index].clone()), sorted(meeting), "{seed} {index}");
+            assert_eq!(sorted(&found[index]), sorted(&meeting), "{seed} {index}");
         }
     }
+    assert!(of_counts.iter().all(|count| *count > 50), "alone, among few, among many: {of_counts:?}");
+}
+
+#[test]
+fn pieces_among_many_share_the_points_that_all_boxes_show() {
+    let mut random = Random(8);
+    // Points of two planes of a lattice, in boxes that meet few others of their plane or all.
+    let pieces: Vec<RawGrid> = (0..120)
+        .map(|index| {
+            let (first, size) = (20.0 * random.next(), if index % 5 == 0 { 40.0 } else { 6.0 });
+            let mut coordinate = || (first + size * random.next()).floor();
+            let points = (0..50).map(|_| DVec3::new(coordinate(), coordinate(), (index % 2) as f64 * 90.0));
+            RawGrid::new(points.collect::<Vec<_>>(), Cells::Tetrahedra(Vec::new().into()))
+        })
+        .collect();
+    let all: Vec<[DVec3; 2]> = vec![[DVec3::NEG_INFINITY, DVec3::INFINITY]];
+    let plain: Vec<PointKeys> = pieces.iter().map(|piece| PointKeys::of_places(piece, &all)).collect();
+    let shared = SharedPoints::find(&plain);
+    assert!((0..pieces.len()).map(|piece| shared.of_piece(piece).len()).sum::<usize>() > 2000);
+    assert_eq!(shared_points(&pieces), shared);
 }

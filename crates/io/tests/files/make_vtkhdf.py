@@ -2,6 +2,7 @@
 
 import glob
 import os
+import pathlib
 
 import h5py
 import numpy as np
@@ -234,6 +235,13 @@ def damaged():
         root.create_virtual_dataset("Points", layout)
 
     hexahedron("bad_virtual", virtual)
+
+    # In another file: at the address of the virtual dataset this one has a virtual dataset of other files.
+    elsewhere = pathlib.Path("vtkhdf_bad_elsewhere.vtkhdf")
+    elsewhere.write_bytes(pathlib.Path("vtkhdf_bad_virtual.vtkhdf").read_bytes().replace(b"values_", b"others_"))
+    with h5py.File(elsewhere, "a", libver="latest") as file:
+        file.move("VTKHDF", "own")
+        file["VTKHDF"] = h5py.ExternalLink("vtkhdf_bad_virtual.vtkhdf", "/VTKHDF")
 
     def filtered(root):
         replace("Points", None)(root)

@@ -115,6 +115,7 @@ fn each_fault_is_one_error_that_names_the_file_and_the_object() {
             "virtual",
             &["'/VTKHDF/Points'", "virtual", "'points' in the file 'values_0.h5' and 1 more", "h5repack"],
         ),
+        ("elsewhere", &["'/VTKHDF/Points'", "virtual", "found values of other datasets"]),
     ] {
         let name = format!("vtkhdf_bad_{name}.vtkhdf");
         let error = read(&path(&name), &request("s"), &NoProgress).unwrap_err().to_string();
