@@ -190,9 +190,12 @@ pub(crate) enum Extent {
     Whole,
 }
 
-/// Arrays of data files, with how far each is read; none while a file is being read.
+/// Arrays of each source, with how far it is read; none while it is being read.
+type KnownArrays = HashMap<DataSource, (Extent, Arc<FileArrays>)>;
+
+/// Arrays of data files.
 #[derive(Default)]
-pub(crate) struct Arrays(Arc<Mutex<HashMap<DataSource, (Extent, Arc<FileArrays>)>>>);
+pub(crate) struct Arrays(Arc<Mutex<KnownArrays>>);
 
 impl Arrays {
     /// The arrays of the file that feeds a node, and of nodes on the way; empty while they are not known.
