@@ -6,7 +6,7 @@ use crate::eyes;
 use crate::files::{Disk, FileDialog, Recover, age, ask, begun, free_path, is_pipeline};
 use crate::jobs::{Arrays, Job};
 use crate::picture::milliseconds;
-use crate::scene::{Action, Command, FilePurpose, error_text, pictures};
+use crate::scene::{Action, Command, FilePurpose, error_text};
 use crate::view::View;
 use crate::worker::size_of;
 use eframe::egui::{Context, Event, ThemePreference};
@@ -16,7 +16,6 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use voltet_core::{Result, counted};
 use voltet_document::arrange::{PlacedNode, align, tidy};
-use voltet_document::links::upstream;
 use voltet_document::{Annotation, AnnotationId, Document, Edit, Recovery};
 use voltet_graph::NodeEntry;
 use voltet_graph::pipeline::Pipeline;
@@ -32,7 +31,7 @@ impl Editor {
             Action::Edit(label, edits) => self.edit(label, &edits),
             Action::Select(names) => self.select(names),
             Action::ToggleEyes(names) => self.toggle_eyes(&names),
-            Action::Show(name) => self.shown_node = Some(name),
+            Action::Show(name) => self.show_picture(&name),
             Action::MoveCamera(view) => self.look(view),
             Action::Probe(places, purpose) => self.probe(places, purpose),
             Action::PixelProbe(source, found) => self.show_probed(source, found),
@@ -97,19 +96,17 @@ impl Editor {
             match edit {
                 Edit::AddNode { name, .. } => {
                     added.insert(name.clone());
-                    // A picture that is made of the shown one is seen at once.
-                    let is_shown =
-                        |shown: &String| upstream(&self.document.pipeline().nodes, name).contains(shown);
-                    if pictures(&self.document, &self.registry).contains(&name.as_str())
-                        && self.shown_node.as_ref().is_some_and(is_shown)
-                    {
-                        self.shown_node = Some(name.clone());
-                    }
+                    self.show_made_of_shown(name);
                     self.expect_array(name);
                 }
                 Edit::Set { node, path, .. } if *path == "path".into() => self.expect_array(node),
-                Edit::Rename { node, to } if self.selection.remove(node) => {
-                    self.selection.insert(to.clone());
+                Edit::Rename { node, to } => {
+                    if self.selection.remove(node) {
+                        self.selection.insert(to.clone());
+                    }
+                    if self.shown_node.as_ref() == Some(node) {
+                        self.show_picture(to);
+                    }
                 }
                 _ => {}
             }
@@ -387,7 +384,7 @@ impl Editor {
     }
 }
 
-/// Shortest interval between two copies of unsaved work while a hand goes on with one edit.
+/// Shortest interval between two copies of unsaved work while a hand goes on with one edit, and after one that failed.
 const BETWEEN: Duration = Duration::from_secs(2);
 
 impl Editor {
@@ -503,7 +500,7 @@ impl Editor {
         self.recover.forget();
         self.begin();
         (self.disk, self.arrays) = (Disk::default(), Arrays::default());
-        self.shown_node = None;
+        (self.shown_node, self.chosen_pictures) = (None, Vec::new());
         self.forget_answers();
         // Revisions count from the beginning of each document.
         self.faults = (None, Vec::new());
@@ -535,7 +532,7 @@ impl Editor {
             }
             return;
         }
-        let goes_on = self.gesture.is_some();
+        let goes_on = self.gesture.is_some() || self.recover.failed.is_some();
         if let Some(kept) = self.recover.kept.filter(|kept| goes_on && kept.elapsed() < BETWEEN) {
             // The hand may rest without a frame that follows.
             ctx.request_repaint_after(BETWEEN.saturating_sub(kept.elapsed()));
@@ -548,7 +545,12 @@ impl Editor {
         let document = &self.document;
         let outcome = self.recover.keeper.as_mut().map(|keeper| keeper.follow(document));
         self.recover.kept = Some(Instant::now());
-        outcome.map(|outcome| self.check(outcome));
+        let is_kept = matches!(outcome, Some(Ok(())));
+        let failed = (!is_kept).then_some(document.revision());
+        let is_said = self.recover.failed == failed;
+        self.recover.failed = failed;
+        // Once for each edit: other messages are read, too.
+        outcome.filter(|_| !is_said).map(|outcome| self.check(outcome));
     }
 
     pub(crate) fn offer_left_behind(&mut self, ctx: &Context) {

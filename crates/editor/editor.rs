@@ -93,6 +93,8 @@ pub struct Editor {
     pub(crate) made: Option<Making>,
     pub(crate) selection: BTreeSet<String>,
     pub(crate) shown_node: Option<String>,
+    /// Nodes whose picture was chosen to be shown, the newest last; also those that are gone, which an undo or redo may bring back.
+    pub(crate) chosen_pictures: Vec<String>,
     pub(crate) arrays: Arrays,
     /// Readers that were given a file in this window, and take its first array where none is named, with what they read.
     pub(crate) new_readers: BTreeMap<String, DataSource>,
@@ -135,6 +137,7 @@ impl Editor {
             made: None,
             selection: BTreeSet::new(),
             shown_node: None,
+            chosen_pictures: Vec::new(),
             arrays: Arrays::default(),
             new_readers: BTreeMap::new(),
             message: None,
@@ -186,10 +189,7 @@ impl Editor {
     pub(crate) fn settle_on_nodes(&mut self) {
         let nodes = &self.document.pipeline().nodes;
         self.selection.retain(|name| nodes.iter().any(|node| node.name == *name));
-        let pictures = pictures(&self.document, &self.registry);
-        if !self.shown_node.as_deref().is_some_and(|shown| pictures.contains(&shown)) {
-            self.shown_node = pictures.last().map(|name| name.to_string());
-        }
+        self.settle_on_picture();
         if self.faults.0 != Some(self.document.revision()) {
             self.faults = (Some(self.document.revision()), faults(&self.document, &self.registry));
         }

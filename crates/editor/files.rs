@@ -157,7 +157,10 @@ pub(crate) struct Recover {
     pub place: Option<Recovery>,
     pub keeper: Option<Autosave>,
     pub left: Vec<OrphanedDraft>,
+    /// Time when work was last kept, or could not be.
     pub kept: Option<Instant>,
+    /// Revision of the work that could not be kept.
+    pub failed: Option<u64>,
 }
 
 impl Recover {
@@ -171,7 +174,7 @@ impl Recover {
         if let Some(mut keeper) = self.keeper.take() {
             let _ = keeper.give_up();
         }
-        self.kept = None;
+        (self.kept, self.failed) = (None, None);
     }
 }
 

@@ -1,7 +1,7 @@
 //! Readers that were given a file in this window, and are to draw the array that `voltet start` would choose.
 
 use crate::editor::Editor;
-use crate::jobs::DataSource;
+use crate::jobs::{DataSource, Extent};
 use eframe::egui::Context;
 use voltet_document::Edit;
 use voltet_graph::NodeEntry;
@@ -28,7 +28,7 @@ impl Editor {
                         == Some(&source)
             };
             let Some(entry) = entry.filter(is_as_it_was).filter(|_| done == all) else { continue };
-            let found = self.arrays.of_reader(ctx, &self.document, &self.registry, entry);
+            let found = self.arrays.of_reader(ctx, &self.document, &self.registry, entry, Extent::Whole);
             let is_any = entry.setting("association").is_none();
             match &found.to_be_named {
                 Some(array) => self.name_array(&name, array, is_any),

@@ -115,6 +115,12 @@ impl ArrayChoice {
     pub fn is_at(&self, place: Association) -> bool {
         self.at.is_none_or(|own| own == place)
     }
+
+    /// True if it is the array of that name, or a component of it.
+    pub fn is_of(&self, array: &str) -> bool {
+        let rest = self.name.strip_prefix(array);
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(':'))
+    }
 }
 
 pub(crate) fn reads(entry: &NodeEntry, registry: &Registry) -> bool {
@@ -168,22 +174,28 @@ pub(crate) struct UpstreamArrays {
 impl UpstreamArrays {
     /// Choices of different names: a result takes the place of an array of its name and of that one's components.
     pub fn choices(&self) -> Vec<&ArrayChoice> {
-        let is_of = |array: &str, result: &str| {
-            let rest = array.strip_prefix(result);
-            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(':'))
-        };
         let mut all: Vec<&ArrayChoice> = self.of_file.choices.iter().collect();
         for result in &self.results {
-            all.retain(|array| !is_of(&array.name, &result.name));
+            all.retain(|array| !array.is_of(&result.name));
             all.push(result);
         }
         all
     }
 }
 
-/// Arrays of data files; none while a file is being read.
+/// Extent to which a file is read for its arrays: their names, or their ranges, too.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Extent {
+    Heads,
+    Whole,
+}
+
+/// Arrays of each source, with how far it is read; none while it is being read.
+type KnownArrays = HashMap<DataSource, (Extent, Arc<FileArrays>)>;
+
+/// Arrays of data files.
 #[derive(Default)]
-pub(crate) struct Arrays(Arc<Mutex<HashMap<DataSource, Arc<FileArrays>>>>);
+pub(crate) struct Arrays(Arc<Mutex<KnownArrays>>);
 
 impl Arrays {
     /// The arrays of the file that feeds a node, and of nodes on the way; empty while they are not known.
@@ -199,45 +211,60 @@ impl Arrays {
         let feeding = || nodes.iter().filter(|entry| feeding.contains(&entry.name));
         let reader = feeding().find(|entry| reads(entry, registry));
         let of_file =
-            reader.map_or_else(Arc::default, |reader| self.of_reader(ctx, document, registry, reader));
+            reader.map_or_else(Arc::default, |of| self.of_reader(ctx, document, registry, of, Extent::Whole));
         let results = feeding().filter(|entry| entry.name != node);
         UpstreamArrays { of_file, results: results.filter_map(|entry| result(entry, registry)).collect() }
     }
 
-    /// The arrays of the file that a node reads; empty while they are not known.
+    /// The arrays of the file that a node reads, as far as that is asked for; empty while they are not known.
     pub fn of_reader(
         &self,
         ctx: &Context,
         document: &Document,
         registry: &Registry,
         reader: &NodeEntry,
+        extent: Extent,
     ) -> Arc<FileArrays> {
         let folder = document.folder();
         let Some(source) = DataSource::of_node(reader, &folder, registry) else { return Arc::default() };
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let begin = || {
+        let heads = match known.get(&source) {
+            Some((begun, found)) if *begun >= extent => return found.clone(),
+            found => found.map(|(_, heads)| heads.clone()),
+        };
+        let tell = {
             let (known, ctx, source) = (self.0.clone(), ctx.clone(), source.clone());
-            let tell = move |found: FileArrays| {
+            move |found: FileArrays| {
                 let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
-                known.insert(source.clone(), Arc::new(found));
+                // What is read further elsewhere says more.
+                if known.get(&source).is_none_or(|(begun, _)| *begun <= extent) {
+                    known.insert(source.clone(), (extent, Arc::new(found)));
+                }
                 drop(known);
                 ctx.request_repaint();
-            };
-            let (reader, registry) = (reader.clone(), registry.clone());
-            let work = move || read_arrays(&reader, &folder, &registry, tell);
-            match std::thread::Builder::new().name("arrays".into()).spawn(work) {
-                Ok(_) => Arc::default(),
-                // Without a thread there are no choices, and the name is typed.
-                Err(_) => Arc::new(FileArrays { is_whole: true, ..FileArrays::default() }),
             }
         };
-        known.entry(source.clone()).or_insert_with(begin).clone()
+        let (reader, registry) = (reader.clone(), registry.clone());
+        let work = move || read_arrays(&reader, &folder, &registry, extent, tell);
+        let begun = match std::thread::Builder::new().name("arrays".into()).spawn(work) {
+            Ok(_) => heads.unwrap_or_default(),
+            // Without a thread there are no choices, and the name is typed.
+            Err(_) => Arc::new(FileArrays { is_whole: true, ..FileArrays::default() }),
+        };
+        known.insert(source, (extent, begun.clone()));
+        begun
     }
 }
 
 /// Names come from the headers at once; ranges take a reading of the file. A file that cannot be read has no arrays to choose from: the
 /// run says what is wrong with it.
-fn read_arrays(reader: &NodeEntry, folder: &Path, registry: &Registry, tell: impl Fn(FileArrays)) {
+fn read_arrays(
+    reader: &NodeEntry,
+    folder: &Path,
+    registry: &Registry,
+    extent: Extent,
+    tell: impl Fn(FileArrays),
+) {
     let nothing = || FileArrays { is_whole: true, ..FileArrays::default() };
     let Ok((path, request)) = external_formats::request_of(reader, folder, registry) else {
         return tell(nothing());
@@ -245,6 +272,9 @@ fn read_arrays(reader: &NodeEntry, folder: &Path, registry: &Registry, tell: imp
     let heads = formats::arrays(&path, &request).unwrap_or_default();
     let of_heads = || heads.iter().flat_map(|head| choices(head, None, None)).collect();
     tell(FileArrays { choices: of_heads(), ..FileArrays::default() });
+    if extent == Extent::Heads {
+        return;
+    }
     tell(match formats::inspect(&path, &request, &NoProgress) {
         Ok(found) => FileArrays {
             choices: found

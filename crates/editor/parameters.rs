@@ -132,8 +132,8 @@ impl Typing {
 pub(crate) struct ParameterPanel {
     typing: Typing,
     expression: ExpressionField,
-    /// Entry of a list that was added in the last frame, which is to be seen.
-    added: Option<String>,
+    /// Entry of a list that was added, which is to be seen in the next frame, and the number of the frame in which it was.
+    added: Option<(String, u64)>,
     /// True if names stand above their values.
     is_narrow: bool,
     /// True if the first value is to get the focus.
@@ -349,12 +349,14 @@ impl ParameterPanel {
                     if ui.button(kind.name).on_hover_text(kind.summary).clicked() {
                         let (list, entry) = (list.clone(), default_value(kind, &of.scene.data_extent()));
                         of.scene.actions.edit(Edit::Insert { node: node(), list, place: count, entry });
-                        self.added = Some(of.key(row) + &format!(".{count}"));
+                        let frame = ui.ctx().cumulative_frame_nr();
+                        self.added = Some((of.key(row) + &format!(".{count}"), frame));
                         ui.close();
                     }
                 }
             });
         });
+        let last = ui.ctx().cumulative_frame_nr().saturating_sub(1);
         for (place, entry) in row.entries.iter().enumerate() {
             let id = ui.make_persistent_id((of.node, entry.path.to_string()));
             let state = CollapsingState::load_with_default_open(ui.ctx(), id, count <= 2);
@@ -386,8 +388,8 @@ impl ParameterPanel {
                     of.unset(&entry.path);
                 }
             });
-            let is_new =
-                self.added.take_if(|added| *added == format!("{}.{}", of.node, entry.path)).is_some();
+            let key = format!("{}.{}", of.node, entry.path);
+            let is_new = self.added.take_if(|(added, frame)| *added == key && *frame >= last).is_some();
             let (_, head, body) = head.body(|ui| self.table(ui, of, &entry.path, &entry.rows));
             if is_new {
                 body.map_or(head.response, |body| body.response).scroll_to_me(None);

@@ -92,6 +92,7 @@ impl Editor {
         // That a hand lets go of a grip asks for no other picture.
         wanted.grip_moves = self.answers.asked.as_ref().is_some_and(|asked| asked.grip_moves);
         if self.answers.asked.as_ref() != Some(&wanted) {
+            self.panels.time.count_no_more();
             wanted.grip_moves = self.panels.picture.moves_grip();
             self.answers.picture_number = self.worker.draw_and_read(wanted.clone(), next);
             self.answers.asked = Some(wanted);

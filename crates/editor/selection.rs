@@ -1,8 +1,10 @@
-//! Selection of nodes: what is worked on, moved by keys, and brought into view.
+//! Selection of nodes: what is worked on, moved by keys, and brought into view; and of the picture that is shown.
 
 use crate::editor::Editor;
+use crate::scene::pictures;
 use std::collections::BTreeSet;
 use voltet_document::Edit;
+use voltet_document::links::upstream;
 
 /// Way that a key moves the selected nodes by, points.
 const STEP: f64 = 20.0;
@@ -47,6 +49,37 @@ impl Editor {
         if let Some(first) = added.first() {
             self.panels.graph.reveal(first);
             self.select(added);
+        }
+    }
+
+    /// Shows the picture of a node, and that of the one before again where this one is gone.
+    pub(crate) fn show_picture(&mut self, node: &str) {
+        self.chosen_pictures.retain(|chosen| chosen != node);
+        self.chosen_pictures.push(node.to_string());
+        self.shown_node = Some(node.to_string());
+    }
+
+    /// Shows the picture of a node that was added at once if it is made of the shown one.
+    pub(crate) fn show_made_of_shown(&mut self, added: &str) {
+        // A former node of that name was another.
+        self.chosen_pictures.retain(|chosen| chosen != added);
+        let feeding = upstream(&self.document.pipeline().nodes, added);
+        if self.shown_node.as_ref().is_some_and(|shown| feeding.contains(shown))
+            && pictures(&self.document, &self.registry).contains(&added)
+        {
+            self.show_picture(added);
+        }
+    }
+
+    /// Shows the picture that was chosen last among those that are there; where there is none, the last one.
+    pub(crate) fn settle_on_picture(&mut self) {
+        let pictures = pictures(&self.document, &self.registry);
+        let mut chosen = self.chosen_pictures.iter().rev();
+        let chosen = chosen.find(|chosen| pictures.contains(&chosen.as_str())).cloned();
+        let last = || pictures.last().map(|last| last.to_string());
+        match (chosen, last()) {
+            (None, Some(last)) => self.show_picture(&last),
+            (chosen, _) => self.shown_node = chosen,
         }
     }
 }

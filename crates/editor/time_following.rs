@@ -4,7 +4,7 @@ use crate::editor::Editor;
 use crate::eyes::visible_nodes;
 use crate::jobs::Job;
 use crate::scene::{TimeMove, camera_of};
-use crate::time_strip::Readers;
+use crate::time_strip::{Readers, TimeStrip};
 use crate::view::View;
 use crate::worker::RenderRequest;
 use eframe::egui::Context;
@@ -16,9 +16,17 @@ use voltet_graph::{NodeEntry, ParameterValue, Registry};
 /// Shortest time that a frame is shown while the strip plays.
 const SHORTEST: Duration = Duration::from_millis(40);
 
-/// Time for which the histogram may be of an earlier frame while the strip plays, which then waits for it: each newer picture takes
+/// Least time for which the histogram may be of an earlier frame while the strip plays, which then waits for it: each newer picture takes
 /// precedence of it.
 const LAGGING: Duration = Duration::from_secs(1);
+
+/// Least time that the strip plays on, beside the time that it waited for the histogram.
+const PLAYING: u32 = 9;
+
+/// Time for which the histogram may be of an earlier frame, after one that was waited for so long.
+fn lagging(waited: Duration) -> Duration {
+    LAGGING.max(waited.saturating_mul(PLAYING))
+}
 
 /// The readers that feed a picture, without the numbers of the steps that they name.
 fn readers(document: &Document, registry: &Registry, shown: &str) -> Readers {
@@ -53,8 +61,8 @@ impl Editor {
         let nodes = &self.document.pipeline().nodes;
         let camera = self.shown_node.as_deref().and_then(|shown| camera_of(nodes, shown));
         let strip = &mut self.panels.time;
-        if strip.is_counting && !lags {
-            (strip.is_counting, strip.counted) = (false, Some(Instant::now()));
+        if !lags {
+            strip.count_no_more();
         }
         strip.free.take_if(|(former, _)| camera != Some(former));
         let count = strip.count(camera);
@@ -69,7 +77,7 @@ impl Editor {
                 self.message = Some((format!("frame {frame} cannot be drawn: it plays no further"), true));
             }
             // It goes on once they are there.
-            Some(_) if count > 1 && strip.is_counting => {}
+            Some(_) if count > 1 && strip.counting.is_some() => {}
             Some(last) if count > 1 => {
                 let left = SHORTEST.saturating_sub(last.elapsed());
                 if is_drawn && left.is_zero() {
@@ -168,12 +176,16 @@ impl Editor {
         next
     }
 
-    /// True if the histogram may stay that of an earlier frame.
+    /// True if the histogram may stay that of an earlier frame; else the strip waits for it. While a hand is at work, which has new
+    /// pictures drawn, it would wait until the hand rests.
     pub(crate) fn keeps_histogram(&mut self) -> bool {
         let strip = &mut self.panels.time;
-        let is_new = strip.counted.is_some_and(|counted| counted.elapsed() < LAGGING);
-        let keeps = strip.playing.is_some() && !strip.is_counting && is_new;
-        strip.is_counting = strip.playing.is_some() && !keeps;
+        let is_new = || strip.lags_until.is_some_and(|until| Instant::now() < until);
+        let is_free = strip.playing.is_some() && strip.counting.is_none();
+        let keeps = is_free && (self.gesture.is_some() || is_new());
+        if is_free && !keeps {
+            strip.counting = Some(Instant::now());
+        }
         keeps
     }
 
@@ -200,5 +212,26 @@ impl Editor {
     /// The view that no key has yet.
     pub(crate) fn free_view(&self) -> Option<View> {
         self.panels.time.free.as_ref().map(|(_, view)| *view)
+    }
+}
+
+impl TimeStrip {
+    /// Waits for the histogram no more: it is there, or a hand has another picture drawn, which takes precedence of it.
+    pub(crate) fn count_no_more(&mut self) {
+        if let Some(since) = self.counting.take() {
+            self.lags_until = Some(Instant::now() + lagging(since.elapsed()));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_series_stands_still_a_tenth_of_the_time_at_most() {
+        for (waited, plays) in [(0.01, 1.0), (0.1, 1.0), (0.2, 1.8), (5.0, 45.0)] {
+            assert_eq!(lagging(Duration::from_secs_f64(waited)), Duration::from_secs_f64(plays), "{waited}");
+        }
     }
 }

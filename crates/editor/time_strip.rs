@@ -44,9 +44,9 @@ pub(crate) struct TimeStrip {
     pub is_dragged: bool,
     /// Time of the last step while it plays.
     pub playing: Option<Instant>,
-    /// Time when the histogram was last that of the frame that is shown while it plays; true while it waits for that.
-    pub counted: Option<Instant>,
-    pub is_counting: bool,
+    /// Time since which it waits for the histogram of the frame that is shown; time until which that may be of an earlier one.
+    pub counting: Option<Instant>,
+    pub lags_until: Option<Instant>,
     /// Frame and number of frames of a way without a series.
     at: usize,
     length: Option<usize>,

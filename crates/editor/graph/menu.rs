@@ -4,7 +4,7 @@ use super::new_node::adding;
 use super::package::Port;
 use super::places::Places;
 use super::wire_list::wires_of;
-use crate::jobs::reads;
+use crate::jobs::{Extent, reads};
 use crate::scene::Scene;
 use crate::theme;
 use eframe::egui::{Area, Frame, Key, Order, Pos2, Rect, RichText, ScrollArea, TextEdit, Ui, vec2};
@@ -97,10 +97,11 @@ impl Menu {
                 let field = ui.add(field);
                 if std::mem::take(&mut self.is_new) {
                     field.request_focus();
-                    // The arrays that a new node may compute with are read meanwhile.
+                    // The names of the arrays that a new node may compute with are read meanwhile.
                     let nodes = scene.document.pipeline().nodes.iter();
                     for reader in nodes.filter(|node| reads(node, scene.registry)) {
-                        scene.arrays.of_reader(ui.ctx(), scene.document, scene.registry, reader);
+                        let (arrays, document) = (scene.arrays, scene.document);
+                        arrays.of_reader(ui.ctx(), document, scene.registry, reader, Extent::Heads);
                     }
                 }
                 if field.changed() {

@@ -54,7 +54,7 @@ pub(super) fn adding(
 fn settings_of_arrays(node: &Node, arrays: &[&ArrayChoice]) -> Vec<Field> {
     let at = |place: Association| arrays.iter().find(|array| array.is_at(place));
     let first = at(Association::Point).or(at(Association::Cell));
-    match (node.name, first) {
+    let mut settings = match (node.name, first) {
         ("calculator", Some(array)) => {
             let cell = (!array.is_at(Association::Point)).then(|| Field::new("association", "cell"));
             let expression = Field::new("expression", in_expression(&array.name));
@@ -65,8 +65,18 @@ fn settings_of_arrays(node: &Node, arrays: &[&ArrayChoice]) -> Vec<Field> {
         ("multi-gradient", Some(array)) => {
             vec![Field::new("fields", ParameterValue::from_iter([array.name.as_str()]))]
         }
-        _ => Vec::new(),
-    }
+        _ => return Vec::new(),
+    };
+    settings.extend(free_name(node, arrays).map(|name| Field::new("name", name)));
+    settings
+}
+
+/// A name for the array that a new node makes where there is one of the usual name, which it might compute with, or hide.
+fn free_name(node: &Node, arrays: &[&ArrayChoice]) -> Option<String> {
+    let DefaultValue::Text(usual) = node.parameter("name")?.default else { return None };
+    let is_taken = |name: &str| arrays.iter().any(|array| array.is_of(name));
+    let mut numbered = (2..).map(|number| format!("{usual}_{number}"));
+    if is_taken(usual) { numbered.find(|name| !is_taken(name)) } else { None }
 }
 
 /// Joins the inputs of a new node: to the selected node where that fits; a required one also where one node alone fits. Then its outputs to

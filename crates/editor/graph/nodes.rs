@@ -57,6 +57,7 @@ impl GraphView {
                     if foot.clicked() {
                         responses.extend([NodeResponse::SelectNode(*id), NodeResponse::RaiseNode(*id)]);
                     }
+                    node_menu(scene, &name, &foot);
                     if foot.drag_delta() != Vec2::ZERO {
                         responses.push(NodeResponse::MoveNode { node: *id, drag_delta: foot.drag_delta() });
                     }
@@ -120,19 +121,7 @@ impl GraphView {
         let is_selected = scene.selection.contains(name);
         let label = format!("node {name}");
         response.widget_info(|| WidgetInfo::selected(WidgetType::SelectableLabel, true, is_selected, &label));
-        let alone = BTreeSet::from([name.to_string()]);
-        if response.secondary_clicked() {
-            // The commands of its menu are for nodes, those that are selected or this one.
-            let nodes = if is_selected { scene.selection } else { &alone };
-            scene.actions.push(Action::Select(nodes.clone()));
-        }
-        response.context_menu(|ui| {
-            if scene.pictures().contains(&name) && ui.button("Show its picture").clicked() {
-                scene.actions.push(Action::Show(name.to_string()));
-                ui.close();
-            }
-            command_buttons(ui, scene.actions, NODE_MENU);
-        });
+        node_menu(scene, name, response);
         if response.has_focus() {
             // Arrows and Tab choose among nodes, also those out of view; arrows do not leave them for the next button.
             let [tab, horizontal_arrows, vertical_arrows, escape] = [true, true, true, false];
@@ -140,7 +129,7 @@ impl GraphView {
             ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, keys));
             match self.focused.replace(response.id) == Some(response.id) {
                 true => self.follow_tab(ui, scene, name),
-                false => scene.actions.push(Action::Select(alone)),
+                false => scene.actions.push(Action::Select(BTreeSet::from([name.to_string()]))),
             }
         }
     }
@@ -207,4 +196,21 @@ impl GraphView {
         });
         self.carry(scene, delta);
     }
+}
+
+/// The menu of a node, by the right button at what a pointer takes hold of it by.
+fn node_menu(scene: &Scene, name: &str, held: &EguiResponse) {
+    if held.secondary_clicked() {
+        // Its commands are for nodes, those that are selected or this one.
+        let alone = BTreeSet::from([name.to_string()]);
+        let nodes = if scene.selection.contains(name) { scene.selection } else { &alone };
+        scene.actions.push(Action::Select(nodes.clone()));
+    }
+    held.context_menu(|ui| {
+        if scene.pictures().contains(&name) && ui.button("Show its picture").clicked() {
+            scene.actions.push(Action::Show(name.to_string()));
+            ui.close();
+        }
+        command_buttons(ui, scene.actions, NODE_MENU);
+    });
 }

@@ -174,7 +174,8 @@ impl Face {
     fn eye_button(&self, ui: &mut Ui, is_open: bool) -> bool {
         let dark = ui.visuals().dark_mode;
         let size = vec2(14.0, 12.0) * self.zoom;
-        let (rect, response) = ui.allocate_exact_size(size, Sense::click());
+        // Tab goes from node to node; a key does what the eye does.
+        let (rect, response) = ui.allocate_exact_size(size, Sense::CLICK);
         let color = if is_open { ui.visuals().strong_text_color() } else { theme::weak(dark) };
         let color = if response.hovered() { theme::accent(dark) } else { color };
         let (at, stroke) = (rect.center(), Stroke::new((1.2 * self.zoom).max(0.8), color));

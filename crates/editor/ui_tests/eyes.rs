@@ -88,3 +88,21 @@ fn eyes_of_several_surfaces_are_one_step_and_go_with_a_name() {
     hand.settle();
     assert!(picture(&hand) == of_one);
 }
+
+/// From node to node, whose eyes are for the pointer: a key does what they do.
+#[test]
+fn tab_does_not_lead_to_eyes() {
+    let figure =
+        "\n[nodes.figure]\ntype = \"annotation\"\ntitle = \"a title\"\ninputs = { image = \"picture\" }\n";
+    let mut hand = Hand::new(&[TEXT, figure].concat());
+    assert!(hand.sees("eye of figure"));
+    let mut is_last = false;
+    for _ in 0..80 {
+        hand.key(Key::Tab, Modifiers::NONE);
+        hand.frames(1);
+        let mut eyes = hand.harness.query_all_by_label("eye of figure");
+        assert!(!eyes.any(|eye| eye.is_focused()));
+        is_last |= hand.editor.panels.graph.has_focus() && hand.editor.selection.contains("figure");
+    }
+    assert!(is_last, "Tab led to its node");
+}

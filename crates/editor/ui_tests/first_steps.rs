@@ -429,3 +429,68 @@ fn new_calculators_and_multi_gradients_begin_with_an_array_of_the_data() {
     add(&mut hand, "calculator");
     assert_eq!(node(&hand, "calculator").setting("expression").and_then(|stated| stated.text()), Some("x"));
 }
+
+#[test]
+fn the_picture_that_was_shown_before_comes_back_where_the_shown_one_goes() {
+    let other = "\n[nodes.other]\ntype = \"renderer\"\nengine = \"cpu\"\n\
+                 inputs = { volume = \"gradient\", transfer_function = \"look\", camera = \"view\" }\n";
+    let mut hand = Hand::new(&[TEXT, other].concat());
+    let shown = |hand: &Hand| hand.editor.shown_node.clone().unwrap();
+    assert_eq!(shown(&hand), "other");
+    hand.editor.show_picture("picture");
+    hand.editor.selection = ["picture".to_string()].into();
+    hand.frames(2);
+    add(&mut hand, "annotation");
+    assert_eq!(shown(&hand), "annotation");
+    for (command, picture) in
+        [(Command::Undo, "picture"), (Command::Redo, "annotation"), (Command::Undo, "picture")]
+    {
+        hand.command(command);
+        hand.frames(2);
+        assert_eq!(shown(&hand), picture, "{command:?}");
+    }
+    // A renamed node stays the shown one.
+    let rename = voltet_document::Edit::Rename { node: "picture".into(), to: "front".into() };
+    hand.editor.edit("rename".into(), &[rename]);
+    hand.frames(2);
+    assert_eq!(shown(&hand), "front");
+    hand.key(Key::Z, Modifiers::COMMAND);
+    hand.frames(2);
+    assert_eq!(shown(&hand), "picture");
+    // Another node of the name is none that was shown.
+    hand.editor.show_picture("other");
+    hand.editor.selection = ["picture".to_string()].into();
+    hand.frames(2);
+    add(&mut hand, "annotation");
+    assert!(hand.text().contains("[nodes.annotation]"), "{}", hand.text());
+    assert_eq!(shown(&hand), "other");
+}
+
+#[test]
+fn a_calculator_behind_another_of_the_usual_name_has_a_name_of_its_own() {
+    let behind = "[pipeline]\nformat = 1\n\n[nodes.grid]\ntype = \"reader\"\npath = \"data.vtk\"\n\n[nodes.calculator]\n\
+                  type = \"calculator\"\nexpression = \"x\"\ninputs = { grid = \"grid\" }\n";
+    let data = "# vtk DataFile Version 3.0\ntest\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n0 0 0 1 0 0 0 1 0 0 0 1\n\
+                CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\nPOINT_DATA 4\nSCALARS result double 1\nLOOKUP_TABLE default\n1 2 3 4\n";
+    for reader_alone in [false, true] {
+        let mut hand = Hand::with_file(behind, "data.vtk", data);
+        let from = if reader_alone { "grid" } else { "calculator" };
+        hand.editor.selection = [from.to_string()].into();
+        hand.key(Key::Space, Modifiers::NONE);
+        until(&mut hand, "the names of the arrays are read", |hand| {
+            let scene = hand.editor.scene();
+            let (extent, reader) = (crate::jobs::Extent::Heads, scene.entry("grid").unwrap());
+            let found = scene.arrays.of_reader(&hand.ctx, scene.document, scene.registry, reader, extent);
+            !found.choices.is_empty()
+        });
+        hand.typed("calculator");
+        hand.frames(2);
+        hand.key(Key::Enter, Modifiers::NONE);
+        hand.frames(4);
+        let stated = |key: &str| node(&hand, "calculator_2").setting(key).and_then(|stated| stated.text());
+        assert_eq!((stated("expression"), stated("name")), (Some("result"), Some("result_2")));
+        let scene = hand.editor.scene();
+        let is_of_it = |fault: &&Error| fault.to_string().contains("calculator_2");
+        assert_eq!(scene.faults.iter().find(is_of_it).map(ToString::to_string), None);
+    }
+}

@@ -196,3 +196,17 @@ fn a_wire_begins_a_little_beside_its_port() {
     hand.drag(from + beside, to);
     assert!(node(&hand, "look").unwrap().inputs.iter().any(|link| link.port == "volume"), "{}", hand.said());
 }
+
+#[test]
+fn the_lower_edge_of_a_node_has_the_menu_of_the_node() {
+    let mut hand = Hand::new(TEXT);
+    let top = hand.rect("node picture").center_top();
+    let height = hand.editor.panels.graph.size_of("picture")[1] as f32 * zoom(&hand, "picture");
+    hand.move_to(top + vec2(0.0, height - 2.0), Modifiers::NONE);
+    hand.button(true, PointerButton::Secondary, Modifiers::NONE);
+    hand.button(false, PointerButton::Secondary, Modifiers::NONE);
+    hand.frames(3);
+    assert_eq!(hand.editor.selection.iter().collect::<Vec<_>>(), ["picture"]);
+    hand.click_on("Delete");
+    assert!(!hand.text().contains("[nodes.picture]"), "{}", hand.text());
+}

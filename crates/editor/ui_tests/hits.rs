@@ -168,7 +168,7 @@ fn the_shown_picture_is_probed_whatever_is_selected() {
     for (shown, selected) in
         [("picture", "look"), ("picture", "other"), ("second", "other"), ("second", "look")]
     {
-        hand.editor.shown_node = Some(shown.into());
+        hand.editor.show_picture(shown);
         hand.editor.selection = [selected.to_string()].into();
         hand.move_to(pos2(5.0, 400.0), Modifiers::NONE);
         hand.settle();

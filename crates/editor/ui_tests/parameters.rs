@@ -160,7 +160,8 @@ fn until_read(hand: &mut Hand, path: &str) {
             editor.document.pipeline().nodes.iter().find(|node| node.name == "grid").unwrap().clone();
         reader.settings.retain(|field| field.name != "path");
         reader.settings.push(voltet_graph::Field::new("path", path));
-        editor.arrays.of_reader(&hand.ctx, &editor.document, &editor.registry, &reader).is_whole
+        let extent = crate::jobs::Extent::Whole;
+        editor.arrays.of_reader(&hand.ctx, &editor.document, &editor.registry, &reader, extent).is_whole
     });
     hand.frames(3);
 }
@@ -417,4 +418,24 @@ fn an_entry_that_is_added_is_in_view() {
     until(&mut hand, "its last row is out of view", |hand| {
         hand.all_named("picture.clip.0.invert").first().is_some_and(|row| row.max.y < bottom)
     });
+}
+
+#[test]
+fn an_entry_that_is_not_there_in_the_next_frame_is_not_brought_into_view_later() {
+    let mut hand = Hand::new(TEXT);
+    hand.editor.selection = ["picture".to_string()].into();
+    hand.frames(3);
+    hand.click(hand.texts("add")[0]);
+    hand.frames(2);
+    let at = hand.texts("cylinder")[0];
+    hand.move_to(at, Modifiers::NONE);
+    hand.button(true, PointerButton::Primary, Modifiers::NONE);
+    hand.button(false, PointerButton::Primary, Modifiers::NONE);
+    assert!(hand.text().contains("cylinder"), "{}", hand.text());
+    for node in ["look", "picture"] {
+        hand.editor.selection = [node.to_string()].into();
+        hand.frames(10);
+    }
+    let bottom = hand.texts("F1: keys and mouse")[0].y;
+    assert!(hand.all_named("picture.clip.0.invert").first().is_none_or(|row| row.max.y > bottom));
 }

@@ -196,7 +196,7 @@ fn every_node_that_gives_a_picture_shows_it() {
     transfer::with_distribution(&mut hand);
     assert!(hand.has_textures(4), "letters, the picture, the distribution, the small picture");
     // Shown at large, it gives its place in the node to the other.
-    hand.editor.shown_node = Some("counts".into());
+    hand.editor.show_picture("counts");
     hand.settle();
     let small = preview(&mut hand, "picture", &|_| true);
     assert!(small.size()[0] <= 160, "{:?}", small.size());
@@ -206,7 +206,7 @@ fn every_node_that_gives_a_picture_shows_it() {
         "bins",
         voltet_graph::ParameterValue::List(vec![voltet_graph::ParameterValue::Integer(64).into(); 2]),
     );
-    hand.editor.shown_node = Some("picture".into());
+    hand.editor.show_picture("picture");
     hand.settle();
     hand.editor.edit("fewer bins".into(), &[coarser]);
     hand.settle();

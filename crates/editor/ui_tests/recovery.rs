@@ -94,3 +94,30 @@ fn what_is_done_after_it_was_saved_elsewhere_is_kept_as_of_the_new_file() {
     let left = place(&kept).left_behind();
     assert_eq!((left.len(), left[0].path.clone()), (1, other.canonicalize().ok()));
 }
+
+#[test]
+fn work_that_cannot_be_kept_is_said_once_and_tried_again_later() {
+    let kept = tempfile::tempdir().unwrap();
+    let folder = kept.path().join("unsaved");
+    let mut hand = Hand::new(TEXT);
+    hand.editor.keep_in(Recovery::in_folder(folder.clone()));
+    hand.key(Key::X, Modifiers::NONE);
+    std::fs::remove_dir_all(&folder).unwrap();
+    hand.key(Key::Y, Modifiers::NONE);
+    let said = hand.said();
+    assert!(said.contains("unsaved"), "{said}");
+    hand.editor.say("another message");
+    let tried = hand.editor.recover.kept.unwrap();
+    hand.frames(3);
+    assert!(hand.editor.recover.kept == Some(tried) || tried.elapsed() > Duration::from_secs(2));
+    // It is tried again, and says no more of the same work.
+    hand.editor.recover.kept = None;
+    hand.frames(2);
+    assert_eq!(hand.said(), "another message");
+    std::fs::create_dir_all(&folder).unwrap();
+    hand.editor.recover.kept = None;
+    hand.frames(2);
+    assert!(hand.editor.recover.failed.is_none());
+    // Its lock went with the folder.
+    assert_eq!(Recovery::in_folder(folder).left_behind()[0].text, hand.text());
+}

@@ -44,7 +44,7 @@ fn the_window_is_drawn_and_edited_while_a_node_runs() {
         format!("{TEXT}\n[nodes.late]\ntype = \"deaf\"\ninputs = {{ transfer_function = \"look\" }}\n");
     let mut hand = Hand::with_registry(&text, [1280.0, 720.0], &|_| {}, &registry);
     hand.frames(4);
-    hand.editor.shown_node = Some("late".into());
+    hand.editor.show_picture("late");
     until(&mut hand, "the node does not run", |_| BEGUN.load(Ordering::SeqCst) > 0);
     let drawn = 120;
     for i in 0..drawn {

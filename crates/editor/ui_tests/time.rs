@@ -185,9 +185,8 @@ fn write_blocks(folder: &Path) {
     std::fs::write(folder.join("run.pvd"), text).unwrap();
 }
 
-/// Each newer picture takes precedence of the histogram, which needs a gradient that the picture does not.
-#[test]
-fn while_it_plays_the_histogram_follows() {
+/// Before a series of blocks, with its histogram, which needs a gradient that the picture does not.
+fn before_blocks() -> Hand {
     let text = text_of_series();
     let (before, after) = (text.find("kind = \"gaussian\"").unwrap(), text.find("[nodes.view]").unwrap());
     let widget = "kind = \"colormap\"\nextinction = 1.0\nrange = [0.0, 50.0]\n\n";
@@ -195,6 +194,13 @@ fn while_it_plays_the_histogram_follows() {
     let mut hand = Hand::before_window(&text, [1280.0, 720.0], &write_blocks);
     until(&mut hand, "the steps are found", |hand| hand.sees("time step"));
     transfer::with_distribution(&mut hand);
+    hand
+}
+
+/// Each newer picture takes precedence of the histogram.
+#[test]
+fn while_it_plays_the_histogram_follows() {
+    let mut hand = before_blocks();
     let highest = |hand: &Hand| {
         hand.editor.worker().shown(|shown| {
             let found = shown.distribution.last().and_then(|found| found.as_ref().ok());
@@ -205,6 +211,33 @@ fn while_it_plays_the_histogram_follows() {
     hand.key(Key::A, Modifiers::NONE);
     until(&mut hand, "it is that of the first step", |hand| highest(hand) > 15.0);
     assert!(hand.editor.panels.time.playing.is_some());
+}
+
+#[test]
+fn it_plays_on_while_a_hand_turns_the_picture() {
+    let mut hand = before_blocks();
+    hand.key(Key::A, Modifiers::NONE);
+    let at = hand.named("picture picture");
+    hand.move_to(at, Modifiers::NONE);
+    hand.button(true, PointerButton::Primary, Modifiers::NONE);
+    let mut frames = std::collections::BTreeSet::new();
+    for step in 0..4000 {
+        // As fast as pictures come.
+        let newest = hand.editor.answers.picture_number;
+        while hand.editor.worker().shown(|shown| shown.answered) < newest {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        hand.move_to(at + vec2((step % 40) as f32, 0.0), Modifiers::NONE);
+        let strip = &hand.editor.panels.time;
+        // The first points are no drag yet.
+        assert!(step < 20 || strip.counting.is_none(), "a histogram is not waited for");
+        frames.insert(strip.requested);
+        if frames.len() == STEPS {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    panic!("it stands still: {frames:?}");
 }
 
 #[test]
