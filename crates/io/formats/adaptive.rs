@@ -113,13 +113,16 @@ impl Boxes {
             let values: Vec<f64> = stored.load(meter)?;
             Ok(part.tuples.iter().flat_map(|&tuple| &values[tuple as usize * n..][..n]).copied().collect())
         };
-        let parts: Vec<Vec<f64>> = own.par_iter().zip(&self.parts).map(of_part).collect::<Result<_>>()?;
+        // The first error is that of the first part, whatever the threads.
+        let parts: Vec<Result<_>> = own.par_iter().zip(&self.parts).map(of_part).collect();
+        let parts: Vec<Vec<f64>> = parts.into_iter().collect::<Result<_>>()?;
         Ok(parts.concat())
     }
 
     /// Values at the points: those of the finest box where boxes of several sizes meet.
     fn point_values(&self, own: &[Stored], n: usize, meter: &Meter) -> Result<Vec<f64>> {
-        let own: Vec<Vec<f64>> = own.par_iter().map(|stored| stored.load(meter)).collect::<Result<_>>()?;
+        let own: Vec<Result<_>> = own.par_iter().map(|stored| stored.load(meter)).collect();
+        let own: Vec<Vec<f64>> = own.into_iter().collect::<Result<_>>()?;
         let mut values = vec![f64::NAN; self.lattice.point_count() * n];
         let mut next = 0;
         let mut order: Vec<(&Part, &Vec<f64>, usize)> = Vec::new();

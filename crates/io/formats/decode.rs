@@ -52,8 +52,8 @@ impl Stored {
             };
             let firsts = (0..count.div_ceil(part_len)).into_par_iter().map(|part| part * part_len);
             let results = firsts.map_init(Default::default, is_part_good);
-            // The first error or part that is not good ends it.
-            let ended = results.find_map_any(|result: Result<bool>| match result {
+            // The first error or part that is not good ends it, first in the file whatever the threads.
+            let ended = results.find_map_first(|result: Result<bool>| match result {
                 Ok(true) => None,
                 ended => Some(ended),
             });
@@ -87,14 +87,10 @@ impl Stored {
         let promised = self.promised()?;
         if let Some((count, part_len)) = self.parts(&found)? {
             let mut values = zeros(count);
-            values.par_chunks_mut(part_len).enumerate().try_for_each_init(
-                Buffers::default,
-                |buffers, (part, to)| {
-                    self.decode_part(&found, part * part_len, to, buffers, meter)?;
-                    change(to);
-                    Ok::<(), Error>(())
-                },
-            )?;
+            let of_part = |buffers: &mut Buffers, (part, to): (usize, &mut [T])| {
+                self.decode_part(&found, part * part_len, to, buffers, meter).map(|()| change(to))
+            };
+            all_or_first(values.par_chunks_mut(part_len).enumerate().map_init(Buffers::default, of_part))?;
             return Ok(values);
         }
         let mut values = match found {
@@ -224,7 +220,7 @@ impl Stored {
             parts.push((parts.len(), skipped, part));
             (rest, skipped) = (after, 0);
         }
-        parts.into_par_iter().try_for_each_init(ChunkBuffers::default, |buffers, (row, skipped, to)| {
+        let of_part = |buffers: &mut ChunkBuffers, (row, skipped, to): (usize, usize, &mut [T])| {
             let lines = skipped..skipped + to.len().div_ceil(chunks.columns);
             let bytes = chunks.read(&self.source, row, lines, buffers)?;
             convert(self.number_type, self.order, bytes, to).map_err(|index| {
@@ -232,7 +228,8 @@ impl Stored {
                 error.expected(T::ACCEPTED)
             })?;
             meter.advance(chunks.file_bytes(row))
-        })
+        };
+        all_or_first(parts.into_par_iter().map_init(ChunkBuffers::default, of_part))
     }
 
     /// Decompresses block `index` into `to`, which has its size.
@@ -302,11 +299,15 @@ pub(super) fn join<T: Target>(planes: &[Stored], meter: &Meter) -> Result<Vec<T>
                 .map_err(|error| error.at_item(&plane.name))?;
             put(column, to, component, n);
         }
-        Ok::<(), Error>(())
+        Ok(())
     };
-    let parts = joined.par_chunks_mut((PART * n).max(1)).enumerate();
-    parts.try_for_each_init(Default::default, of_part)?;
+    all_or_first(joined.par_chunks_mut((PART * n).max(1)).enumerate().map_init(Default::default, of_part))?;
     Ok(joined)
+}
+
+/// The first error of parts in their order: which one is met first differs with the threads.
+fn all_or_first(results: impl IndexedParallelIterator<Item = Result<()>>) -> Result<()> {
+    results.find_map_first(Result::err).map_or(Ok(()), Err)
 }
 
 /// Puts numbers into one component of tuples of n.

@@ -359,10 +359,9 @@ pub(super) fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
 
 /// All numbers of a text.
 pub(super) fn numbers<T: Target>(number_type: NumberType, text: &[u8]) -> Result<Vec<T>> {
-    let parts: Vec<Vec<T>> = parts(text)
-        .into_par_iter()
-        .map(|part| words(part).map(|word| parse(number_type, word)).collect())
-        .collect::<Result<_>>()?;
+    let of_part = |part| words(part).map(|word| parse(number_type, word)).collect();
+    let parts: Vec<Result<Vec<T>>> = parts(text).into_par_iter().map(of_part).collect();
+    let parts = parts.into_iter().collect::<Result<Vec<_>>>()?;
     Ok(match <[Vec<T>; 1]>::try_from(parts) {
         Ok([only]) => only,
         Err(parts) => parts.concat(),
