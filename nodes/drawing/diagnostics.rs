@@ -226,7 +226,15 @@ fn nearly_empty(most: f32, opacity: f32) -> String {
 fn why_empty(scene: &Scene, counts: &RenderStats) -> String {
     let widgets = &scene.transfer_function.widgets;
     if !widgets.iter().any(|widget| widget.is_drawn()) {
-        return "the extinction of every widget is 0. Give one an extinction above it".into();
+        return match extent::range(&scene.volume.scalar) {
+            // A ramp along the colours begins at 0, and the range has no other end.
+            Some([low, high]) if low == high => format!(
+                "every value of '{}' is {low}, where no widget has an extinction. A colour map shows it with opacity = \"constant\", or \
+                 with a range of which it is not the end",
+                scene.volume.grid.scalar_name
+            ),
+            _ => "the extinction of every widget is 0. Give one an extinction above it".into(),
+        };
     }
     let is_kept = |p: &DVec3| scene.clips.iter().all(|clip| clip.keeps(*p));
     if !scene.clips.is_empty() && !scene.volume.grid.points.par_iter().any(is_kept) {
