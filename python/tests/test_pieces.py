@@ -323,6 +323,7 @@ def test_partitions_of_several_collections_are_named():
 def test_an_array_that_a_block_lacks_is_said_with_the_block():
     lower, upper = halves()
     upper.GetPointData().RemoveArray("s")
+    cells = lower.GetCellData().GetArray("c")
     data = blocks(("inlet", inlet()), ("lower", lower), ("upper", upper))
     filters = [vv.VoltetRenderer(), vv.VoltetGradientMagnitude(), vv.VoltetProbe(), vv.VoltetVolume()]
     for filter in filters:
@@ -345,6 +346,11 @@ def test_an_array_that_a_block_lacks_is_said_with_the_block():
     grid = vv.grid(data)
     assert list(grid.arrays) == ["c"]
     assert any(text == "left out, as not all parts have them: 1 of 2 arrays ('s')" for text in grid.about["warnings"])
+    # None that all have.
+    lower.GetCellData().RemoveArray("c")
+    with pytest.raises(voltet.UsageError, match="no array is on all of the 2 parts: found 's'; 'c'; expected one that all have"):
+        voltet.render(data)
+    lower.GetCellData().AddArray(cells)
     # On points of one and cells of another.
     values = numpy_to_vtk(np.zeros(upper.GetNumberOfCells()), deep=True)
     values.SetName("s")

@@ -225,7 +225,11 @@ def pieces_of(
     if arrays is None:
         places = common_arrays(drawn, first)
         every = [name for part in drawn for place in (POINT, CELL) for name in array_names(part.data, place)]
-        if others := [f"'{name}'" for name in dict.fromkeys(every) if name not in places]:
+        others = [f"'{name}'" for name in dict.fromkeys(every) if name not in places]
+        if others and not places:
+            expected = "one that all have; those of cells become arrays on points by cell_data_to_point_data"
+            raise usage(f"no array is on all of the {len(drawn)} parts", _listed(others), expected)
+        if others:
             of_all = f"{len(others)} of {len(others) + len(places)} arrays"
             notes.append(f"left out, as not all parts have them: {of_all} ({_listed(others)})")
     else:
