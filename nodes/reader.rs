@@ -104,7 +104,7 @@ pub const NODE: Node = Node {
             parameter_type: ParameterType::InputPath,
             unit: "",
             default: DefaultValue::Unset("none"),
-            help: "PLOT3D, MFEM: the solution (.q, .gf) that belongs to the grid",
+            help: "PLOT3D, MFEM, SU2: the solution (.q, .gf, .csv, .dat) that belongs to the grid",
         },
     ],
     example: include_str!("examples/stages.toml"),

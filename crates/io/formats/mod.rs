@@ -81,6 +81,7 @@ mod text;
 mod ucd;
 mod units;
 mod unsupported;
+mod vectors;
 mod vtkhdf;
 mod xdmf;
 mod xml;

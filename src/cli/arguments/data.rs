@@ -20,7 +20,7 @@ pub struct DataOptions {
     /// Number of the step of a time series, from 0.
     #[arg(long, value_name = "N")]
     pub time_step: Option<usize>,
-    /// PLOT3D, MFEM: the solution (.q, .gf) that belongs to the grid.
+    /// PLOT3D, MFEM, SU2: the solution (.q, .gf, .csv, .dat) that belongs to the grid.
     #[arg(long, value_name = "Q")]
     pub solution: Option<PathBuf>,
 }
@@ -107,7 +107,7 @@ pub struct Convert {
     /// A number below 0 counts from the end: -1 is the last. Where the name has no {step}, _0007 is added before its ending.
     #[arg(long, value_name = "STEPS", allow_hyphen_values = true, conflicts_with_all = ["step", "time"])]
     pub steps: Option<StepSelection>,
-    /// PLOT3D, MFEM: the solution (.q, .gf) that belongs to the grid.
+    /// PLOT3D, MFEM, SU2: the solution (.q, .gf, .csv, .dat) that belongs to the grid.
     #[arg(long, value_name = "Q")]
     pub solution: Option<PathBuf>,
     /// Write over files that are there.

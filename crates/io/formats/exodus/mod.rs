@@ -5,7 +5,6 @@
 //! `i` of a file is the node `node_num_map[i]` of the whole mesh, element block `i` has the number `eb_prop1[i]` in all files.
 
 mod cells;
-mod names;
 mod variables;
 
 use super::blocks;
@@ -16,6 +15,7 @@ use super::numbers::NumberType;
 use super::request::{Format, Request, list};
 use super::source::Source;
 use super::units;
+use super::vectors;
 use cells::{BlockElements, BlockKind, FaceBlock, Mesh};
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap};
@@ -424,7 +424,7 @@ impl Selection<'_> {
                     .at_item(name)),
             }
         };
-        for names::Joined { name, places, components } in names::joined(&self.part.of_nodes) {
+        for vectors::Joined { name, places, components } in vectors::joined(&self.part.of_nodes) {
             let stated = match places.first().filter(|_| !is_one) {
                 Some(place) => variables.attribute(&format!("vals_nod_var{}", place + 1), "units")?,
                 None => None,
@@ -451,7 +451,7 @@ impl Selection<'_> {
         let variables = &self.part.variables;
         let Some(step) = self.step else { return Vec::new() };
         let mut arrays = Vec::new();
-        for names::Joined { name, places, components } in names::joined(&self.part.of_elements) {
+        for vectors::Joined { name, places, components } in vectors::joined(&self.part.of_elements) {
             let variable =
                 |own: &ReadBlock, place: usize| format!("vals_elem_var{}eb{}", place + 1, own.place + 1);
             let is_there = |own: &ReadBlock| places.iter().all(|&place| variables.has(&variable(own, place)));

@@ -1,14 +1,17 @@
-//! Meshes of SU2 (.su2), as text: elements and points, maybe of several zones, which are blocks. They hold no arrays.
+//! Meshes of SU2 (.su2), as text: elements and points, maybe of several zones, which are blocks. Their arrays are in files of their own.
 //!
 //! Source: SU2 documentation, "Mesh File". Elements have VTK's type codes and order of nodes; a line may end with its own number.
 
+mod solution;
+
+use self::solution::Solution;
 use super::contents::Dataset;
 use super::cursor::Cursor;
 use super::numbers::{self, NumberType};
 use super::request::{Format, Request};
 use super::source::Source;
 use super::tagged::{
-    PART_SHIFT, TaggedElement, TaggedMesh, VisitElement, VisitNode, dataset, number_in_part,
+    PART_SHIFT, TaggedElement, TaggedMesh, VisitElement, VisitNode, VisitValues, dataset, number_in_part,
 };
 use super::text::{TextRange, is_space};
 use glam::DVec3;
@@ -18,8 +21,7 @@ use voltet_core::grid::{CellType, code};
 use voltet_core::{Error, Result};
 
 /// The declaration.
-pub(super) const FORMAT: Format =
-    Format { files: "a mesh of SU2 (.su2)", matches, open, has_solution: false };
+pub(super) const FORMAT: Format = Format { files: "a mesh of SU2 (.su2)", matches, open, has_solution: true };
 
 fn matches(head: &[u8], path: &Path, _: &Request) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("su2")) || head.starts_with(b"NDIME=")
@@ -32,7 +34,10 @@ struct Zone {
     points: (TextRange, u64),
 }
 
-struct Su2Mesh(Vec<Zone>);
+struct Su2Mesh {
+    zones: Vec<Zone>,
+    solution: Option<Solution>,
+}
 
 fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     let mut cursor = Cursor::new(&source);
@@ -75,7 +80,19 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
             _ => {}
         }
     }
-    dataset(&source, "SU2".to_owned(), Su2Mesh(zones), Vec::new(), request)
+    let Some(path) = &request.solution else {
+        return dataset(&source, "SU2".to_owned(), Su2Mesh { zones, solution: None }, Vec::new(), request);
+    };
+    let [Zone { points: (_, point_count), .. }] = zones[..] else {
+        let error = Error::run("a solution is of one zone").got(format_args!("{} zones", zones.len()));
+        return Err(error.expected("a mesh of one zone, or no solution"));
+    };
+    let (solution, arrays) = Solution::open(path, point_count).map_err(|error| error.in_file(path))?;
+    let bytes = solution.bytes();
+    let mesh = Su2Mesh { zones, solution: Some(solution) };
+    let mut dataset = dataset(&source, "SU2, with a solution".to_owned(), mesh, arrays, request)?;
+    dataset.file_bytes += bytes;
+    Ok(dataset)
 }
 
 /// Passes over so many lines that have numbers.
@@ -174,11 +191,11 @@ impl TaggedMesh for Su2Mesh {
     }
 
     fn count_nodes(&self) -> Result<u64> {
-        Ok(self.0.iter().map(|zone| zone.points.1).fold(0, u64::saturating_add))
+        Ok(self.zones.iter().map(|zone| zone.points.1).fold(0, u64::saturating_add))
     }
 
     fn each_node(&self, visit: VisitNode) -> Result<()> {
-        for (zone, (points, count)) in self.0.iter().map(|own| &own.points).enumerate() {
+        for (zone, (points, count)) in self.zones.iter().map(|own| &own.points).enumerate() {
             let parse = |line: &[u8], points: &mut Vec<DVec3>| {
                 let mut words = words(line);
                 let Some(first) = words.next() else { return Ok(()) };
@@ -202,7 +219,7 @@ impl TaggedMesh for Su2Mesh {
     }
 
     fn each_element(&self, visit: VisitElement) -> Result<()> {
-        for (zone, own) in self.0.iter().enumerate() {
+        for (zone, own) in self.zones.iter().enumerate() {
             let mut first = 0;
             own.elements.0.lines(
                 |line, elements: &mut Su2Elements| elements.add(line),
@@ -219,6 +236,13 @@ impl TaggedMesh for Su2Mesh {
             all_there(first, own.elements.1, "elements")?;
         }
         Ok(())
+    }
+
+    fn each_tuple(&self, array: usize, visit: VisitValues) -> Result<()> {
+        let each = |solution: &Solution| {
+            solution.each_tuple(array, visit).map_err(|error| error.in_file(solution.path()))
+        };
+        self.solution.as_ref().map_or(Ok(()), each)
     }
 }
 
