@@ -3,7 +3,7 @@
 
 use crate::jobs::Job;
 use crate::scene::{Scene, milliseconds};
-use crate::textures::{WHOLE, color_image, set_texture};
+use crate::textures::{WHOLE, set_texture};
 use crate::theme;
 use crate::worker::{Pixels, difference};
 use eframe::egui::{
@@ -85,7 +85,7 @@ impl Compare {
             "keeps this picture, which later ones are compared with: of another step, integrator or camera";
         let button = ui.add_enabled(present.is_some(), Button::new("remember").small());
         if let (true, Some(pixels)) = (button.on_hover_text(help).clicked(), present) {
-            let texture = ui.ctx().load_texture("remembered", color_image(pixels), TextureOptions::LINEAR);
+            let texture = ui.ctx().load_texture("remembered", pixels.image.clone(), TextureOptions::LINEAR);
             self.remembered = Some(Remembered { pixels: pixels.clone(), texture, seconds: scene.seconds });
             self.found = None;
         }

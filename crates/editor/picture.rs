@@ -6,13 +6,14 @@ use crate::handles::Handles;
 use crate::hit_marks;
 pub(crate) use crate::scene::milliseconds;
 use crate::scene::{Action, Command, EARLIER, ProbePurpose, Scene, command_buttons};
-pub(crate) use crate::textures::{WHOLE, color_image, set_texture};
+pub(crate) use crate::textures::{WHOLE, set_texture};
 use crate::theme::{self, button};
 use crate::view::View;
 use eframe::egui::scroll_area::ScrollSource;
 use eframe::egui::{
-    Align2, Color32, ComboBox, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, RichText, ScrollArea,
-    Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, WidgetType, vec2,
+    Align2, Color32, ColorImage, ComboBox, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, RichText,
+    ScrollArea, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, WidgetType,
+    vec2,
 };
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -44,7 +45,7 @@ const PICTURE_MENU: &[(&str, Command)] = &[
 
 /// A small picture, and what its texture holds.
 struct Thumbnail {
-    holds: Arc<Vec<[u8; 4]>>,
+    holds: Arc<ColorImage>,
     texture: TextureHandle,
 }
 
@@ -221,16 +222,16 @@ impl PicturePanel {
     fn take(&mut self, ui: &Ui, scene: &Scene) {
         self.previews.retain(|node, _| scene.previews.contains_key(node));
         for (node, pixels) in &scene.previews {
-            if self.previews.get(node).is_none_or(|small| !Arc::ptr_eq(&small.holds, &pixels.rgba)) {
-                let texture = ui.ctx().load_texture(node, color_image(pixels), TextureOptions::LINEAR);
-                self.previews.insert(node.clone(), Thumbnail { holds: pixels.rgba.clone(), texture });
+            if self.previews.get(node).is_none_or(|small| !Arc::ptr_eq(&small.holds, &pixels.image)) {
+                let texture = ui.ctx().load_texture(node, pixels.image.clone(), TextureOptions::LINEAR);
+                self.previews.insert(node.clone(), Thumbnail { holds: pixels.image.clone(), texture });
             }
         }
         let Some(pixels) = &scene.pixels else { return };
         if self.holds == Some((pixels.number, pixels.is_full())) {
             return;
         }
-        set_texture(&mut self.texture, ui, "picture", color_image(pixels), TextureOptions::LINEAR);
+        set_texture(&mut self.texture, ui, "picture", pixels.image.clone(), TextureOptions::LINEAR);
         self.holds = Some((pixels.number, pixels.is_full()));
     }
 

@@ -191,7 +191,7 @@ fn every_node_that_gives_a_picture_shows_it() {
     };
     let small = preview(&mut hand, "counts", &|_| true);
     assert_eq!(small.size(), [512, 512], "as many pixels as it has");
-    assert!(small.rgba.iter().any(|pixel| *pixel != small.rgba[0]), "something is on it");
+    assert!(small.image.pixels.iter().any(|pixel| *pixel != small.image.pixels[0]), "something is on it");
     assert_eq!(shown(&hand), before, "the large picture is not drawn again");
     transfer::with_distribution(&mut hand);
     assert!(hand.has_textures(4), "letters, the picture, the distribution, the small picture");

@@ -209,7 +209,7 @@ fn a_coarse_picture_is_stopped_by_a_change_of_another_kind() {
 }
 
 /// Draws in 30 ms whatever is wanted: quick enough to be drawn in full at once, and slower than a hand moves.
-static TIMED: Node = Node {
+const TIMED: Node = Node {
     name: "renderer",
     summary: "Takes 30 ms, or until it is stopped.",
     inputs: &[Port { name: "camera", port_type: PortType::Camera, summary: "what is seen" }],
@@ -254,6 +254,39 @@ fn a_steady_drag_shows_pictures() {
     }
     // Ninety wishes in a second and a half; how many are met is for the benchmark, but not the first and the last alone.
     assert!(seen.len() >= 5, "{seen:?}");
+}
+
+/// Draws pictures of more than 8 pixels across alone, as a device may that holds so many cells a tile.
+const FINE: Node = Node {
+    run: &|call| -> Result<Outputs> {
+        let [width, height] = call.camera("camera")?.size.map(|side| side as usize);
+        match width > 8 {
+            true => Ok(vec![Value::Image(Arc::new(Picture::transparent(width, height)))]),
+            false => Err(Error::run("a tile lists too many cells").got(width)),
+        }
+    },
+    ..TIMED
+};
+
+#[test]
+fn where_a_coarse_picture_fails_the_full_one_is_drawn() {
+    let shipped = voltet_nodes::registry().unwrap();
+    let mut registry = Registry::new();
+    registry.add(shipped.find("camera").unwrap()).unwrap();
+    registry.add(&FINE).unwrap();
+    let worker = Worker::start(&registry, Arc::new(|| {})).unwrap();
+    let draw = |width: u32| {
+        let text = format!(
+            "[pipeline]\nformat = 1\n[nodes.view]\ntype = \"camera\"\neye = [9.0, 0.0, 0.0]\ntarget = [0.0, 0.0, 0.0]\n\
+             fov_y = 25.0\nsize = [{width}, 6]\n[nodes.picture]\ntype = \"renderer\"\ninputs = {{ camera = \"view\" }}\n"
+        );
+        worker.draw(RenderRequest { coarse_first: true, ..wanted(nodes(&text), &PathBuf::new()) });
+        settle(&worker);
+        worker.shown(|shown| (shown.pixels.as_ref().map(Pixels::size), shown.failure.is_some()))
+    };
+    assert_eq!(draw(16), (Some([16, 6]), false));
+    // Where the full one fails, too, its error is told.
+    assert_eq!(draw(8), (Some([16, 6]), true));
 }
 
 /// A query by hand does not wait for data that nobody will draw.
