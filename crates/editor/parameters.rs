@@ -460,7 +460,7 @@ impl ParameterPanel {
             }
             Control::Colour { most } => color(ui, now, *most, &mut self.typing.remark),
             Control::Choice(words) => choice(ui, &key, now, words),
-            Control::Text if row.parameter.name == "expression" => {
+            Control::Expression => {
                 let arrays = of.scene.arrays.feeding(ui.ctx(), of.scene.document, of.scene.registry, of.node);
                 let mut choices = arrays.choices();
                 let stated = of.scene.entry(of.node).and_then(|entry| entry.setting("association")?.text());
