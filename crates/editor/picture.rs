@@ -4,6 +4,7 @@ use crate::compare::Compare;
 use crate::eyes::left_out;
 use crate::handles::Handles;
 use crate::hit_marks;
+use crate::outline::{Drawing, Outline, OutlineShape, enclosed};
 pub(crate) use crate::scene::milliseconds;
 use crate::scene::{Action, Command, EARLIER, ProbePurpose, Scene, command_buttons};
 pub(crate) use crate::textures::{WHOLE, color_image, set_texture};
@@ -12,7 +13,7 @@ use crate::view::View;
 use eframe::egui::scroll_area::ScrollSource;
 use eframe::egui::{
     Align2, Color32, ComboBox, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, RichText, ScrollArea,
-    Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, WidgetType, vec2,
+    Sense, Stroke, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, WidgetType, vec2,
 };
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -22,13 +23,19 @@ use std::time::Duration;
 /// Radians that a drag over the height of the picture turns.
 const TURN: f64 = PI;
 
-/// Rays through a box that is probed, along each side at most.
+/// Rays through the box about an outline that is probed, along each side at most.
 const RAYS: usize = 16;
 
-/// Width below which the choice of the picture and its buttons do not stand in one line, so that those of views go into a menu; and that
+/// Shapes of what is probed: the words of their switches, and what they do.
+const OUTLINES: &[(&str, OutlineShape, &str)] = &[
+    ("box", OutlineShape::Box, "a drag probes the values in a box, as it does with Alt"),
+    ("outline", OutlineShape::Free, "a drag probes the values in the outline that it draws"),
+];
+
+/// Width below which the choice of the picture and its buttons do not stand in one line, so that those of views and probes go into menus; and that
 /// below which the section is left to the window's menu, too, points.
-const HEAD: f32 = 718.0;
-const SHORT_HEAD: f32 = 500.0;
+const HEAD: f32 = 770.0;
+const SHORT_HEAD: f32 = 512.0;
 
 /// Factor of one notch of the wheel (50 points).
 const NOTCH: f64 = 1.15;
@@ -54,9 +61,9 @@ pub(crate) struct PicturePanel {
     previews: HashMap<String, Thumbnail>,
     /// Contents of the texture: the request, and true for its full picture.
     holds: Option<(u64, bool)>,
-    /// True if a drag is a box to be probed, as it is with Alt, which some window managers keep for themselves.
-    boxes: bool,
-    boxed: Option<Pos2>,
+    /// Shape of the outline to be probed that a drag draws; a box is drawn with Alt, too, which some window managers keep for themselves.
+    probes: Option<OutlineShape>,
+    outline: Outline,
     /// True if clicks are the ends of a length.
     measures: bool,
     /// Place under the pointer, where it rests.
@@ -120,7 +127,7 @@ impl PicturePanel {
         self.over(ui, scene, rect);
         let bare = response.clone();
         // A hand that probes or measures takes hold of nothing.
-        let response = if scene.view.is_some() && !self.boxes && !self.measures {
+        let response = if scene.view.is_some() && self.probes.is_none() && !self.measures {
             self.handles.show(ui, scene, picture, response)
         } else {
             self.handles = Handles::default();
@@ -143,7 +150,9 @@ impl PicturePanel {
         match scene.view {
             // Nothing follows the hand.
             None => {}
-            Some(_) if self.boxes || self.measures => drop(bare.on_hover_cursor(CursorIcon::Crosshair)),
+            Some(_) if self.probes.is_some() || self.measures => {
+                drop(bare.on_hover_cursor(CursorIcon::Crosshair))
+            }
             Some(_) => drop(bare.on_hover_cursor(CursorIcon::Grab)),
         }
     }
@@ -198,9 +207,12 @@ impl PicturePanel {
                 } else {
                     buttons(ui, &views);
                 }
-                let help = "a drag probes the values in a box, as it does with Alt";
-                if ui.selectable_label(self.boxes, "box").on_hover_text(help).clicked() {
-                    self.boxes = !self.boxes;
+                if is_narrow {
+                    let chosen = OUTLINES.iter().find(|(_, shape, _)| self.probes == Some(*shape));
+                    let title = chosen.map_or("probe", |(text, ..)| text);
+                    ui.menu_button(title, |ui| ui.horizontal(|ui| self.outlines(ui)));
+                } else {
+                    self.outlines(ui);
                 }
                 let help = "the distance between the points at two clicks";
                 if ui.selectable_label(self.measures, "measure").on_hover_text(help).clicked() {
@@ -216,6 +228,16 @@ impl PicturePanel {
                 }
             });
         });
+    }
+
+    /// Switches of the outlines that a drag draws.
+    fn outlines(&mut self, ui: &mut Ui) {
+        for (text, shape, help) in OUTLINES {
+            let is_chosen = self.probes == Some(*shape);
+            if ui.selectable_label(is_chosen, *text).on_hover_text(*help).clicked() {
+                self.probes = Some(*shape).filter(|_| !is_chosen);
+            }
+        }
     }
 
     fn take(&mut self, ui: &Ui, scene: &Scene) {
@@ -263,8 +285,8 @@ impl PicturePanel {
         }
     }
 
-    /// Alt-drag: a box whose rays are probed; whether one is drawn.
-    fn box_of_probe(
+    /// A drag whose outline is probed, of a box also by Alt; true if one is drawn.
+    fn outline(
         &mut self,
         ui: &Ui,
         scene: &Scene,
@@ -272,20 +294,13 @@ impl PicturePanel {
         picture: Rect,
         place: &dyn Fn(Pos2) -> [f64; 2],
     ) -> bool {
-        let boxes = self.boxes || ui.input(|input| input.modifiers.alt);
-        if response.drag_started_by(PointerButton::Primary) && boxes {
-            self.boxed = ui.input(|input| input.pointer.press_origin());
-        }
-        let (Some(from), Some(to)) = (self.boxed, response.interact_pointer_pos()) else {
-            self.boxed = None;
-            return false;
-        };
-        let chosen = Rect::from_two_pos(from, to).intersect(picture);
-        ui.painter().rect_stroke(chosen, 0.0, Stroke::new(1.5, theme::accent(true)), StrokeKind::Inside);
-        if response.drag_stopped() {
-            self.boxed = None;
-            if chosen.is_positive() {
-                let places = grid(chosen).into_iter().map(place).collect();
+        let with_alt = ui.input(|input| input.modifiers.alt).then_some(OutlineShape::Box);
+        match self.outline.follow(ui, response, picture, self.probes.or(with_alt)) {
+            Drawing::Idle => return false,
+            Drawing::Going => {}
+            Drawing::Done(corners) => {
+                let places = enclosed(&corners, grid(Rect::from_points(&corners)));
+                let places = places.into_iter().map(place).collect();
                 scene.actions.push(Action::Probe(places, ProbePurpose::Values));
             }
         }
@@ -302,7 +317,7 @@ impl PicturePanel {
         };
         let delta = response.drag_delta();
         let by = [f64::from(delta.x) / height, -f64::from(delta.y) / height];
-        if self.box_of_probe(ui, scene, response, picture, &place) {
+        if self.outline(ui, scene, response, picture, &place) {
             return;
         }
         let mut to = view;
@@ -394,13 +409,12 @@ fn triad(ui: &Ui, picture: Rect, view: View) {
 }
 
 /// Places spread evenly over a box, no nearer to each other than three points.
-fn grid(of: Rect) -> Vec<Pos2> {
+fn grid(of: Rect) -> impl Iterator<Item = Pos2> {
     let count = |length: f32| ((length / 3.0).ceil() as usize).clamp(1, RAYS);
     let (wide, high) = (count(of.width()), count(of.height()));
     let at = |i: usize, count: usize| (i as f32 + 0.5) / count as f32;
-    let row =
-        |j: usize| (0..wide).map(move |i| of.min + vec2(at(i, wide) * of.width(), at(j, high) * of.height()));
-    (0..high).flat_map(row).collect()
+    let places = (0..high).flat_map(move |row| (0..wide).map(move |column| (column, row)));
+    places.map(move |(column, row)| of.lerp_inside(vec2(at(column, wide), at(row, high))))
 }
 
 pub(crate) fn status(ui: &mut Ui, scene: &Scene) {
