@@ -349,3 +349,16 @@ fn an_ellipse_is_turned_as_it_is_seen() {
         assert!((at - (-0.5f64).exp()).abs() < 0.02, "{way:?}: {at}");
     }
 }
+
+#[test]
+fn the_buttons_of_a_widget_stand_in_one_line_in_a_small_window() {
+    for (size, name) in [([900.0, 600.0], ""), ([1280.0, 720.0], "name = \"thermal interface\"\n")] {
+        let text = TEXT.replace("kind = \"gaussian\"\n", &format!("kind = \"gaussian\"\n{name}"));
+        let mut hand = Hand::before_window(&text, size, &|_| {});
+        with_distribution(&mut hand);
+        let first = hand.shown_beginning("1 gaussian")[0].y;
+        for button in ["duplicate the widget", "take the widget away", "hide", "solo"] {
+            assert!((hand.named(button).y - first).abs() < 6.0, "{size:?} {button}");
+        }
+    }
+}
