@@ -362,3 +362,20 @@ fn the_buttons_of_a_widget_stand_in_one_line_in_a_small_window() {
         }
     }
 }
+
+#[test]
+fn a_colour_map_over_all_of_the_data_is_shown_where_they_lie() {
+    let gaussian = TEXT.split("kind = ").nth(1).and_then(|rest| rest.split("\n\n").next()).unwrap();
+    let unstated = TEXT.replace(gaussian, "\"colormap\"\nextinction = 0.1");
+    let stated = unstated.replace("extinction = 0.1", "extinction = 0.1\nrange = [\"0 %\", \"100 %\"]");
+    let drawn = [unstated, stated].map(|text| {
+        let mut hand = Hand::new(&text);
+        with_distribution(&mut hand);
+        assert!(hand.shown(&|text| text.contains("not of the type")).is_empty());
+        let plane = hand.rect("plane of s and g");
+        let within =
+            hand.shapes().iter().filter(|shape| plane.contains_rect(shape.shape.visual_bounding_rect()));
+        within.map(|shape| shape.shape.visual_bounding_rect()).collect::<Vec<_>>()
+    });
+    assert!(drawn[0] == drawn[1], "{drawn:?}");
+}
