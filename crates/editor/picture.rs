@@ -4,21 +4,23 @@ use crate::compare::Compare;
 use crate::eyes::left_out;
 use crate::handles::Handles;
 use crate::hit_marks;
+use crate::jobs::{path_of, reads};
 use crate::outline::{Drawing, Outline, OutlineShape, enclosed};
 pub(crate) use crate::scene::milliseconds;
-use crate::scene::{Action, Command, EARLIER, ProbePurpose, Scene, command_buttons};
+use crate::scene::{Action, Command, EARLIER, FilePurpose, ProbePurpose, Scene, command_buttons};
 pub(crate) use crate::textures::{WHOLE, color_image, set_texture};
 use crate::theme::{self, button};
 use crate::view::View;
 use eframe::egui::scroll_area::ScrollSource;
 use eframe::egui::{
-    Align2, Color32, ComboBox, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, RichText, ScrollArea,
-    Sense, Stroke, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, WidgetType, vec2,
+    Align2, Button, Color32, ComboBox, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, RichText,
+    ScrollArea, Sense, Stroke, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, WidgetType, vec2,
 };
 use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Duration;
+use voltet_core::Error;
 
 /// Radians that a drag over the height of the picture turns.
 const TURN: f64 = PI;
@@ -257,22 +259,26 @@ impl PicturePanel {
     }
 
     /// Text over the picture: the reason for which there is none, or that it is being drawn.
-    fn over(&self, ui: &Ui, scene: &Scene, rect: Rect) {
+    fn over(&self, ui: &mut Ui, scene: &Scene, rect: Rect) {
         let dark = true; // The ground is black.
-        let say = |text: &str, color: Color32| {
+        let say = |ui: &Ui, text: &str, color: Color32| {
             let galley =
                 ui.painter().layout(text.into(), FontId::proportional(14.0), color, rect.width() - 40.0);
             let place = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());
             ui.painter().rect_filled(place.expand(8.0), 4.0, Color32::from_black_alpha(200));
             ui.painter().galley(place.min, galley, color);
+            place
         };
         match (&scene.failure, scene.shown_node) {
             (_, None) => {
-                say("No node gives a picture yet: add a renderer (Space).", Color32::from_gray(200));
+                say(ui, "No node gives a picture yet: add a renderer (Space).", Color32::from_gray(200));
             }
-            (Some(failure), Some(_)) => say(&scene.reason("picture", failure), theme::wrong(dark)),
+            (Some(failure), Some(_)) => {
+                let place = say(ui, &scene.reason("picture", failure), theme::wrong(dark));
+                ways_out(ui, scene, failure, place.center_bottom());
+            }
             (None, Some(_)) if scene.pixels.is_none() => {
-                say(scene.running.as_deref().unwrap_or("drawing …"), Color32::from_gray(200));
+                say(ui, scene.running.as_deref().unwrap_or("drawing …"), Color32::from_gray(200));
             }
             (None, Some(_)) => {}
         }
@@ -356,6 +362,27 @@ impl PicturePanel {
         }
         if to != view {
             scene.actions.push(Action::MoveCamera(to));
+        }
+    }
+}
+
+/// Buttons below what is wrong with a node: to its parameters where it is not selected, and to another file where it reads one.
+fn ways_out(ui: &mut Ui, scene: &Scene, failure: &Error, below: Pos2) {
+    let Some(entry) = failure.location.node.as_deref().and_then(|node| scene.entry(node)) else { return };
+    let name = entry.name.clone();
+    let file = path_of(entry).filter(|_| reads(entry, scene.registry)).map(|path| {
+        let purpose = FilePurpose::Parameter { node: name.clone(), path: "path".into(), writes: false };
+        ("Choose a file …".to_string(), Action::ChooseFile(purpose, Some(scene.document.folder().join(path))))
+    });
+    let shows =
+        (!scene.selection.contains(&name)).then(|| (format!("Show '{name}'"), Action::Select([name].into())));
+    let ways: Vec<(String, Action)> = shows.into_iter().chain(file).collect();
+    let size = vec2(170.0, 28.0);
+    for (place, (text, action)) in ways.iter().enumerate() {
+        let aside = (place as f32 - 0.5 * (ways.len() - 1) as f32) * (size.x + 8.0);
+        let at = Rect::from_center_size(below + vec2(aside, 30.0), size);
+        if ui.put(at, Button::new(text).truncate()).clicked() {
+            scene.actions.push(action.clone());
         }
     }
 }

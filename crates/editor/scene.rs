@@ -88,7 +88,7 @@ fn beginning(comment: &str) -> String {
 impl Scene<'_> {
     /// Reason for which there is no picture or histogram: the error, or where it is said already.
     pub fn reason(&self, what: &str, error: &Error) -> String {
-        let is_same = |said: &&Error| said.location.node == error.location.node && said.what == error.what;
+        let is_same = |said: &&Error| said.location.node == error.location.node;
         let of_picture = self.failure.iter().filter(|said| !std::ptr::eq(*said, error));
         match (self.faults.iter().chain(of_picture).find(is_same), &error.location.node) {
             (Some(_), Some(node)) => format!("no {what}: '{node}' has a fault"),

@@ -115,11 +115,11 @@ fn every_text_and_every_three_numbers_are_told_apart() {
         plain,
         [
             "adapter",
+            "arrays",
             "bar_title",
             "blocks",
             "centre",
             "direction",
-            "expression",
             "eye",
             "high",
             "layers",

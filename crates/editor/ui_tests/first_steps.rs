@@ -358,6 +358,26 @@ fn an_error_about_another_file_names_it() {
 }
 
 #[test]
+fn what_is_wrong_has_a_way_out() {
+    let mut hand = Hand::new(&TEXT.replace(
+        "type = \"wavelet\"\nresolution = [12, 12, 12] # coarse",
+        "type = \"reader\"\npath = \"gone.vtk\"",
+    ));
+    // The histogram says nothing of its own of the same node.
+    assert_eq!(hand.texts("no histogram: 'grid' has a fault").len(), 1);
+    hand.click_on("Show 'grid'");
+    assert!(hand.editor.selection.iter().eq(["grid"]) && !hand.sees("Show 'grid'"));
+    hand.click_on("Choose a file …");
+    let asks = hand.editor.file_dialog.as_ref().map(|dialog| dialog.purpose.clone());
+    let of_reader =
+        crate::scene::FilePurpose::Parameter { node: "grid".into(), path: "path".into(), writes: false };
+    assert_eq!(asks, Some(of_reader));
+    // What reads no file has its parameters alone.
+    let hand = Hand::new(&TEXT.replace("eye = [-28.0, -38.0, 24.0]\n", ""));
+    assert!(hand.sees("Show 'view'") && !hand.sees("Choose a file …"));
+}
+
+#[test]
 fn a_file_that_cannot_be_opened_leaves_its_dialog_with_the_reason() {
     let mut hand = Hand::with_file(TEXT, "wrong.vtu", "no data");
     hand.command(Command::Open);
