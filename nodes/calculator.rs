@@ -28,14 +28,14 @@ pub const NODE: Node = Node {
     parameters: &[
         Parameter {
             name: "expression",
-            parameter_type: ParameterType::Text,
+            parameter_type: ParameterType::Expression,
             unit: "",
             default: DefaultValue::Required,
             help: "such as \"mag(V) - ln(p)/2\": arrays, x y z, + - * / ^ and the functions that docs/src/how-to/calculator.md lists",
         },
         Parameter {
             name: "name",
-            parameter_type: ParameterType::Text,
+            parameter_type: ParameterType::NewArrayName,
             unit: "",
             default: DefaultValue::Text("result"),
             help: "the result's name",

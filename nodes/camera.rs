@@ -186,7 +186,7 @@ pub const NODE: Node = Node {
             help: "the camera's place on its way by orbit and keys; `voltet run --steps` and `--frames` set it for each picture",
         },
     ],
-    example: include_str!("examples/stages.toml"),
+    example: include_str!("examples/camera.toml"),
     early: true,
     check: &|parameters| camera(&with_placeholders(parameters)?, Some([DVec3::ZERO, DVec3::ONE])).map(drop),
     // Bounds need points alone.

@@ -95,7 +95,7 @@ pub const NODE: Node = Node {
 
 const ARRAYS: Parameter = Parameter {
     name: "",
-    parameter_type: ParameterType::Texts,
+    parameter_type: ParameterType::ArrayNames,
     unit: "",
     default: DefaultValue::Unset("those that other nodes ask for"),
     help: "",

@@ -19,7 +19,7 @@ pub const NODE: Node = Node {
     parameters: &[
         Parameter {
             name: "fields",
-            parameter_type: ParameterType::Texts,
+            parameter_type: ParameterType::ArrayNames,
             unit: "",
             default: DefaultValue::Required,
             help: "names of point arrays; \"NAME:0\" and \"NAME:magnitude\" for vectors",
@@ -33,7 +33,7 @@ pub const NODE: Node = Node {
         },
         Parameter {
             name: "name",
-            parameter_type: ParameterType::Text,
+            parameter_type: ParameterType::NewArrayName,
             unit: "",
             default: DefaultValue::Text("multi-gradient"),
             help: "the array's name; it holds the largest singular value of D, which for one field is |gradient| / scale",

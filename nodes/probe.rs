@@ -265,7 +265,7 @@ pub const PARAMETERS: &[Parameter] = &[
         parameter_type: ParameterType::Table(&[
             Parameter {
                 name: "array",
-                parameter_type: ParameterType::Text,
+                parameter_type: ParameterType::ArrayName,
                 unit: "",
                 help: "a cell array of one component; \"NAME:0\" and \"NAME:magnitude\" for vectors",
                 ..POSITION
@@ -284,7 +284,7 @@ pub const PARAMETERS: &[Parameter] = &[
     },
     Parameter {
         name: "fields",
-        parameter_type: ParameterType::Texts,
+        parameter_type: ParameterType::ArrayNames,
         unit: "",
         default: DefaultValue::Unset("s and g, as a gaussian"),
         help: "one to eight point arrays to look at instead, as a gaussian-nd",

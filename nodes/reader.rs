@@ -53,7 +53,7 @@ pub const NODE: Node = Node {
         },
         Parameter {
             name: "displacement",
-            parameter_type: ParameterType::Text,
+            parameter_type: ParameterType::ArrayName,
             unit: "",
             default: DefaultValue::Unset("none"),
             help: "a vector at points by which they are moved, such as \"disp\": the deformed shape",
@@ -132,7 +132,7 @@ const NEAREST: &str = "nearest";
 /// The scalar that is drawn.
 pub const SCALAR: Parameter = Parameter {
     name: "scalar",
-    parameter_type: ParameterType::Text,
+    parameter_type: ParameterType::ArrayName,
     unit: "",
     default: DefaultValue::Unset("the only array, or the one that the file marks"),
     help: "the array to draw; \"NAME:magnitude\" or \"NAME:0\" for vectors",

@@ -178,7 +178,7 @@ if [ -n "$data" ]; then
     cp "$data" "$work/data/"
     begin "$work/data"
     shot 11-empty
-    click 640 289 # "Open data or a pipeline …"
+    click 640 269 # "Open data or a pipeline …"
     shot 12-asking
     # The one file of the folder.
     click 480 225

@@ -191,6 +191,8 @@ pub enum Control {
     Array,
     /// Names of arrays.
     Arrays,
+    /// An expression over arrays.
+    Expression,
     /// Several texts.
     Texts,
     /// A file to read.
@@ -218,8 +220,9 @@ impl Control {
             ParameterType::Integer(range) | ParameterType::IntegerOr(range, _) => Control::Integer(range),
             ParameterType::Number(range) => number(range, None),
             ParameterType::NumberOr(range, word) => number(range, Some(word)),
-            ParameterType::Text if names_array(name) => Control::Array,
-            ParameterType::Text => Control::Text,
+            ParameterType::ArrayName => Control::Array,
+            ParameterType::Expression => Control::Expression,
+            ParameterType::Text | ParameterType::NewArrayName => Control::Text,
             ParameterType::Choice(words) => Control::Choice(words.to_vec()),
             ParameterType::InputPath | ParameterType::ChoiceOrPath(..) => Control::InputFile,
             ParameterType::OutputPath => Control::OutputFile,
@@ -229,7 +232,7 @@ impl Control {
                 Control::Vector { count: Some(count), range, whole: true, relative }
             }
             ParameterType::Rows(_) | ParameterType::RowsOr(..) => Control::Rows { relative },
-            ParameterType::Texts if names_array(name) => Control::Arrays,
+            ParameterType::ArrayNames => Control::Arrays,
             ParameterType::Texts => Control::Texts,
             ParameterType::Table(_) => Control::Table,
             ParameterType::Kinds(kinds) => Control::Entries(kinds),
@@ -251,23 +254,6 @@ impl Scale {
         let is_wide = range.max.is_infinite() || (range.min > 0.0 && range.max / range.min >= LOGARITHMIC);
         if range.min >= 0.0 && is_wide { Scale::Logarithmic } else { Scale::Linear }
     }
-}
-
-/// True if a text of this name is that of an array: declarations say that it is a text.
-fn names_array(name: &str) -> bool {
-    [
-        "scalar",
-        "displacement",
-        "array",
-        "color_by",
-        "arrays",
-        "field",
-        "fields",
-        "magnitude",
-        "cell_arrays",
-        "point_arrays",
-    ]
-    .contains(&name)
 }
 
 /// Extent and view of the data that first values are found by.
@@ -326,7 +312,7 @@ pub fn first_field(parameter: &Parameter, extent: &DataExtent) -> Option<Field> 
         _ => both[0].into(),
     };
     let value = match (parameter.name, parameter.unit) {
-        ("normal" | "direction", "world units" | "world space") => extent.axis(),
+        ("normal" | "direction", "world space") => extent.axis(),
         ("origin" | "centre", "world units") => extent.point([0.5; 3]),
         ("low", "world units") => extent.point([0.25; 3]),
         ("high", "world units") => extent.point([0.75; 3]),
@@ -363,9 +349,12 @@ pub fn first_field(parameter: &Parameter, extent: &DataExtent) -> Option<Field> 
 pub fn typed(row: &Row, text: &str) -> Result<ParameterValue> {
     let text = text.trim();
     let datum = match &row.control {
-        Control::Text | Control::Array | Control::InputFile | Control::OutputFile | Control::Choice(_) => {
-            ParameterValue::Text(text.to_string())
-        }
+        Control::Text
+        | Control::Array
+        | Control::Expression
+        | Control::InputFile
+        | Control::OutputFile
+        | Control::Choice(_) => ParameterValue::Text(text.to_string()),
         Control::Toggle | Control::Integer(_) | Control::Number { .. } => read(text),
         Control::Texts | Control::Arrays => list(text, &|part| ParameterValue::Text(part.to_string())),
         Control::Colour { .. } if text.starts_with('#') => ParameterValue::Text(text.to_string()),

@@ -3,10 +3,11 @@
 
 use crate::editor::{Editor, Making, Next, Panels};
 use crate::eyes;
-use crate::files::{Disk, FileDialog, Recover, age, ask, begun, free_path, is_pipeline};
+use crate::files::{Disk, FileDialog, Recover, age, ask, free_path, is_pipeline};
 use crate::jobs::{Arrays, Job};
 use crate::picture::milliseconds;
 use crate::scene::{Action, Command, FilePurpose, error_text};
+use crate::templates::begun;
 use crate::view::View;
 use crate::worker::size_of;
 use eframe::egui::{Context, Event, ThemePreference};
@@ -38,8 +39,9 @@ impl Editor {
             Action::Estimate => self.estimate(),
             Action::Do(command) => self.command(ctx, command),
             Action::Say(text) => self.say(text),
-            Action::Begin(path) => {
-                self.unless_unsaved(ctx, Next::Open(Some(path)));
+            Action::Begin(path) => self.unless_unsaved(ctx, Next::Open(path)),
+            Action::BeginFrom(template) => {
+                self.unless_unsaved(ctx, Next::Choose(FilePurpose::Data(template)))
             }
             Action::ChooseFile(asked, at) => self.file_dialog = Some(FileDialog::new(asked, at.as_deref())),
         }
@@ -51,6 +53,10 @@ impl Editor {
             FilePurpose::Open => {
                 self.message = None;
                 self.open_by(ctx, file, Some(dialog));
+            }
+            FilePurpose::Data(template) => {
+                let registry = self.registry.clone();
+                self.make(ctx, file, Some(dialog), move |file, at| template.filled(file, at, &registry));
             }
             FilePurpose::SaveAs => self.save_as(file),
             FilePurpose::Film => {
@@ -157,7 +163,7 @@ impl Editor {
                     self.unless_unsaved(ctx, Next::Take(Box::new(document)));
                 }
             }
-            Command::Open => self.unless_unsaved(ctx, Next::Open(None)),
+            Command::Open => self.unless_unsaved(ctx, Next::Choose(FilePurpose::Open)),
             Command::Quit => self.unless_unsaved(ctx, Next::Quit),
             Command::Run => self.run(ctx),
             Command::Save => self.save(),
@@ -405,11 +411,22 @@ impl Editor {
             }
             return;
         }
+        let start = self.start.clone();
+        self.make(ctx, path, dialog, move |file, at| begun(start(file, at)?, Some(at.to_path_buf())));
+    }
+
+    /// Makes a document for a data file, on a thread of its own. `make`: of the file, and where the document would be saved.
+    fn make(
+        &mut self,
+        ctx: &Context,
+        path: &Path,
+        dialog: Option<FileDialog>,
+        make: impl FnOnce(&Path, &Path) -> Result<Document> + Send + 'static,
+    ) {
         self.recent.add(path);
-        let at = free_path(path);
-        let (start, path) = (self.start.clone(), path.to_path_buf());
+        let (at, path) = (free_path(path), path.to_path_buf());
         let name = path.display().to_string();
-        let made = Job::start("start", ctx, move |_| begun(start(&path, &at)?, Some(at)));
+        let made = Job::start("start", ctx, move |_| make(&path, &at));
         match self.check(made) {
             Some(job) => {
                 self.say(format!("making a pipeline for {name} …"));
@@ -484,9 +501,11 @@ impl Editor {
     pub(crate) fn go_on(&mut self, ctx: &Context, next: Next) {
         match next {
             Next::Take(document) => self.take(*document),
-            Next::Open(Some(path)) => self.open_any(ctx, &path),
-            Next::Open(None) => {
-                self.file_dialog = Some(FileDialog::new(FilePurpose::Open, self.document.path()))
+            Next::Open(path) => self.open_any(ctx, &path),
+            Next::Choose(purpose) => {
+                let data = self.data_file().filter(|_| matches!(purpose, FilePurpose::Data(_)));
+                let at = data.or_else(|| self.document.path().map(Path::to_path_buf));
+                self.file_dialog = Some(FileDialog::new(purpose, at.as_deref()));
             }
             Next::Quit => self.ends = true,
         }

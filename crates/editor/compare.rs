@@ -168,13 +168,13 @@ impl Compare {
         response.on_hover_cursor(CursorIcon::ResizeHorizontal);
     }
 
-    /// Figures of the difference, and the time of both, in the upper right corner.
+    /// Figures of the difference, and the time of both, above the ways of showing both: in the upper corners stand other words.
     fn say(&self, ui: &Ui, scene: &Scene, whole: Rect) {
         let Some(found) = &self.found else { return };
         let before = self.remembered.as_ref().and_then(|remembered| remembered.seconds);
         let text = found.words(scene.pixels.as_ref().map(|now| &now.picture), [before, scene.seconds]);
         let galley = ui.painter().layout_no_wrap(text, FontId::proportional(12.0), Color32::from_gray(230));
-        let place = Align2::RIGHT_TOP.anchor_size(whole.right_top() + vec2(-10.0, 8.0), galley.size());
+        let place = Align2::RIGHT_BOTTOM.anchor_size(whole.right_bottom() - vec2(10.0, 38.0), galley.size());
         ui.painter().rect_filled(place.expand(4.0), 4.0, Color32::from_black_alpha(200));
         ui.painter().galley(place.min, galley, Color32::WHITE);
     }

@@ -1,8 +1,13 @@
-//! Files that are dropped on the window: pipelines, pictures and data are opened, a colour map goes to what is selected.
+//! Files that are dropped on the window: pipelines, pictures and data are opened, a colour map goes to what is selected, a plug-in is
+//! loaded where a hand says so.
 
 use crate::editor::Editor;
+use crate::files::ask;
+use crate::jobs::Job;
 use crate::scene::Action;
-use std::path::Path;
+use crate::templates::templates;
+use eframe::egui::Context;
+use std::path::{Path, PathBuf};
 use voltet_document::panel::Row;
 use voltet_document::{Edit, Path as KeyPath};
 use voltet_graph::ParameterType;
@@ -23,10 +28,8 @@ impl Editor {
         let file = file.as_ref();
         let end = file.extension().map(|end| end.to_string_lossy().to_lowercase()).unwrap_or_default();
         if PLUGINS.contains(&&*end) {
-            let plugin = file.display();
-            return self.say(format!(
-                "a plug-in is a program, which the window starts with: voltet edit --plugin {plugin}"
-            ));
+            self.plugins.offered = Some(file.to_path_buf());
+            return;
         }
         if !MAPS.contains(&&*end) {
             return self.actions.push(Action::Begin(file.to_path_buf()));
@@ -60,6 +63,45 @@ impl Editor {
         let others = paths.first().filter(|_| !transfer.is_last());
         let path = paths.iter().find(is_in_hand).or(others)?;
         Some((node.to_string(), path.clone()))
+    }
+}
+
+impl Editor {
+    /// Asks about the plug-in that was dropped, once no other question is open, and loads it where a hand says so.
+    pub(crate) fn offer_plugin(&mut self, ctx: &Context) {
+        let is_free = self.unsaved.is_none() && self.recover.left.is_empty();
+        let Some(path) = self.plugins.offered.take_if(|_| is_free) else { return };
+        let file = path.display();
+        let text = format!("{file} is a plug-in: a program. Load it if you trust those who made it.");
+        match ask(ctx, "Plug-in", text, &[("Load it", true), ("Cancel", false)]) {
+            None => self.plugins.offered = Some(path),
+            Some(true) => self.load_plugin(ctx, path),
+            Some(false) => {}
+        }
+    }
+
+    fn load_plugin(&mut self, ctx: &Context, path: PathBuf) {
+        let Some(load) = self.plugins.load.clone() else {
+            return self
+                .say(format!("this program loads no plug-ins: voltet edit --plugin {}", path.display()));
+        };
+        let job = Job::start("plug-in", ctx, move |_| load(&path));
+        self.plugins.loading = self.check(job);
+    }
+
+    /// Takes over what a plug-in offers, once it is loaded.
+    pub(crate) fn take_plugin(&mut self) {
+        let Some(loaded) = self.plugins.loading.as_ref().and_then(Job::result) else { return };
+        self.plugins.loading = None;
+        let Some((registry, plugin)) = self.check(loaded) else { return };
+        let used = self.worker.use_registry(&registry);
+        if self.check(used).is_some() {
+            self.registry = registry;
+            self.templates = templates(&self.registry);
+            self.faults = (None, Vec::new());
+            self.read_again();
+            self.say(format!("loaded until the window closes: {plugin}"));
+        }
     }
 }
 

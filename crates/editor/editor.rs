@@ -3,14 +3,17 @@
 
 use crate::files::{BETWEEN, Disk, FileDialog, FileWatcher, Recent, Recover, ask, show_dialog};
 use crate::graph::GraphView;
+use crate::invitation::invite;
 use crate::jobs::{Arrays, DataSource, Job};
 use crate::keys::{self, GestureTracker};
 use crate::panes::Pane;
 use crate::parameters::ParameterPanel;
 use crate::picture::{self, PicturePanel};
-use crate::scene::{Action, Actions, Command, Lag, ProbePurpose, Scene, error_text, pictures};
+use crate::plugins::Plugins;
+use crate::scene::{Actions, Command, FilePurpose, Lag, ProbePurpose, Scene, error_text, pictures};
 use crate::section::SectionPanel;
 use crate::study::{StudyPanel, show_costs};
+use crate::templates::{Template, templates};
 use crate::theme;
 use crate::time_strip::TimeStrip;
 use crate::transfer::TransferPanel;
@@ -18,8 +21,8 @@ use crate::worker::{
     Estimate, NodeState, PixelProbe, RenderRequest, VolumeSource, Worker, WorkerOutput, size_of,
 };
 use eframe::egui::{
-    Align, Button, CentralPanel, Context, Frame, Key, Label, Layout, Modifiers, Panel, Popup, Rect, RichText,
-    Ui, UiBuilder, ViewportCommand, vec2,
+    Align, CentralPanel, Context, Frame, Key, Label, Layout, Modifiers, Panel, Popup, Rect, RichText, Ui,
+    UiBuilder, ViewportCommand, vec2,
 };
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -52,8 +55,10 @@ pub(crate) struct Panels {
 pub(crate) enum Next {
     /// Another document in its place.
     Take(Box<Document>),
-    /// A file, or the choice of one.
-    Open(Option<PathBuf>),
+    /// A file.
+    Open(PathBuf),
+    /// The choice of one.
+    Choose(FilePurpose),
     Quit,
 }
 
@@ -90,6 +95,7 @@ pub struct Editor {
     pub(crate) registry: Registry,
     pub(crate) worker: Worker,
     pub(crate) start: Start,
+    pub(crate) templates: Vec<Template>,
     pub(crate) made: Option<Making>,
     pub(crate) selection: BTreeSet<String>,
     pub(crate) shown_node: Option<String>,
@@ -108,6 +114,7 @@ pub struct Editor {
     /// Next step, once unsaved work is settled.
     pub(crate) unsaved: Option<Next>,
     pub(crate) answers: Answers,
+    pub(crate) plugins: Plugins,
     pub(crate) panels: Panels,
     pub(crate) actions: Actions,
     pub(crate) faults: (Option<u64>, Vec<Error>),
@@ -133,6 +140,7 @@ impl Editor {
             document,
             worker: Worker::start(registry, wake)?,
             registry: registry.clone(),
+            templates: templates(registry),
             start,
             made: None,
             selection: BTreeSet::new(),
@@ -149,6 +157,7 @@ impl Editor {
             run: None,
             unsaved: None,
             answers: Answers::default(),
+            plugins: Plugins::default(),
             panels: Panels::default(),
             actions: Actions::default(),
             faults: (None, Vec::new()),
@@ -228,6 +237,7 @@ impl Editor {
                 document: &self.document,
                 registry: &self.registry,
                 arrays: &self.arrays,
+                templates: &self.templates,
                 selection: &self.selection,
                 shown_node: self.shown_node.as_deref(),
                 view,
@@ -291,15 +301,13 @@ fn faults(document: &Document, registry: &Registry) -> Vec<Error> {
     document.faults(registry).into_iter().map(named).collect()
 }
 
-/// Width of what is offered, points.
-const WIDTH: f32 = 340.0;
-
 impl Editor {
     /// Shows everything once, in the whole window, and carries out what was asked for.
     pub fn frame(&mut self, ui: &mut Ui) {
         let ctx = &ui.ctx().clone();
         self.look_at_disk();
         self.take_made(ctx);
+        self.take_plugin();
         self.take_probed();
         self.panels.study.take_found();
         self.show_run();
@@ -347,7 +355,7 @@ impl Editor {
 impl Editor {
     /// True if a question waits for its answer.
     pub(crate) fn asks(&self) -> bool {
-        self.unsaved.is_some() || !self.recover.left.is_empty()
+        self.unsaved.is_some() || !self.recover.left.is_empty() || self.plugins.offered.is_some()
     }
 
     /// Closes the sheet that lies above the others, when Escape is pressed and nothing else has a use for it.
@@ -399,6 +407,7 @@ fn show(editor: &mut Editor, ui: &mut Ui) {
     }
     unsaved(editor, ctx);
     editor.offer_left_behind(ctx);
+    editor.offer_plugin(ctx);
 }
 
 fn empty(editor: &Editor, ui: &mut Ui, graph: &mut GraphView, scene: &Scene) {
@@ -547,53 +556,5 @@ fn broken(ui: &mut Ui, place: Rect, faults: &[Error]) {
             let text = "Mend it in a text editor; once it is saved there, reload it here.";
             ui.label(RichText::new(text).color(theme::weak(dark)));
         });
-    });
-}
-
-/// Shows the ways to begin, in the middle of a place. `recent`: files that were opened last; `is_making`: a pipeline is being
-/// made for data.
-fn invite(ui: &mut Ui, scene: &Scene, place: Rect, recent: &[&Path], is_making: bool) {
-    let dark = ui.visuals().dark_mode;
-    let weak = theme::weak(dark);
-    let height = 150.0 + 26.0 * recent.len() as f32;
-    let size = vec2(WIDTH.min(place.width() - 20.0), height.min(place.height() - 10.0));
-    let rect = Rect::from_center_size(place.center(), size);
-    let layout = Layout::top_down(Align::Center);
-    ui.scope_builder(UiBuilder::new().max_rect(rect).layout(layout), |ui| {
-        if is_making {
-            ui.add_space(0.4 * rect.height());
-            ui.label(RichText::new("Reading the data …").size(16.0));
-            return;
-        }
-        let button =
-            |text: &str| Button::new(RichText::new(text).size(15.0)).min_size(vec2(rect.width(), 34.0));
-        for (text, command, help) in [
-            (
-                "Open data or a pipeline …",
-                Command::Open,
-                "for a data file, a pipeline with a picture is made (Ctrl+O)",
-            ),
-            ("Add a node …", Command::Add, "Space"),
-            ("Begin with an example", Command::Example, "a pipeline that needs no data file"),
-        ] {
-            if ui.add(button(text)).on_hover_text(help).clicked() {
-                scene.actions.command(command);
-            }
-            ui.add_space(4.0);
-        }
-        ui.label(RichText::new("or drop a file here").color(weak));
-        if recent.is_empty() {
-            return;
-        }
-        ui.add_space(8.0);
-        ui.label(RichText::new("Recent files").color(weak));
-        for path in recent {
-            let name = path.file_name().unwrap_or_default().to_string_lossy();
-            let folder = path.parent().unwrap_or(Path::new("")).display().to_string();
-            let entry = Button::new(format!("{name}   in {folder}")).frame(false).truncate();
-            if ui.add(entry).on_hover_text(path.display().to_string()).clicked() {
-                scene.actions.push(Action::Begin(path.to_path_buf()));
-            }
-        }
     });
 }

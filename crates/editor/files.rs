@@ -11,8 +11,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
-use voltet_core::{Result, counted};
-use voltet_document::{Autosave, Document, Edit, OrphanedDraft, Recovery, stamp};
+use voltet_core::counted;
+use voltet_document::{Autosave, Document, OrphanedDraft, Recovery, stamp};
 use voltet_graph::Stamp;
 use voltet_nodes::files::{state_folder, write_whole};
 
@@ -100,13 +100,6 @@ pub(crate) fn free_path(path: &Path) -> PathBuf {
     let numbered = (2..).map(|number| path.with_file_name(format!("{stem}_{number}.toml")));
     let mut all = std::iter::once(path.with_extension("toml")).chain(numbered);
     all.find(|path| !path.exists()).unwrap_or_default()
-}
-
-/// A document that is not saved yet, of a text whose paths are relative to where it would be; without a place, saving asks for one.
-pub(crate) fn begun(text: String, at: Option<PathBuf>) -> Result<Document> {
-    let mut document = Document::from_text(String::new(), at);
-    document.edit(&Edit::Text(text))?;
-    Ok(document)
 }
 
 /// Length of the list of files that were opened and saved last.
@@ -220,6 +213,7 @@ impl FilePurpose {
         match self {
             FilePurpose::Open => "Open a pipeline or data".into(),
             FilePurpose::SaveAs => "Save as".into(),
+            FilePurpose::Data(template) => format!("Data for: {}", template.title),
             FilePurpose::Film => "The file of the film".into(),
             FilePurpose::Parameter { node, path, writes: false } => format!("A file to read: {node}.{path}"),
             FilePurpose::Parameter { node, path, writes: true } => format!("A file to write: {node}.{path}"),
@@ -231,6 +225,7 @@ impl FilePurpose {
         let end = end.unwrap_or_default();
         match self {
             FilePurpose::Open => is_pipeline_ending(&end) || DATA.split(' ').any(|data| data == end),
+            FilePurpose::Data(_) => DATA.split(' ').any(|data| data == end),
             FilePurpose::SaveAs => is_pipeline_ending(&end),
             FilePurpose::Film => ["mp4", "webm", "gif", "png"].contains(&end.as_str()),
             FilePurpose::Parameter { .. } => true,
@@ -305,7 +300,9 @@ impl FileDialog {
         let name = match &purpose {
             FilePurpose::Open => String::new(),
             FilePurpose::SaveAs => own.unwrap_or_else(|| "pipeline.toml".into()),
-            FilePurpose::Film | FilePurpose::Parameter { .. } => own.unwrap_or_default(),
+            FilePurpose::Data(_) | FilePurpose::Film | FilePurpose::Parameter { .. } => {
+                own.unwrap_or_default()
+            }
         };
         let mut dialog = FileDialog {
             purpose,
@@ -378,7 +375,7 @@ impl FileDialog {
         });
         ui.horizontal(|ui| {
             let text = match (&self.purpose, self.warned) {
-                (FilePurpose::Open, _) => "Open",
+                (FilePurpose::Open | FilePurpose::Data(_), _) => "Open",
                 (FilePurpose::SaveAs, false) => "Save",
                 (FilePurpose::SaveAs, true) => "Write over it",
                 (FilePurpose::Film | FilePurpose::Parameter { .. }, _) => "Choose",

@@ -1,13 +1,20 @@
 //! Readers that were given a file in this window, and are to draw the array that `voltet start` would choose.
 
 use crate::editor::Editor;
-use crate::jobs::{DataSource, Extent};
+use crate::jobs::{DataSource, Extent, path_of, reads};
 use eframe::egui::Context;
+use std::path::PathBuf;
 use voltet_document::Edit;
 use voltet_graph::NodeEntry;
 use voltet_io::formats::{ArrayChoice, Association};
 
 impl Editor {
+    /// The data file of the first reader.
+    pub(crate) fn data_file(&self) -> Option<PathBuf> {
+        let mut readers = self.document.pipeline().nodes.iter().filter(|node| reads(node, &self.registry));
+        readers.find_map(path_of).map(|path| self.document.folder().join(path))
+    }
+
     /// A node was given a file.
     pub(crate) fn expect_array(&mut self, node: &str) {
         let entry = self.document.pipeline().nodes.iter().find(|entry| entry.name == node);

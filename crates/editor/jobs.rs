@@ -12,7 +12,9 @@ use voltet_core::progress::NoProgress;
 use voltet_core::{Error, Result};
 use voltet_document::Document;
 use voltet_document::links::upstream;
-use voltet_graph::{DefaultValue, LocatedValue, NodeEntry, Observer, Registry};
+use voltet_graph::{
+    DefaultValue, LocatedValue, Node, NodeEntry, Observer, Parameter, ParameterType, Registry,
+};
 use voltet_io::formats::{self, Association, FileArray};
 use voltet_io::memory;
 use voltet_nodes::external_formats;
@@ -198,6 +200,12 @@ type KnownArrays = HashMap<DataSource, (Extent, Arc<FileArrays>)>;
 pub(crate) struct Arrays(Arc<Mutex<KnownArrays>>);
 
 impl Arrays {
+    /// Number of the files that were asked for.
+    #[cfg(test)]
+    pub fn asked_count(&self) -> usize {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).len()
+    }
+
     /// The arrays of the file that feeds a node, and of nodes on the way; empty while they are not known.
     pub fn feeding(
         &self,
@@ -290,18 +298,23 @@ fn read_arrays(
     });
 }
 
-/// Nodes that make an array, and the parameter that names it.
-const MAKERS: [(&str, &str); 3] = [("calculator", "name"), ("multi-gradient", "name"), ("wavelet", "field")];
+/// The parameter that names the array that a node makes: by a text, or a source by the word for its field.
+pub(crate) fn new_array(node: &Node) -> Option<&Parameter> {
+    node.parameters.iter().find(|parameter| match parameter.parameter_type {
+        ParameterType::NewArrayName => true,
+        ParameterType::Choice(_) => parameter.name == "field" && node.inputs.is_empty(),
+        _ => false,
+    })
+}
 
 /// Array that a node makes; `None` of other nodes.
 fn result(entry: &NodeEntry, registry: &Registry) -> Option<ArrayChoice> {
-    let declared = registry.node_type(entry)?;
-    let (_, named_by) = MAKERS.iter().find(|(node, _)| *node == declared.name)?;
-    let usual = match declared.parameter(named_by)?.default {
+    let named_by = new_array(registry.node_type(entry)?)?;
+    let usual = match named_by.default {
         DefaultValue::Text(text) => Some(text),
         _ => None,
     };
-    let name = entry.setting(named_by).and_then(LocatedValue::text).or(usual)?.to_string();
+    let name = entry.setting(named_by.name).and_then(LocatedValue::text).or(usual)?.to_string();
     let is_of_cells = entry.setting("association").and_then(LocatedValue::text) == Some("cell");
     let at = if is_of_cells { None } else { Some(Association::Point) };
     Some(ArrayChoice { label: format!("{name}  (computed by {})", entry.name), name, at })

@@ -1,6 +1,7 @@
 //! The keys: one table, from which they are read and the help sheet is made; the bar at the top: menus, and what is done most; input events:
 //! their grouping into undo steps, and those that wait for the next frame.
 
+use crate::invitation::template_buttons;
 use crate::scene::{Actions, Command, Scene, TimeMove};
 use crate::theme;
 use eframe::egui::{
@@ -157,6 +158,7 @@ const MOUSE: &[(&str, &[(&str, &str)])] = &[
             ("rest", "s, g, cell and point of the first hit"),
             ("click", "pick the cell; probe: the values on the ray"),
             ("Alt-drag", "probe: the values on rays through a box"),
+            ("drag by \"outline\"", "probe: the values in what is drawn"),
             ("drag a grip of a clip or slice", "move or turn it; so do arrows in small steps"),
             ("right click", "menu"),
         ],
@@ -272,6 +274,9 @@ pub(crate) fn bar(ui: &mut Ui, scene: &Scene) {
                     if ui.add(Button::new(text).shortcut_text(shortcut(ui.ctx(), keys))).clicked() {
                         scene.actions.command(*command);
                         ui.close();
+                    }
+                    if *command == Command::Example {
+                        ui.menu_button("Template", |ui| template_buttons(ui, scene));
                     }
                 }
             });

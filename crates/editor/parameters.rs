@@ -14,6 +14,8 @@ use eframe::egui::{
 };
 use std::collections::HashMap;
 use std::ops::RangeInclusive;
+use voltet_core::Error;
+use voltet_core::expression::Expression;
 use voltet_document::panel::{Control, Row, default_value, to_text, typed};
 use voltet_document::{Edit, Path};
 use voltet_graph::{
@@ -184,7 +186,9 @@ impl ParameterPanel {
         self.head(ui, scene, entry);
         let rows = scene.document.rows(scene.registry, name);
         ScrollArea::vertical().auto_shrink([false, false]).id_salt(("parameters", name)).show(ui, |ui| {
-            for fault in scene.faults.iter().filter(|fault| fault.location.node.as_deref() == Some(name)) {
+            let is_pointed_at = |fault: &&Error| rows.iter().any(|row| is_of_expression(row, fault));
+            let own = scene.faults.iter().filter(|fault| fault.location.node.as_deref() == Some(name));
+            for fault in own.filter(|fault| !is_pointed_at(fault)) {
                 ui.label(RichText::new(error_text(fault, scene.document)).color(theme::wrong(dark)));
             }
             self.table(ui, Of { scene, node: name }, &Path::default(), &rows);
@@ -460,7 +464,7 @@ impl ParameterPanel {
             }
             Control::Colour { most } => color(ui, now, *most, &mut self.typing.remark),
             Control::Choice(words) => choice(ui, &key, now, words),
-            Control::Text if row.parameter.name == "expression" => {
+            Control::Expression => {
                 let arrays = of.scene.arrays.feeding(ui.ctx(), of.scene.document, of.scene.registry, of.node);
                 let mut choices = arrays.choices();
                 let stated = of.scene.entry(of.node).and_then(|entry| entry.setting("association")?.text());
@@ -543,6 +547,12 @@ impl ParameterPanel {
         let (width, hint) = if several { (260.0, "all that are named") } else { (160.0, "") };
         taken.or_else(|| self.typing.value(ui, key, row, width, hint))
     }
+}
+
+/// True if a fault is that of the expression in a row, whose field points at it.
+fn is_of_expression(row: &Row, fault: &Error) -> bool {
+    let text = row.value().filter(|_| matches!(row.control, Control::Expression)).map(to_text);
+    text.and_then(|text| Expression::parse(&text).err()).is_some_and(|(error, _)| error.what == fault.what)
 }
 
 fn swatch(ui: &mut Ui, rows: &[Row]) {

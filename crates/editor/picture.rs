@@ -4,32 +4,41 @@ use crate::compare::Compare;
 use crate::eyes::left_out;
 use crate::handles::Handles;
 use crate::hit_marks;
+use crate::jobs::{path_of, reads};
+use crate::outline::{Drawing, Outline, OutlineShape, enclosed};
 pub(crate) use crate::scene::milliseconds;
-use crate::scene::{Action, Command, EARLIER, ProbePurpose, Scene, command_buttons};
+use crate::scene::{Action, Command, EARLIER, FilePurpose, ProbePurpose, Scene, command_buttons};
 pub(crate) use crate::textures::{WHOLE, set_texture};
 use crate::theme::{self, button};
 use crate::view::View;
 use eframe::egui::scroll_area::ScrollSource;
 use eframe::egui::{
-    Align2, Color32, ColorImage, ComboBox, CursorIcon, FontId, PointerButton, Pos2, Rect, Response, RichText,
-    ScrollArea, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, WidgetType,
+    Align2, Button, Color32, ColorImage, ComboBox, CursorIcon, FontId, PointerButton, Pos2, Rect, Response,
+    RichText, ScrollArea, Sense, Stroke, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, WidgetType,
     vec2,
 };
 use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Duration;
+use voltet_core::Error;
 
 /// Radians that a drag over the height of the picture turns.
 const TURN: f64 = PI;
 
-/// Rays through a box that is probed, along each side at most.
+/// Rays through the box about an outline that is probed, along each side at most.
 const RAYS: usize = 16;
 
-/// Width below which the choice of the picture and its buttons do not stand in one line, so that those of views go into a menu; and that
+/// Shapes of what is probed: the words of their switches, and what they do.
+const OUTLINES: &[(&str, OutlineShape, &str)] = &[
+    ("box", OutlineShape::Box, "a drag probes the values in a box, as it does with Alt"),
+    ("outline", OutlineShape::Free, "a drag probes the values in the outline that it draws"),
+];
+
+/// Width below which the choice of the picture and its buttons do not stand in one line, so that those of views and probes go into menus; and that
 /// below which the section is left to the window's menu, too, points.
-const HEAD: f32 = 718.0;
-const SHORT_HEAD: f32 = 500.0;
+const HEAD: f32 = 770.0;
+const SHORT_HEAD: f32 = 512.0;
 
 /// Factor of one notch of the wheel (50 points).
 const NOTCH: f64 = 1.15;
@@ -55,9 +64,9 @@ pub(crate) struct PicturePanel {
     previews: HashMap<String, Thumbnail>,
     /// Contents of the texture: the request, and true for its full picture.
     holds: Option<(u64, bool)>,
-    /// True if a drag is a box to be probed, as it is with Alt, which some window managers keep for themselves.
-    boxes: bool,
-    boxed: Option<Pos2>,
+    /// Shape of the outline to be probed that a drag draws; a box is drawn with Alt, too, which some window managers keep for themselves.
+    probes: Option<OutlineShape>,
+    outline: Outline,
     /// True if clicks are the ends of a length.
     measures: bool,
     /// Place under the pointer, where it rests.
@@ -121,7 +130,7 @@ impl PicturePanel {
         self.over(ui, scene, rect);
         let bare = response.clone();
         // A hand that probes or measures takes hold of nothing.
-        let response = if scene.view.is_some() && !self.boxes && !self.measures {
+        let response = if scene.view.is_some() && self.probes.is_none() && !self.measures {
             self.handles.show(ui, scene, picture, response)
         } else {
             self.handles = Handles::default();
@@ -144,7 +153,9 @@ impl PicturePanel {
         match scene.view {
             // Nothing follows the hand.
             None => {}
-            Some(_) if self.boxes || self.measures => drop(bare.on_hover_cursor(CursorIcon::Crosshair)),
+            Some(_) if self.probes.is_some() || self.measures => {
+                drop(bare.on_hover_cursor(CursorIcon::Crosshair))
+            }
             Some(_) => drop(bare.on_hover_cursor(CursorIcon::Grab)),
         }
     }
@@ -199,9 +210,12 @@ impl PicturePanel {
                 } else {
                     buttons(ui, &views);
                 }
-                let help = "a drag probes the values in a box, as it does with Alt";
-                if ui.selectable_label(self.boxes, "box").on_hover_text(help).clicked() {
-                    self.boxes = !self.boxes;
+                if is_narrow {
+                    let chosen = OUTLINES.iter().find(|(_, shape, _)| self.probes == Some(*shape));
+                    let title = chosen.map_or("probe", |(text, ..)| text);
+                    ui.menu_button(title, |ui| ui.horizontal(|ui| self.outlines(ui)));
+                } else {
+                    self.outlines(ui);
                 }
                 let help = "the distance between the points at two clicks";
                 if ui.selectable_label(self.measures, "measure").on_hover_text(help).clicked() {
@@ -217,6 +231,16 @@ impl PicturePanel {
                 }
             });
         });
+    }
+
+    /// Switches of the outlines that a drag draws.
+    fn outlines(&mut self, ui: &mut Ui) {
+        for (text, shape, help) in OUTLINES {
+            let is_chosen = self.probes == Some(*shape);
+            if ui.selectable_label(is_chosen, *text).on_hover_text(*help).clicked() {
+                self.probes = Some(*shape).filter(|_| !is_chosen);
+            }
+        }
     }
 
     fn take(&mut self, ui: &Ui, scene: &Scene) {
@@ -236,22 +260,26 @@ impl PicturePanel {
     }
 
     /// Text over the picture: the reason for which there is none, or that it is being drawn.
-    fn over(&self, ui: &Ui, scene: &Scene, rect: Rect) {
+    fn over(&self, ui: &mut Ui, scene: &Scene, rect: Rect) {
         let dark = true; // The ground is black.
-        let say = |text: &str, color: Color32| {
+        let say = |ui: &Ui, text: &str, color: Color32| {
             let galley =
                 ui.painter().layout(text.into(), FontId::proportional(14.0), color, rect.width() - 40.0);
             let place = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());
             ui.painter().rect_filled(place.expand(8.0), 4.0, Color32::from_black_alpha(200));
             ui.painter().galley(place.min, galley, color);
+            place
         };
         match (&scene.failure, scene.shown_node) {
             (_, None) => {
-                say("No node gives a picture yet: add a renderer (Space).", Color32::from_gray(200));
+                say(ui, "No node gives a picture yet: add a renderer (Space).", Color32::from_gray(200));
             }
-            (Some(failure), Some(_)) => say(&scene.reason("picture", failure), theme::wrong(dark)),
+            (Some(failure), Some(_)) => {
+                let place = say(ui, &scene.reason("picture", failure), theme::wrong(dark));
+                ways_out(ui, scene, failure, place.center_bottom());
+            }
             (None, Some(_)) if scene.pixels.is_none() => {
-                say(scene.running.as_deref().unwrap_or("drawing …"), Color32::from_gray(200));
+                say(ui, scene.running.as_deref().unwrap_or("drawing …"), Color32::from_gray(200));
             }
             (None, Some(_)) => {}
         }
@@ -264,8 +292,8 @@ impl PicturePanel {
         }
     }
 
-    /// Alt-drag: a box whose rays are probed; whether one is drawn.
-    fn box_of_probe(
+    /// A drag whose outline is probed, of a box also by Alt; true if one is drawn.
+    fn outline(
         &mut self,
         ui: &Ui,
         scene: &Scene,
@@ -273,20 +301,13 @@ impl PicturePanel {
         picture: Rect,
         place: &dyn Fn(Pos2) -> [f64; 2],
     ) -> bool {
-        let boxes = self.boxes || ui.input(|input| input.modifiers.alt);
-        if response.drag_started_by(PointerButton::Primary) && boxes {
-            self.boxed = ui.input(|input| input.pointer.press_origin());
-        }
-        let (Some(from), Some(to)) = (self.boxed, response.interact_pointer_pos()) else {
-            self.boxed = None;
-            return false;
-        };
-        let chosen = Rect::from_two_pos(from, to).intersect(picture);
-        ui.painter().rect_stroke(chosen, 0.0, Stroke::new(1.5, theme::accent(true)), StrokeKind::Inside);
-        if response.drag_stopped() {
-            self.boxed = None;
-            if chosen.is_positive() {
-                let places = grid(chosen).into_iter().map(place).collect();
+        let with_alt = ui.input(|input| input.modifiers.alt).then_some(OutlineShape::Box);
+        match self.outline.follow(ui, response, picture, self.probes.or(with_alt)) {
+            Drawing::Idle => return false,
+            Drawing::Going => {}
+            Drawing::Done(corners) => {
+                let places = enclosed(&corners, grid(Rect::from_points(&corners)));
+                let places = places.into_iter().map(place).collect();
                 scene.actions.push(Action::Probe(places, ProbePurpose::Values));
             }
         }
@@ -303,7 +324,7 @@ impl PicturePanel {
         };
         let delta = response.drag_delta();
         let by = [f64::from(delta.x) / height, -f64::from(delta.y) / height];
-        if self.box_of_probe(ui, scene, response, picture, &place) {
+        if self.outline(ui, scene, response, picture, &place) {
             return;
         }
         let mut to = view;
@@ -342,6 +363,27 @@ impl PicturePanel {
         }
         if to != view {
             scene.actions.push(Action::MoveCamera(to));
+        }
+    }
+}
+
+/// Buttons below what is wrong with a node: to its parameters where it is not selected, and to another file where it reads one.
+fn ways_out(ui: &mut Ui, scene: &Scene, failure: &Error, below: Pos2) {
+    let Some(entry) = failure.location.node.as_deref().and_then(|node| scene.entry(node)) else { return };
+    let name = entry.name.clone();
+    let file = path_of(entry).filter(|_| reads(entry, scene.registry)).map(|path| {
+        let purpose = FilePurpose::Parameter { node: name.clone(), path: "path".into(), writes: false };
+        ("Choose a file …".to_string(), Action::ChooseFile(purpose, Some(scene.document.folder().join(path))))
+    });
+    let shows =
+        (!scene.selection.contains(&name)).then(|| (format!("Show '{name}'"), Action::Select([name].into())));
+    let ways: Vec<(String, Action)> = shows.into_iter().chain(file).collect();
+    let size = vec2(170.0, 28.0);
+    for (place, (text, action)) in ways.iter().enumerate() {
+        let aside = (place as f32 - 0.5 * (ways.len() - 1) as f32) * (size.x + 8.0);
+        let at = Rect::from_center_size(below + vec2(aside, 30.0), size);
+        if ui.put(at, Button::new(text).truncate()).clicked() {
+            scene.actions.push(action.clone());
         }
     }
 }
@@ -395,13 +437,12 @@ fn triad(ui: &Ui, picture: Rect, view: View) {
 }
 
 /// Places spread evenly over a box, no nearer to each other than three points.
-fn grid(of: Rect) -> Vec<Pos2> {
+fn grid(of: Rect) -> impl Iterator<Item = Pos2> {
     let count = |length: f32| ((length / 3.0).ceil() as usize).clamp(1, RAYS);
     let (wide, high) = (count(of.width()), count(of.height()));
     let at = |i: usize, count: usize| (i as f32 + 0.5) / count as f32;
-    let row =
-        |j: usize| (0..wide).map(move |i| of.min + vec2(at(i, wide) * of.width(), at(j, high) * of.height()));
-    (0..high).flat_map(row).collect()
+    let places = (0..high).flat_map(move |row| (0..wide).map(move |column| (column, row)));
+    places.map(move |(column, row)| of.lerp_inside(vec2(at(column, wide), at(row, high))))
 }
 
 pub(crate) fn status(ui: &mut Ui, scene: &Scene) {

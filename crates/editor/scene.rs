@@ -2,6 +2,7 @@
 //! shown, so that each shows the same document.
 
 use crate::jobs::Arrays;
+use crate::templates::Template;
 use crate::view::View;
 use crate::worker::{Distribution, Hit, NodeStatus, PixelProbe, Pixels, Section, Share, VolumeSource};
 use eframe::egui::Ui;
@@ -24,6 +25,7 @@ pub(crate) struct Scene<'a> {
     pub document: &'a Document,
     pub registry: &'a Registry,
     pub arrays: &'a Arrays,
+    pub templates: &'a [Template],
     pub selection: &'a BTreeSet<String>,
     pub shown_node: Option<&'a str>,
     pub view: Option<View>,
@@ -86,7 +88,7 @@ fn beginning(comment: &str) -> String {
 impl Scene<'_> {
     /// Reason for which there is no picture or histogram: the error, or where it is said already.
     pub fn reason(&self, what: &str, error: &Error) -> String {
-        let is_same = |said: &&Error| said.location.node == error.location.node && said.what == error.what;
+        let is_same = |said: &&Error| said.location.node == error.location.node;
         let of_picture = self.failure.iter().filter(|said| !std::ptr::eq(*said, error));
         match (self.faults.iter().chain(of_picture).find(is_same), &error.location.node) {
             (Some(_), Some(node)) => format!("no {what}: '{node}' has a fault"),
@@ -236,6 +238,8 @@ pub enum Action {
     Say(String),
     /// A pipeline file is opened, or one that is made for a file that is none, after a question about unsaved work.
     Begin(PathBuf),
+    /// A pipeline of a template is made for a data file that is asked for, after a question about unsaved work.
+    BeginFrom(Template),
     /// Opens a file dialog, at the path of a file if there is one.
     ChooseFile(FilePurpose, Option<PathBuf>),
 }
@@ -255,6 +259,8 @@ pub enum ProbePurpose {
 pub enum FilePurpose {
     Open,
     SaveAs,
+    /// Data for a template.
+    Data(Template),
     /// Names the file of a film.
     Film,
     /// Names it in a parameter of a node, which reads or writes it.

@@ -1,14 +1,15 @@
-//! The section: s on a plane through the data, where a click or a box finds values.
+//! The section: s on a plane through the data, where a click, a box or an outline finds values.
 
 use crate::fields::gradient;
+use crate::outline::{Drawing, Outline, OutlineShape, enclosed};
 use crate::picture::{WHOLE, set_texture};
 use crate::scene::{Action, EARLIER, Scene};
 use crate::theme;
 use crate::view::View;
 use crate::worker::{PixelProbe, Section, short, short_by};
 use eframe::egui::{
-    Color32, ColorImage, Context, Pos2, Rect, Rgba, RichText, Sense, Slider, Stroke, StrokeKind,
-    TextureHandle, TextureOptions, Ui, Window, vec2,
+    Color32, ColorImage, Context, Pos2, Rect, Rgba, RichText, Sense, Slider, TextureHandle, TextureOptions,
+    Ui, Window, pos2, vec2,
 };
 use glam::DVec3;
 use std::sync::Arc;
@@ -31,7 +32,9 @@ pub(crate) struct SectionPanel {
     shown: Option<Arc<Section>>,
     /// Values of s that have the first and the last colour.
     range: [f64; 2],
-    begun: Option<Pos2>,
+    outline: Outline,
+    /// True if a drag draws an outline, false if a box.
+    is_free: bool,
     /// For tests.
     #[cfg(test)]
     pub rect: Option<Rect>,
@@ -75,6 +78,10 @@ impl SectionPanel {
                     if ui.small_button("0").on_hover_text("through the centre that was picked").clicked() {
                         self.offset = 0.0;
                     }
+                    let help = "a drag takes the values in the outline that it draws, not in a box";
+                    if ui.selectable_label(self.is_free, "outline").on_hover_text(help).clicked() {
+                        self.is_free = !self.is_free;
+                    }
                 });
                 self.picture(ui, scene);
             },
@@ -105,27 +112,13 @@ impl SectionPanel {
             let share = (at - rect.min) / rect.size();
             [share.x * SIZE[0] as f32, share.y * SIZE[1] as f32].map(|x| f64::from(x.max(0.0)))
         };
-        if response.drag_started() {
-            self.begun = ui.input(|input| input.pointer.press_origin());
-        }
         let at = response.interact_pointer_pos().or(response.hover_pos());
-        if let (Some(from), Some(to)) = (self.begun, at) {
-            let stroke = Stroke::new(1.5, theme::accent(true));
-            ui.painter().with_clip_rect(rect).rect_stroke(
-                Rect::from_two_pos(from, to),
-                0.0,
-                stroke,
-                StrokeKind::Middle,
-            );
-            if response.drag_stopped() {
-                self.begun = None;
-                let (from, to) = (pixel(from), pixel(to));
-                probe(scene, &section, [0, 1].map(|k: usize| [from[k].min(to[k]), from[k].max(to[k])]));
-            }
+        let shape = if self.is_free { OutlineShape::Free } else { OutlineShape::Box };
+        if let Drawing::Done(corners) = self.outline.follow(ui, &response, rect, Some(shape)) {
+            probe(scene, &section, &corners.into_iter().map(pixel).collect::<Vec<_>>());
         }
         if let Some(at) = at.filter(|_| response.clicked()) {
-            let at = pixel(at);
-            probe(scene, &section, at.map(|x| [x, x]));
+            probe(scene, &section, &[pixel(at)]);
         }
         let weak = theme::weak(ui.visuals().dark_mode);
         ui.horizontal(|ui| {
@@ -139,10 +132,7 @@ impl SectionPanel {
             Some(at) => under(&section, at),
             None => {
                 let (cells, are) = (noun_of(&section.cells, "cell"), agreeing(&section.cells, "is", "are"));
-                format!(
-                    "{} {cells} {are} cut; click or drag a box: the values there",
-                    with_commas(section.cells)
-                )
+                format!("{} {cells} {are} cut; click or drag: the values there", with_commas(section.cells))
             }
         };
         ui.label(RichText::new(words).small().color(weak));
@@ -195,16 +185,20 @@ fn under(section: &Section, at: [f64; 2]) -> String {
     }
 }
 
-/// The values at the pixels of a box, as what a probe found.
-fn probe(scene: &Scene, section: &Section, [x, y]: [[f64; 2]; 2]) {
-    let [width, height] = section.of.size;
-    let within =
-        |[low, high]: [f64; 2], count: usize| (low as usize).min(count - 1)..=(high as usize).min(count - 1);
-    let columns = within(x, width);
-    let pixels = within(y, height).flat_map(|row| columns.clone().map(move |column| row * width + column));
+/// The values at the pixels in an outline, corners in pixels, as what a probe found.
+fn probe(scene: &Scene, section: &Section, corners: &[[f64; 2]]) {
+    let size = section.of.size;
+    let corners: Vec<Pos2> = corners.iter().map(|[x, y]| pos2(*x as f32, *y as f32)).collect();
+    let around = Rect::from_points(&corners);
+    let from_to = |low: f32, high: f32, count: usize| (low as usize)..(high.ceil() as usize).min(count);
+    let columns = from_to(around.left(), around.right(), size[0]);
+    let rows = from_to(around.top(), around.bottom(), size[1]);
+    let middles =
+        rows.flat_map(|row| columns.clone().map(move |column| pos2(column as f32 + 0.5, row as f32 + 0.5)));
+    let pixels = enclosed(&corners, middles).into_iter().map(|at| [at.x, at.y].map(f64::from));
     let values: Vec<([f64; 2], f64)> =
-        pixels.filter_map(|i| section.values[i].map(|value| (value, 1.0))).collect();
-    let middle = section.of.point([0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])]);
+        pixels.filter_map(|at| value_at(section, at).map(|value| (value, 1.0))).collect();
+    let middle = section.of.point([around.center().x, around.center().y].map(f64::from));
     let point = Some(middle).filter(|_| !values.is_empty());
     let found = PixelProbe { values, point, ..PixelProbe::default() };
     scene.actions.push(Action::PixelProbe(section.of.source.clone(), Arc::new(found)));

@@ -5,6 +5,7 @@ use crate::files::{Recent, is_pipeline};
 use crate::film::Film;
 use crate::keys::InputQueue;
 use crate::panes::Layouts;
+use crate::plugins::LoadPlugin;
 use crate::study::Study;
 use crate::theme;
 use eframe::egui::{Context, RawInput, Ui, Vec2, ViewportBuilder, ViewportCommand};
@@ -33,6 +34,8 @@ pub struct Services {
     pub study: Study,
     /// Makes films.
     pub film: Film,
+    /// Loads plug-ins; what the others do is with these from then on.
+    pub plugin: LoadPlugin,
 }
 
 /// Opens the window on a file, or on an empty pipeline, and waits for its end. Must be called from the main thread. Errors: the file cannot be read, there is no display, or it has no
@@ -76,6 +79,7 @@ pub fn run(file: Option<&Path>, registry: &Registry, services: Services) -> Resu
         let mut editor = Editor::new(document, registry, services.start, wake)?;
         editor.panels.study.make = Some(services.study);
         editor.panels.time.film.make = Some(services.film);
+        editor.plugins.load = Some(services.plugin);
         if let Some(place) = voltet_document::Recovery::usual() {
             editor.keep_in(place);
         }

@@ -274,7 +274,8 @@ fn parameter<A: AddressSpace>(
         interface::POINT_ARRAY if !(1..=9).contains(&read.length) => {
             return Err(format!("'length' is {}, and a point array has 1 to 9 components", read.length));
         }
-        interface::TEXT | interface::POINT_ARRAY => (ParameterType::Text, text_or_unset(Some(read.text))?),
+        interface::TEXT => (ParameterType::Text, text_or_unset(Some(read.text))?),
+        interface::POINT_ARRAY => (ParameterType::ArrayName, text_or_unset(Some(read.text))?),
         interface::VECTOR if read.length > MAX_VECTOR_LENGTH => {
             return Err(format!("'length' is {}, at most {MAX_VECTOR_LENGTH}", read.length));
         }

@@ -65,7 +65,8 @@ wire!(variants of ParameterType {
     2 = Number(range),
     3 = Choice(words),
     4 = Numbers(count, range),
-    5 = Text
+    5 = Text,
+    6 = ArrayName
 });
 wire!(variants of DefaultValue {
     0 = Required,

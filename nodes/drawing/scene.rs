@@ -85,7 +85,7 @@ pub const CLIP: Parameter = Parameter {
             summary: "the side of a plane to which its normal points",
             parameters: &[
                 point("origin", "a point of the plane"),
-                point("normal", "its normal, of any length above 0"),
+                Parameter { unit: "world space", ..point("normal", "its normal, of any length above 0") },
                 INVERT,
             ],
         },

@@ -114,7 +114,7 @@ const fn paint_parameters(color_by: &'static str, opacity: f64, ambient: f64) ->
 /// A quantity at the points of a volume.
 pub const QUANTITY: Parameter = Parameter {
     name: "array",
-    parameter_type: ParameterType::Text,
+    parameter_type: ParameterType::ArrayName,
     unit: "",
     default: DefaultValue::Text("s"),
     help: "\"s\", the scalar; \"g\", its gradient magnitude; or a point array",

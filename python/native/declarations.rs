@@ -79,7 +79,12 @@ fn form(parameter_type: &ParameterType) -> String {
         ParameterType::IntegerOr(..) => "int | str".into(),
         ParameterType::Number(_) => "float".into(),
         ParameterType::NumberOr(..) => "float | str".into(),
-        ParameterType::Text | ParameterType::GradientFilter | ParameterType::Registered(_) => "str".into(),
+        ParameterType::Text
+        | ParameterType::ArrayName
+        | ParameterType::NewArrayName
+        | ParameterType::Expression
+        | ParameterType::GradientFilter
+        | ParameterType::Registered(_) => "str".into(),
         ParameterType::Choice(words) => literal(words.iter().map(|(word, _)| *word)),
         ParameterType::Color(_) => "Sequence[float] | str".into(),
         ParameterType::RowsOr(..) => "str | Sequence[Sequence[float]]".into(),
@@ -89,7 +94,7 @@ fn form(parameter_type: &ParameterType) -> String {
         ParameterType::Numbers(..) => "Sequence[float]".into(),
         ParameterType::Integers(..) => "Sequence[int]".into(),
         ParameterType::Rows(_) => "Sequence[Sequence[float]]".into(),
-        ParameterType::Texts => "Sequence[str]".into(),
+        ParameterType::Texts | ParameterType::ArrayNames => "Sequence[str]".into(),
         ParameterType::Table(_) => "Mapping[str, Any]".into(),
         ParameterType::Kinds(_) => "Sequence[Mapping[str, Any]]".into(),
         ParameterType::Measured(measured) => match form(&measured.plain).as_str() {

@@ -107,7 +107,11 @@ fn every_kind_of_mistake_is_placed() {
         (
             "method = \"least-squares\"",
             "method = \"array\"",
-            &["the parameter 'array' is missing", "array = … (text): name of the point array", ":12:10"],
+            &[
+                "the parameter 'array' is missing",
+                "array = … (name of an array): name of the point array",
+                ":12:10",
+            ],
         ),
         (
             "method = \"least-squares\"",

@@ -118,7 +118,7 @@ const DECLARATION: VariantSchema = VariantSchema {
     summary: "A point array of three components that holds the gradient already.",
     parameters: &[Parameter {
         name: "array",
-        parameter_type: ParameterType::Text,
+        parameter_type: ParameterType::ArrayName,
         unit: "",
         default: DefaultValue::Required,
         help: "name of the point array that holds ∂s/∂x, ∂s/∂y, ∂s/∂z",

@@ -361,7 +361,12 @@ fn check_plain(parameter: &Parameter, setting: &LocatedValue) -> Result<()> {
             ParameterValue::Number(_) | ParameterValue::Integer(_),
         ) => in_range(setting, setting.number().unwrap_or(f64::NAN), range),
         (
-            ParameterType::Text | ParameterType::GradientFilter | ParameterType::Registered(_),
+            ParameterType::Text
+            | ParameterType::ArrayName
+            | ParameterType::NewArrayName
+            | ParameterType::Expression
+            | ParameterType::GradientFilter
+            | ParameterType::Registered(_),
             ParameterValue::Text(_),
         ) => Ok(()),
         (ParameterType::InputPath | ParameterType::OutputPath, ParameterValue::Text(path)) => {
@@ -422,7 +427,9 @@ fn check_plain(parameter: &Parameter, setting: &LocatedValue) -> Result<()> {
             }
             Ok(())
         }
-        (ParameterType::Texts, ParameterValue::List(list)) if list.iter().all(|s| s.text().is_some()) => {
+        (ParameterType::Texts | ParameterType::ArrayNames, ParameterValue::List(list))
+            if list.iter().all(|s| s.text().is_some()) =>
+        {
             Ok(())
         }
         (ParameterType::Measured(measured), _) => {

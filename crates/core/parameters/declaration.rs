@@ -58,6 +58,12 @@ pub enum ParameterType {
     NumberOr(Range, &'static str),
     /// Any text.
     Text,
+    /// The name of an array of the data; "NAME:0" and "NAME:magnitude" for vectors.
+    ArrayName,
+    /// The name of an array that the node makes.
+    NewArrayName,
+    /// An expression over arrays, as [`Expression`](crate::expression::Expression) reads them.
+    Expression,
     /// One of the words; each with its meaning.
     Choice(&'static [(&'static str, &'static str)]),
     /// A file to read, relative to the pipeline file.
@@ -78,6 +84,8 @@ pub enum ParameterType {
     ChoiceOrPath(&'static [(&'static str, &'static str)], &'static [&'static str]),
     /// Several texts.
     Texts,
+    /// The names of several arrays of the data.
+    ArrayNames,
     /// A table with these keys.
     Table(&'static [Parameter]),
     /// A list of tables, each of a kind that its key `kind` names.
@@ -209,6 +217,9 @@ impl ParameterType {
             ParameterType::Number(range) => ranged("number", range),
             ParameterType::NumberOr(range, word) => format!("{} or \"{word}\"", ranged("number", range)),
             ParameterType::Text => "text".into(),
+            ParameterType::ArrayName => "name of an array".into(),
+            ParameterType::NewArrayName => "name of a new array".into(),
+            ParameterType::Expression => "expression".into(),
             ParameterType::Choice(words) => joined(words),
             ParameterType::RowsOr(n, words) => {
                 format!("{} | list of rows of {}", joined(words), counted(*n, "number"))
@@ -224,6 +235,7 @@ impl ParameterType {
             ParameterType::Rows(Some(n)) => format!("list of rows of {}", counted(*n, "number")),
             ParameterType::Rows(None) => "list of rows of numbers".into(),
             ParameterType::Texts => "list of texts".into(),
+            ParameterType::ArrayNames => "list of names of arrays".into(),
             ParameterType::Table(fields) => {
                 format!("table of {}", fields.iter().map(|p| p.name).collect::<Vec<_>>().join(", "))
             }

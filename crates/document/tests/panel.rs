@@ -115,11 +115,11 @@ fn every_text_and_every_three_numbers_are_told_apart() {
         plain,
         [
             "adapter",
+            "arrays",
             "bar_title",
             "blocks",
             "centre",
             "direction",
-            "expression",
             "eye",
             "high",
             "layers",
@@ -218,4 +218,24 @@ fn what_is_not_known_gets_no_value_to_begin_with() {
     ] {
         assert_eq!(first(name, parameter_type, unit), None, "{name} {parameter_type:?} {unit}");
     }
+}
+
+/// A direction has no length in the units of the data, and begins along the view.
+#[test]
+fn directions_have_no_unit_of_length() {
+    fn of(parameters: &[Parameter], found: &mut Vec<Parameter>) {
+        for parameter in parameters {
+            match parameter.parameter_type {
+                ParameterType::Table(within) => of(within, found),
+                ParameterType::Kinds(kinds) => kinds.iter().for_each(|kind| of(kind.parameters, found)),
+                _ if ["normal", "direction"].contains(&parameter.name) => found.push(*parameter),
+                _ => {}
+            }
+        }
+    }
+    let mut found = Vec::new();
+    voltet_nodes::registry().unwrap().iter().for_each(|node| of(node.parameters, &mut found));
+    assert!(found.len() > 5, "{}", found.len());
+    let other: Vec<_> = found.iter().filter(|parameter| parameter.unit != "world space").collect();
+    assert!(other.is_empty(), "{other:?}");
 }

@@ -1,13 +1,13 @@
 //! The menu of the graph, searchable: node types in groups, by a wire dropped on empty space only what fits; or the wires of a node.
 
-use super::new_node::adding;
+use super::new_node::{adding, needs_arrays};
 use super::package::Port;
 use super::places::Places;
 use super::wire_list::wires_of;
 use crate::jobs::{Extent, reads};
 use crate::scene::Scene;
 use crate::theme;
-use eframe::egui::{Area, Frame, Key, Order, Pos2, Rect, RichText, ScrollArea, TextEdit, Ui, vec2};
+use eframe::egui::{Area, Context, Frame, Key, Order, Pos2, Rect, RichText, ScrollArea, TextEdit, Ui, vec2};
 use voltet_document::{Edit, Fitting, Group, giving, search, taking};
 use voltet_graph::Node;
 
@@ -41,15 +41,15 @@ pub(super) struct Menu {
     pub at: Pos2,
     offers: Offers,
     typed: String,
-    /// The entry that Enter takes.
-    chosen: usize,
+    /// The entry that Enter takes; none where a wire would go that was not chosen.
+    chosen: Option<usize>,
     is_new: bool,
 }
 
 impl Menu {
     /// Menu of node types.
     pub fn new(at: Pos2, wire: Option<Port>) -> Menu {
-        Menu { at, offers: Offers::Nodes(wire), typed: String::new(), chosen: 0, is_new: true }
+        Menu { at, offers: Offers::Nodes(wire), typed: String::new(), chosen: Some(0), is_new: true }
     }
 
     /// Menu of one wire, which can be taken off.
@@ -59,8 +59,10 @@ impl Menu {
 
     /// Menu of the wires of a node.
     pub fn of_wires(at: Pos2, scene: &Scene, node: &str) -> Menu {
-        let offers = Offers::Wires(format!("wires of {node}"), wires_of(scene, node));
-        Menu { offers, ..Menu::new(at, None) }
+        let wires = wires_of(scene, node);
+        let is_new = wires.first().is_some_and(|(_, edit)| !matches!(edit, Edit::Disconnect { .. }));
+        let offers = Offers::Wires(format!("wires of {node}"), wires);
+        Menu { offers, chosen: is_new.then_some(0), ..Menu::new(at, None) }
     }
 
     /// Shows it; false once it is to close. `at`: where a new node goes in the document.
@@ -76,7 +78,11 @@ impl Menu {
             (pressed(Key::ArrowUp), pressed(Key::ArrowDown), pressed(Key::Enter), pressed(Key::Escape))
         });
         let count = entries.len().max(1);
-        let mut chosen = (self.chosen + usize::from(down) + (count - usize::from(up)) % count) % count;
+        let mut chosen = match self.chosen {
+            Some(at) => Some((at + usize::from(down) + (count - usize::from(up)) % count) % count),
+            None if down || up => Some(if down { 0 } else { count - 1 }),
+            None => None,
+        };
         let area = Area::new(ui.id().with("menu")).order(Order::Foreground).fixed_pos(corner);
         let shown = area.show(ui.ctx(), |ui| {
             Frame::popup(ui.style()).show(ui, |ui| {
@@ -97,15 +103,9 @@ impl Menu {
                 let field = ui.add(field);
                 if std::mem::take(&mut self.is_new) {
                     field.request_focus();
-                    // The names of the arrays that a new node may compute with are read meanwhile.
-                    let nodes = scene.document.pipeline().nodes.iter();
-                    for reader in nodes.filter(|node| reads(node, scene.registry)) {
-                        let (arrays, document) = (scene.arrays, scene.document);
-                        arrays.of_reader(ui.ctx(), document, scene.registry, reader, Extent::Heads);
-                    }
                 }
                 if field.changed() {
-                    chosen = 0;
+                    chosen = Some(0);
                 }
                 let height = (SIZE[1] - 60.0).min(rect.height() - 80.0).max(80.0);
                 ScrollArea::vertical().max_height(height).show(ui, |ui| {
@@ -117,12 +117,18 @@ impl Menu {
                         {
                             ui.label(RichText::new(of.name()).small().color(theme::weak(dark)));
                         }
-                        let row = ui.selectable_label(i == chosen, format!("  {}", entry.text));
+                        let row = ui.selectable_label(Some(i) == chosen, format!("  {}", entry.text));
                         let row = row.on_hover_text(entry.help);
+                        if let MenuAction::Add(node, _) = entry.choice
+                            && (row.hovered() || Some(i) == chosen)
+                            && needs_arrays(node)
+                        {
+                            read_heads(ui.ctx(), scene);
+                        }
                         if row.clicked() {
                             taken = Some(entry.choice);
                         }
-                        if i == chosen && (up || down) {
+                        if Some(i) == chosen && (up || down) {
                             row.scroll_to_me(None);
                         }
                     }
@@ -130,13 +136,13 @@ impl Menu {
                         ui.label("nothing of that name fits");
                     }
                 });
-                let help = entries.get(chosen).map_or("", |entry| entry.help);
+                let help = chosen.and_then(|at| entries.get(at)).map_or("", |entry| entry.help);
                 ui.separator();
                 ui.label(RichText::new(help).small());
             });
         });
         if enter {
-            taken = entries.get(chosen).map(|entry| entry.choice);
+            taken = chosen.and_then(|at| entries.get(at)).map(|entry| entry.choice);
         }
         self.chosen = chosen;
         match taken {
@@ -158,6 +164,14 @@ impl Menu {
         let over =
             ui.input(|input| input.pointer.interact_pos()).is_some_and(|at| shown.response.rect.contains(at));
         !(escape || (clicked && !over))
+    }
+}
+
+/// Reads the names of the arrays in the files, one of which a new node will have.
+fn read_heads(ctx: &Context, scene: &Scene) {
+    let nodes = scene.document.pipeline().nodes.iter();
+    for reader in nodes.filter(|node| reads(node, scene.registry)) {
+        scene.arrays.of_reader(ctx, scene.document, scene.registry, reader, Extent::Heads);
     }
 }
 

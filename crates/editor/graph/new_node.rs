@@ -3,7 +3,7 @@
 use super::package::Port;
 use super::places::{Places, usual_size};
 use crate::expression::in_expression;
-use crate::jobs::ArrayChoice;
+use crate::jobs::{ArrayChoice, new_array};
 use crate::scene::Scene;
 use eframe::egui::{Context, Rect, pos2};
 use voltet_core::Result;
@@ -50,33 +50,48 @@ pub(super) fn adding(
     Ok(edits)
 }
 
-/// Settings by which a new node computes with an array of the data: the first one, at the points where there is one.
+fn required(node: &Node) -> impl Iterator<Item = &Parameter> {
+    node.parameters.iter().filter(|parameter| matches!(parameter.default, DefaultValue::Required))
+}
+
+/// True if a new node of the type begins with an array of the data.
+pub(super) fn needs_arrays(node: &Node) -> bool {
+    use ParameterType::{ArrayName, ArrayNames, Expression};
+    required(node).any(|parameter| matches!(parameter.parameter_type, ArrayName | ArrayNames | Expression))
+}
+
+/// Settings by which a new node works with an array of the data where it requires one: the first, at the points where there is one.
 fn settings_of_arrays(node: &Node, arrays: &[&ArrayChoice]) -> Vec<Field> {
     let at = |place: Association| arrays.iter().find(|array| array.is_at(place));
     let first = at(Association::Point).or(at(Association::Cell));
-    let mut settings = match (node.name, first) {
-        ("calculator", Some(array)) => {
-            let cell = (!array.is_at(Association::Point)).then(|| Field::new("association", "cell"));
-            let expression = Field::new("expression", in_expression(&array.name));
-            std::iter::once(expression).chain(cell).collect()
-        }
+    let value = |parameter: &Parameter| match (parameter.parameter_type, first) {
+        (ParameterType::Expression, Some(array)) => Some(in_expression(&array.name).into()),
         // While no array is known: coordinates are at all points.
-        ("calculator", None) => vec![Field::new("expression", "x")],
-        ("multi-gradient", Some(array)) => {
-            vec![Field::new("fields", ParameterValue::from_iter([array.name.as_str()]))]
-        }
-        _ => return Vec::new(),
+        (ParameterType::Expression, None) => Some("x".into()),
+        (ParameterType::ArrayName, Some(array)) => Some(array.name.as_str().into()),
+        (ParameterType::ArrayNames, Some(array)) => Some(ParameterValue::from_iter([array.name.as_str()])),
+        _ => None,
     };
-    settings.extend(free_name(node, arrays).map(|name| Field::new("name", name)));
+    let mut settings: Vec<Field> =
+        required(node).filter_map(|parameter| Some(Field::new(parameter.name, value(parameter)?))).collect();
+    let association = node.parameter("association").filter(|_| !settings.is_empty());
+    let has_cells =
+        association.is_some_and(|own| own.parameter_type.words().iter().any(|word| word.0 == "cell"));
+    if has_cells && first.is_some_and(|array| !array.is_at(Association::Point)) {
+        settings.push(Field::new("association", "cell"));
+    }
+    settings.extend(free_name(node, arrays));
     settings
 }
 
 /// A name for the array that a new node makes where there is one of the usual name, which it might compute with, or hide.
-fn free_name(node: &Node, arrays: &[&ArrayChoice]) -> Option<String> {
-    let DefaultValue::Text(usual) = node.parameter("name")?.default else { return None };
+fn free_name(node: &Node, arrays: &[&ArrayChoice]) -> Option<Field> {
+    let parameter =
+        new_array(node).filter(|own| matches!(own.parameter_type, ParameterType::NewArrayName))?;
+    let DefaultValue::Text(usual) = parameter.default else { return None };
     let is_taken = |name: &str| arrays.iter().any(|array| array.is_of(name));
-    let mut numbered = (2..).map(|number| format!("{usual}_{number}"));
-    if is_taken(usual) { numbered.find(|name| !is_taken(name)) } else { None }
+    let free = (2..).map(|number| format!("{usual}_{number}")).find(|name| !is_taken(name));
+    Some(Field::new(parameter.name, free.filter(|_| is_taken(usual))?))
 }
 
 /// Joins the inputs of a new node: to the selected node where that fits; a required one also where one node alone fits. Then its outputs to
@@ -151,14 +166,10 @@ fn first_settings(scene: &Scene, node: &Node) -> Vec<Field> {
     if is_camera(node) && node.parameters.iter().any(|parameter| parameter.name == "view") {
         return vec![Field::new("view", "isometric")];
     }
-    let is_file = |parameter: &&Parameter| {
-        matches!(parameter.parameter_type, ParameterType::OutputPath)
-            && matches!(parameter.default, DefaultValue::Required)
-    };
-    let Some(file) = node.parameters.iter().find(is_file) else {
-        let (needed, extent) = (node.parameters.iter(), scene.data_extent());
-        let needed = needed.filter(|parameter| matches!(parameter.default, DefaultValue::Required));
-        return needed.filter_map(|parameter| first_field(parameter, &extent)).collect();
+    let is_file = |parameter: &&Parameter| matches!(parameter.parameter_type, ParameterType::OutputPath);
+    let Some(file) = required(node).find(is_file) else {
+        let extent = scene.data_extent();
+        return required(node).filter_map(|parameter| first_field(parameter, &extent)).collect();
     };
     let (stem, ending) = match node.inputs.first().map(|port| port.port_type) {
         Some(PortType::Image) => ("picture", "png"),

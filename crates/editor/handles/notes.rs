@@ -7,8 +7,12 @@ use voltet_core::arithmetic::decimal;
 use voltet_document::{Edit, Path};
 use voltet_graph::{Field, LocatedValue, NodeEntry, ParameterValue, find_setting};
 
-/// Distance of a grip at a border from it, heights of the picture.
+/// Distance of the grip of a bar from its border, and of that of a text, which stands farther in; heights of the picture.
 const MARGIN: f64 = 0.05;
+const TEXT_MARGIN: f64 = 0.012;
+
+/// Distance of a grip from the point where a text stands, heights of the picture: it hides no letter.
+const GRIP_DISTANCE: f64 = 0.025;
 
 /// Step of the keys, and of written places, as shares of the picture.
 const STEP: f64 = 0.01;
@@ -21,8 +25,8 @@ enum Anchor {
     Bar([i8; 2]),
     /// In a corner or at the middle of a side, alike.
     Border([i8; 2]),
-    /// Shares of width and height, from the upper left corner.
-    Point([f64; 2]),
+    /// Shares of width and height, from the upper left corner; and the way from there to the grip, heights to the right and up.
+    Point([f64; 2], [f64; 2]),
 }
 
 /// The annotation of a node.
@@ -77,7 +81,15 @@ fn anchor(text: &[Field]) -> Option<Anchor> {
     let at = find_setting(text, "at");
     match find_setting(text, "kind")?.text()? {
         "border" => Some(Anchor::Border(side(at.and_then(LocatedValue::text).unwrap_or("bottom-left")))),
-        "point" => at?.array().map(Anchor::Point),
+        "point" => {
+            // The letters are to the right of the point, to its left, or on both sides.
+            let beside = match find_setting(text, "align").and_then(LocatedValue::text) {
+                Some("middle") => [0.0, GRIP_DISTANCE],
+                Some("end") => [GRIP_DISTANCE, 0.0],
+                _ => [-GRIP_DISTANCE, 0.0],
+            };
+            Some(Anchor::Point(at?.array()?, beside))
+        }
         _ => None,
     }
 }
@@ -86,10 +98,13 @@ impl Note {
     fn place(&self, anchor: Anchor) -> [f64; 2] {
         match anchor {
             Anchor::Bar(side) | Anchor::Border(side) => {
-                let half = [0.5 * self.aspect - MARGIN, 0.5 - MARGIN];
+                let margin = if matches!(anchor, Anchor::Bar(_)) { MARGIN } else { TEXT_MARGIN };
+                let half = [0.5 * self.aspect - margin, 0.5 - margin];
                 [0, 1].map(|k: usize| f64::from(side[k]) * half[k])
             }
-            Anchor::Point([right, down]) => [(right - 0.5) * self.aspect, 0.5 - down],
+            Anchor::Point([right, down], beside) => {
+                [(right - 0.5) * self.aspect + beside[0], 0.5 - down + beside[1]]
+            }
         }
     }
 
@@ -106,9 +121,10 @@ impl Note {
                 let third = [0, 1].map(|k: usize| if shares[k].abs() < 1.0 / 3.0 { 0 } else { beside(k) });
                 Anchor::Border(if third == [0, 0] { nearest_side } else { third })
             }
-            Anchor::Point(_) => {
+            Anchor::Point(_, beside) => {
                 let share = |x: f64| decimal(x.clamp(0.0, 1.0), WRITTEN);
-                Anchor::Point([share(x / self.aspect + 0.5), share(0.5 - y)])
+                let shares = [share((x - beside[0]) / self.aspect + 0.5), share(0.5 - (y - beside[1]))];
+                Anchor::Point(shares, beside)
             }
         }
     }
@@ -124,7 +140,7 @@ impl Note {
                 let next = on(side);
                 Anchor::Border(if next == [0, 0] { on(next) } else { next })
             }
-            Anchor::Point(_) => {
+            Anchor::Point(..) => {
                 let [x, y] = self.place(anchor);
                 self.nearest(anchor, [x + STEP * self.aspect * by[0], y + STEP * by[1]])
             }
@@ -141,7 +157,7 @@ impl Note {
             Anchor::Bar(side) | Anchor::Border(side) => {
                 Edit::Set { node, path, value: ParameterValue::Text(word(side)) }
             }
-            Anchor::Point(shares) => Edit::Set { node, path, value: shares.into_iter().collect() },
+            Anchor::Point(shares, _) => Edit::Set { node, path, value: shares.into_iter().collect() },
         }]
     }
 }
@@ -208,7 +224,25 @@ mod tests {
             let to = keys.map(|key| note.stepped(Anchor::Bar(side(from)), key.map(|x| 0.2 * x)));
             assert_eq!(to, ["left", "right", "top", "bottom"].map(|at| Anchor::Bar(side(at))), "{from}");
         }
-        let Anchor::Point(at) = note.stepped(Anchor::Point([0.5, 0.25]), [0.2, -1.0]) else { panic!() };
+        let text = Anchor::Point([0.5, 0.25], [-GRIP_DISTANCE, 0.0]);
+        let Anchor::Point(at, _) = note.stepped(text, [0.2, -1.0]) else { panic!() };
         assert!((at[0] - 0.502).abs() < 1e-9 && (at[1] - 0.26).abs() < 1e-9, "{at:?}");
+        // A grip that is let go of where it stands leaves the text there.
+        assert_eq!(note.nearest(text, note.place(text)), text);
+    }
+
+    #[test]
+    fn grips_stand_beside_the_letters() {
+        let place = |fields: &str| {
+            let field = |(name, value): (&str, ParameterValue)| Field::new(name, value);
+            let at = ParameterValue::from_iter([0.5, 0.5]);
+            let text = [("kind", "point".into()), ("at", at), ("align", fields.into())].map(field);
+            let note = Note { node: "figure".into(), parts: Vec::new(), aspect: 1.5 };
+            note.place(anchor(&text).unwrap())
+        };
+        assert_eq!(
+            ["start", "middle", "end"].map(place),
+            [[-GRIP_DISTANCE, 0.0], [0.0, GRIP_DISTANCE], [GRIP_DISTANCE, 0.0]]
+        );
     }
 }

@@ -225,6 +225,13 @@ impl TransferPanel {
     }
 }
 
+/// Width of the pane below which what is about a widget is shortened to stand in one line, points.
+const NARROW_WIDTH: f32 = 500.0;
+
+fn is_narrow(ui: &Ui) -> bool {
+    ui.max_rect().width() < NARROW_WIDTH
+}
+
 /// Width of one list, and the most of its height, points.
 const WIDTH: f32 = 230.0;
 const HEIGHT: f32 = 220.0;
@@ -234,9 +241,6 @@ impl TransferPanel {
         let dark = ui.visuals().dark_mode;
         ui.horizontal_wrapped(|ui| {
             ui.strong(look.node.name.as_str());
-            for (place, widget) in look.widgets.iter().enumerate() {
-                self.chip(ui, place, widget, look);
-            }
             let peak = Button::new("+ at peak").small();
             let fits =
                 look.is_of_s_and_g() || look.axes.iter().all(|axis| matches!(axis, ArrayRef::Array(_)));
@@ -248,6 +252,10 @@ impl TransferPanel {
                 self.add_at_peak(look);
             }
             self.proposal_buttons(ui, look);
+            // After the buttons, which stay where they are when a widget comes.
+            for (place, widget) in look.widgets.iter().enumerate() {
+                self.chip(ui, place, widget, look);
+            }
             if self.shown.is_some()
                 && ui.small_button("all").on_hover_text("all of the data into view").clicked()
             {
@@ -310,7 +318,7 @@ impl TransferPanel {
         let field = TextEdit::singleline(&mut text)
             .id_salt(("name", &key))
             .hint_text(widget.name.as_deref().unwrap_or("name"))
-            .desired_width(90.0);
+            .desired_width(if is_narrow(ui) { 60.0 } else { 90.0 });
         let response = ui.add(field);
         response.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "name of the widget"));
         if response.has_focus() {
@@ -455,7 +463,9 @@ impl TransferPanel {
             let before = widget.extinction;
             // What a file states stays until a hand changes it, however wrong.
             let range = Range::at_least(before.min(0.0));
-            ui.label("extinction");
+            if !is_narrow(ui) {
+                ui.label("extinction");
+            }
             let mut remark = None;
             let step = (0.01 * before).max(1e-3);
             let (response, extinction) = drag(ui, before, &range, step, false, &mut remark);

@@ -4,7 +4,7 @@
 use super::TransferPanel;
 use super::edited_function::{EditedFunction, at_probe, range_at_probe};
 use super::screen_widget;
-use eframe::egui::{Ui, Vec2};
+use eframe::egui::Ui;
 use voltet_graph::ParameterValue;
 
 impl TransferPanel {
@@ -17,8 +17,6 @@ impl TransferPanel {
     pub(super) fn proposal_buttons(&mut self, ui: &mut Ui, look: &EditedFunction) {
         self.proposed = None;
         let was_added = self.was_added.take();
-        // The buttons may move under a pointer that rests.
-        let rests = ui.input(|input| input.pointer.delta() == Vec2::ZERO && input.keys_down.is_empty());
         let Some(probed) = &look.scene.probed else { return };
         for (title, help, entry) in [
             (
@@ -41,10 +39,10 @@ impl TransferPanel {
                 return;
             }
             // What was added is in the picture already, until the pointer comes anew.
-            if was_added.is_some() && (rests || is_at && was_added == Some(title)) {
-                self.was_added = was_added;
-            } else if is_at {
-                self.proposed = Some(entry);
+            match is_at {
+                true if was_added == Some(title) => self.was_added = was_added,
+                true => self.proposed = Some(entry),
+                false => {}
             }
             button.on_hover_text(help);
         }

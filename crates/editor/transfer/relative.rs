@@ -2,7 +2,7 @@
 //! hand gave them are written.
 
 use crate::worker::{DataScales, without_zeros};
-use voltet_core::parameters::{Parameters, Relative, RelativeNumber, StatisticKind};
+use voltet_core::parameters::{DefaultValue, Parameter, Parameters, Relative, RelativeNumber, StatisticKind};
 use voltet_core::transfer::{self, AxisScale, DataStatistics, WIDGET_KINDS};
 use voltet_core::{Error, Result};
 use voltet_graph::{ArrayRef, Field, LocatedValue, ParameterValue, SourceSpan, find_setting};
@@ -49,7 +49,14 @@ pub(super) fn resolved(fields: &[Field], known: Option<&DataScales>) -> Result<V
     }
     let unknown = || Error::run("its numbers are relative to data that are not known here yet");
     let found = transfer::resolved(&parameters, known.ok_or_else(unknown)?)?;
-    Ok(replaced(fields, &found))
+    // What is not stated may be relative to the data, too.
+    let is_default = |parameter: &Parameter| {
+        matches!(parameter.default, DefaultValue::Texts(_)) && find_setting(fields, parameter.name).is_none()
+    };
+    let defaults = found.iter().filter(|(parameter, ..)| is_default(parameter));
+    let defaults =
+        defaults.filter_map(|(parameter, setting, _)| Some(Field::new(parameter.name, setting?.clone())));
+    Ok(replaced(fields, &found).into_iter().chain(defaults).collect())
 }
 
 /// The table with the settings of parameters.

@@ -19,6 +19,8 @@ fn a_picture_is_remembered_and_later_ones_are_compared_with_it() {
     let said = |hand: &Hand| !hand.shown_beginning("largest difference").is_empty();
     until(&mut hand, "it is another picture", |hand| said(hand) && !is_none(hand));
     let whole = hand.editor.panels.picture.rect.unwrap();
+    // What the pointer meets is said above, and hides no figure.
+    assert!(hand.shown_beginning("largest difference")[0].y > whole.center().y);
     hand.click_on("beside");
     hand.settle();
     let half = hand.editor.panels.picture.rect.unwrap();

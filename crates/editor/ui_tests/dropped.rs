@@ -1,6 +1,8 @@
 //! Files that are dropped on the window.
 
 use super::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use voltet_graph::Node;
 
 #[derive(Debug)]
 pub(super) struct Dropped(pub PathBuf);
@@ -66,11 +68,51 @@ fn a_colour_map_goes_to_the_widget_in_hand_and_says_so_where_there_is_none() {
     refused(&mut hand);
 }
 
+/// A node as a plug-in brings it.
+static OF_PLUGIN: Node = Node { name: "of-plug-in", summary: "A node from outside.", ..Node::BLANK };
+
 #[test]
-fn a_plug_in_and_several_files_are_answered_by_what_to_do() {
-    let mut hand = Hand::new(TEXT);
+fn a_plug_in_is_loaded_where_a_hand_says_so_and_not_before() {
+    let of_it = "\n[nodes.own]\ntype = \"of-plug-in\"\n";
+    let text = TEXT.to_string() + of_it;
+    let mut hand = Hand::new(&text);
+    assert!(!hand.editor.scene().faults.is_empty());
+    let (calls, registry) = (Arc::new(AtomicUsize::new(0)), hand.editor.registry.clone());
+    let counted = calls.clone();
+    hand.editor.plugins.load = Some(Arc::new(move |path: &Path| {
+        counted.fetch_add(1, Ordering::SeqCst);
+        let mut registry = registry.clone();
+        match path.ends_with("filter.so") {
+            true => registry.add(&OF_PLUGIN).map(|()| (registry, "own with of-plug-in".into())),
+            false => Err(Error::run("no plug-in of this interface").in_file(path)),
+        }
+    }));
     drop_files(&mut hand, &["filter.so"]);
-    assert!(hand.said().contains("voltet edit --plugin"), "{}", hand.said());
+    let path = hand.folder.path().join("filter.so").display().to_string();
+    assert_eq!(hand.shown_beginning(&format!("{path} is a plug-in")).len(), 1, "the path is said");
+    // The question has the keys, and its last answer the focus.
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(3);
+    assert!(hand.editor.plugins.offered.is_none() && calls.load(Ordering::SeqCst) == 0);
+    for (file, words) in
+        [("wrong.wasm", "no plug-in of this interface"), ("filter.so", "loaded until the window closes")]
+    {
+        drop_files(&mut hand, &[file]);
+        hand.click_on("Load it");
+        until(&mut hand, "it is not loaded", |hand| hand.said().starts_with(words));
+    }
+    assert_eq!((calls.load(Ordering::SeqCst), hand.text()), (2, text));
+    hand.frames(3);
+    assert!(hand.editor.scene().faults.is_empty(), "{:?}", hand.editor.scene().faults);
+    hand.key(Key::Space, Modifiers::NONE);
+    hand.typed("from outside");
+    hand.frames(2);
+    assert!(hand.sees("  of-plug-in"));
+}
+
+#[test]
+fn several_files_are_answered_by_what_to_do() {
+    let mut hand = Hand::new(TEXT);
     drop_files(&mut hand, &["a.vtu", "b.vtu"]);
     assert!(hand.said().starts_with("drop one file at a time"), "{}", hand.said());
     assert_eq!(hand.text(), TEXT);

@@ -110,6 +110,17 @@ fn a_fault_is_pointed_at_where_it_is() {
 }
 
 #[test]
+fn a_fault_is_said_at_the_expression_alone() {
+    let mut hand = in_field();
+    hand.typed(" + ] * 2");
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(3);
+    assert!(stated(&hand).ends_with("] * 2") && !hand.editor.scene().faults.is_empty());
+    let above = |text: &str| text.starts_with("sum: the expression cannot be read");
+    assert_eq!((hand.shown(&above).len(), hand.texts("^").len()), (0, 1));
+}
+
+#[test]
 fn a_function_under_the_pointer_shows_its_signature() {
     let mut hand = Hand::with_file(&CALCULATOR.replace("\"T\"", "\"atan2(T, T)\""), "data.vtk", DATA);
     hand.editor.selection = ["sum".to_string()].into();

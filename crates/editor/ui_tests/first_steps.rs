@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::scene::Command;
-use voltet_graph::NodeEntry;
+use voltet_graph::{DefaultValue, Node, NodeEntry, Parameter, ParameterType, Port, PortType};
 
 fn node<'a>(hand: &'a Hand, name: &str) -> &'a NodeEntry {
     let nodes = &hand.editor.document().pipeline().nodes;
@@ -358,6 +358,26 @@ fn an_error_about_another_file_names_it() {
 }
 
 #[test]
+fn what_is_wrong_has_a_way_out() {
+    let mut hand = Hand::new(&TEXT.replace(
+        "type = \"wavelet\"\nresolution = [12, 12, 12] # coarse",
+        "type = \"reader\"\npath = \"gone.vtk\"",
+    ));
+    // The histogram says nothing of its own of the same node.
+    assert_eq!(hand.texts("no histogram: 'grid' has a fault").len(), 1);
+    hand.click_on("Show 'grid'");
+    assert!(hand.editor.selection.iter().eq(["grid"]) && !hand.sees("Show 'grid'"));
+    hand.click_on("Choose a file …");
+    let asks = hand.editor.file_dialog.as_ref().map(|dialog| dialog.purpose.clone());
+    let of_reader =
+        crate::scene::FilePurpose::Parameter { node: "grid".into(), path: "path".into(), writes: false };
+    assert_eq!(asks, Some(of_reader));
+    // What reads no file has its parameters alone.
+    let hand = Hand::new(&TEXT.replace("eye = [-28.0, -38.0, 24.0]\n", ""));
+    assert!(hand.sees("Show 'view'") && !hand.sees("Choose a file …"));
+}
+
+#[test]
 fn a_file_that_cannot_be_opened_leaves_its_dialog_with_the_reason() {
     let mut hand = Hand::with_file(TEXT, "wrong.vtu", "no data");
     hand.command(Command::Open);
@@ -410,6 +430,41 @@ fn a_new_node_feeds_the_only_one_that_lacks_it() {
     assert_eq!(fed.source.text(), Some("transfer_function"));
 }
 
+/// A parameter that a node from outside requires.
+const fn required(name: &'static str, parameter_type: ParameterType) -> Parameter {
+    Parameter { name, parameter_type, unit: "", default: DefaultValue::Required, help: "of the node" }
+}
+
+const ONE_GRID: &[Port] = &[Port { name: "grid", port_type: PortType::Grid, summary: "a grid" }];
+
+static FROM_OUTSIDE: Node = Node {
+    name: "from-outside",
+    summary: "Makes an array of others.",
+    inputs: ONE_GRID,
+    outputs: ONE_GRID,
+    parameters: &[
+        required("of", ParameterType::ArrayName),
+        required("those", ParameterType::ArrayNames),
+        required("formula", ParameterType::Expression),
+        Parameter { default: DefaultValue::Text("wavelet"), ..required("made", ParameterType::NewArrayName) },
+    ],
+    ..Node::BLANK
+};
+
+#[test]
+fn the_menu_of_nodes_reads_files_for_a_node_that_begins_with_an_array_alone() {
+    let text = "[pipeline]\nformat = 1\n\n[nodes.grid]\ntype = \"reader\"\npath = \"data.vtk\"\n";
+    let mut hand = Hand::with_file(text, "data.vtk", "");
+    hand.key(Key::Space, Modifiers::NONE);
+    hand.typed("camera");
+    hand.frames(3);
+    assert_eq!(hand.editor.arrays.asked_count(), 0);
+    hand.key(Key::A, Modifiers::COMMAND);
+    hand.typed("calculator");
+    hand.frames(3);
+    assert_eq!(hand.editor.arrays.asked_count(), 1);
+}
+
 #[test]
 fn new_calculators_and_multi_gradients_begin_with_an_array_of_the_data() {
     let mut hand = Hand::new(TEXT);
@@ -424,6 +479,21 @@ fn new_calculators_and_multi_gradients_begin_with_an_array_of_the_data() {
         assert_eq!(stated.text(), Some("wavelet"));
         assert!(hand.editor.scene().faults.is_empty(), "{:?}", hand.editor.scene().faults);
     }
+    // A node from outside, by the types of its parameters.
+    let mut registry = voltet_nodes::registry().unwrap();
+    registry.add(&FROM_OUTSIDE).unwrap();
+    let mut hand = Hand::with_registry(TEXT, [1280.0, 720.0], &|_| {}, &registry);
+    hand.settle();
+    hand.editor.selection = ["grid".to_string()].into();
+    hand.frames(2);
+    add(&mut hand, "from-outside");
+    let own = node(&hand, "from_outside");
+    for key in ["of", "those", "formula"] {
+        let stated = own.setting(key).unwrap_or_else(|| panic!("{key}: {}", hand.text()));
+        assert_eq!(stated.list().map_or(stated, |list| &list[0]).text(), Some("wavelet"), "{key}");
+    }
+    assert_eq!(own.setting("made").and_then(|made| made.text()), Some("wavelet_2"));
+    assert!(hand.editor.scene().faults.is_empty(), "{:?}", hand.editor.scene().faults);
     // Without data coordinates are there.
     let mut hand = Hand::new("[pipeline]\nformat = 1\n");
     add(&mut hand, "calculator");

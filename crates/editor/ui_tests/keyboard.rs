@@ -137,6 +137,29 @@ fn arrows_select_and_move_nodes_and_wires_are_taken_off() {
 }
 
 #[test]
+fn the_only_wire_is_taken_off_where_it_is_chosen() {
+    let mut hand = Hand::new(TEXT);
+    hand.editor.selection = ["file".to_string()].into();
+    hand.frames(2);
+    let list = |hand: &mut Hand| {
+        hand.key(Key::J, Modifiers::NONE);
+        hand.frames(2);
+        assert!(hand.sees("  take off picture to file.image"));
+    };
+    list(&mut hand);
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(2);
+    assert_eq!(hand.text(), TEXT, "Enter alone takes nothing off");
+    hand.key(Key::Escape, Modifiers::NONE);
+    hand.frames(2);
+    list(&mut hand);
+    hand.key(Key::ArrowDown, Modifiers::NONE);
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(2);
+    assert!(!hand.text().contains("image = \"picture\""), "{}", hand.text());
+}
+
+#[test]
 fn tab_goes_to_nodes_which_are_then_selected_and_adds_none() {
     let mut hand = Hand::new(TEXT);
     let mut seen = std::collections::BTreeSet::new();

@@ -20,6 +20,7 @@ mod recovery;
 mod screens;
 mod session;
 mod slow;
+mod templates;
 mod time;
 mod transfer;
 mod transfer_axes;

@@ -105,11 +105,8 @@ fn arrays_of_the_data_are_chosen_one_or_several() {
     let text = TEXT
         .replace("type = \"wavelet\"\nresolution = [12, 12, 12] # coarse", "type = \"reader\"\npath = \"data.vtk\"")
         .replace("[nodes.view]", "[nodes.fields]\ntype = \"multi-gradient\"\nfields = [\"heat\"]\ninputs = { grid = \"grid\" }\n\n[nodes.view]");
-    let points = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
-    let data = format!(
-        "# vtk DataFile Version 3.0\ndata\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n{points}CELLS 1 5\n4 0 1 2 3\n\
-         CELL_TYPES 1\n10\nPOINT_DATA 4\nSCALARS heat float 1\nLOOKUP_TABLE default\n1 2 3 4\nSCALARS speed float 1\nLOOKUP_TABLE default\n5 6 7 8\n"
-    );
+    let heat = "SCALARS heat float 1\nLOOKUP_TABLE default\n1 2 3 4\n";
+    let data = one_cell(&(heat.to_string() + "SCALARS speed float 1\nLOOKUP_TABLE default\n5 6 7 8\n"));
     // The file is there before the window is: one that comes later is read anew some time after.
     let mut hand = Hand::with_file(&text, "data.vtk", &data);
     for (node, list, wanted) in [
@@ -127,13 +124,17 @@ fn arrays_of_the_data_are_chosen_one_or_several() {
     }
 }
 
+/// A legacy file of one tetrahedron with these arrays at its points.
+fn one_cell(arrays: &str) -> String {
+    format!(
+        "# vtk DataFile Version 3.0\ndata\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n\
+         CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\nPOINT_DATA 4\n{arrays}"
+    )
+}
+
 /// A grid of four points with an array of one value, and one that varies.
 fn of_two_arrays() -> String {
-    let points = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
-    format!(
-        "# vtk DataFile Version 3.0\ndata\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n{points}CELLS 1 5\n4 0 1 2 3\n\
-         CELL_TYPES 1\n10\nPOINT_DATA 4\nFIELD all 2\nsame 1 4 float\n1 1 1 1\nheat 1 4 float\n1 2 3 4\n"
-    )
+    one_cell("FIELD all 2\nsame 1 4 float\n1 1 1 1\nheat 1 4 float\n1 2 3 4\n")
 }
 
 /// Before a window with a reader of such a file, which is there as `other.vtk`, too.
@@ -406,14 +407,21 @@ fn colour_maps_are_chosen_by_their_colours() {
     assert_eq!(hand.text(), text.replace("viridis", "inferno"));
 }
 
-#[test]
-fn an_entry_that_is_added_is_in_view() {
+/// Before the kinds of clips that are added to the renderer; and where a cylinder is.
+fn before_clips() -> (Hand, Pos2) {
     let mut hand = Hand::new(TEXT);
     hand.editor.selection = ["picture".to_string()].into();
     hand.frames(3);
     hand.click(hand.texts("add")[0]);
     hand.frames(2);
-    hand.click(hand.texts("cylinder")[0]);
+    let at = hand.texts("cylinder")[0];
+    (hand, at)
+}
+
+#[test]
+fn an_entry_that_is_added_is_in_view() {
+    let (mut hand, at) = before_clips();
+    hand.click(at);
     let bottom = hand.texts("F1: keys and mouse")[0].y;
     until(&mut hand, "its last row is out of view", |hand| {
         hand.all_named("picture.clip.0.invert").first().is_some_and(|row| row.max.y < bottom)
@@ -422,12 +430,7 @@ fn an_entry_that_is_added_is_in_view() {
 
 #[test]
 fn an_entry_that_is_not_there_in_the_next_frame_is_not_brought_into_view_later() {
-    let mut hand = Hand::new(TEXT);
-    hand.editor.selection = ["picture".to_string()].into();
-    hand.frames(3);
-    hand.click(hand.texts("add")[0]);
-    hand.frames(2);
-    let at = hand.texts("cylinder")[0];
+    let (mut hand, at) = before_clips();
     hand.move_to(at, Modifiers::NONE);
     hand.button(true, PointerButton::Primary, Modifiers::NONE);
     hand.button(false, PointerButton::Primary, Modifiers::NONE);

@@ -30,6 +30,53 @@ fn a_box_in_the_picture_finds_the_values_on_its_rays() {
 }
 
 #[test]
+fn an_outline_that_a_hand_draws_proposes_widgets_as_a_box_does() {
+    let mut hand = Hand::in_tall_window(TEXT);
+    with_distribution(&mut hand);
+    let (middle, [wide, high]) = (hand.named("picture picture"), [40.0, 30.0]);
+    let probed = |hand: &mut Hand| {
+        until(hand, "no answer comes", |hand| hand.editor.scene().probed.is_some());
+        hand.editor.scene().probed.clone().unwrap()
+    };
+    hand.drag_with(
+        middle - vec2(wide, high),
+        middle + vec2(wide, high),
+        PointerButton::Primary,
+        Modifiers::ALT,
+    );
+    let of_box = probed(&mut hand);
+    hand.editor.answers.probed = None;
+    // The room is small: the switches are in a menu.
+    hand.click_on("probe");
+    hand.click_on("outline");
+    hand.key(Key::Escape, Modifiers::NONE);
+    hand.frames(2);
+    let at = |k: usize| {
+        let angle = k as f32 / 40.0 * std::f32::consts::TAU;
+        middle + vec2(wide * angle.cos(), high * angle.sin())
+    };
+    hand.move_to(at(0), Modifiers::NONE);
+    hand.button(true, PointerButton::Primary, Modifiers::NONE);
+    (1..40).for_each(|k| hand.move_to(at(k), Modifiers::NONE));
+    hand.button(false, PointerButton::Primary, Modifiers::NONE);
+    hand.frames(2);
+    let of_outline = probed(&mut hand);
+    // An ellipse is π / 4 of its box.
+    let share = of_outline.rays as f64 / of_box.rays as f64;
+    assert!((share - 0.785).abs() < 0.06, "{share}");
+    assert!(!hand.texts("+ range").is_empty() && !hand.texts("+ at probe").is_empty());
+    assert_eq!(hand.text(), TEXT, "the view does not turn");
+    // Where the button is off, a drag turns it again.
+    hand.click_on("outline");
+    hand.click(*hand.texts("outline").last().unwrap());
+    hand.frames(2);
+    hand.key(Key::Escape, Modifiers::NONE);
+    hand.frames(2);
+    hand.drag(middle, middle + vec2(30.0, 0.0));
+    assert_ne!(hand.text(), TEXT);
+}
+
+#[test]
 fn a_box_proposes_widgets_that_cover_what_is_seen_most_below_it() {
     let mut hand = Hand::in_tall_window(TEXT);
     with_distribution(&mut hand);
@@ -64,6 +111,7 @@ fn a_box_proposes_widgets_that_cover_what_is_seen_most_below_it() {
         hand.frames(3);
         hand.settle();
         // The pointer is at the button still: the widget is there once.
+        assert_eq!(hand.texts(button)[0], at, "{button} stays where it is");
         assert_eq!(says(&hand), 0, "{button}");
         assert!(picture(&hand) == picture(&Hand::in_tall_window(&hand.text())), "{button}");
         let widget = last_widget(&hand);

@@ -349,3 +349,33 @@ fn an_ellipse_is_turned_as_it_is_seen() {
         assert!((at - (-0.5f64).exp()).abs() < 0.02, "{way:?}: {at}");
     }
 }
+
+#[test]
+fn the_buttons_of_a_widget_stand_in_one_line_in_a_small_window() {
+    for (size, name) in [([900.0, 600.0], ""), ([1280.0, 720.0], "name = \"thermal interface\"\n")] {
+        let text = TEXT.replace("kind = \"gaussian\"\n", &format!("kind = \"gaussian\"\n{name}"));
+        let mut hand = Hand::before_window(&text, size, &|_| {});
+        with_distribution(&mut hand);
+        let first = hand.shown_beginning("1 gaussian")[0].y;
+        for button in ["duplicate the widget", "take the widget away", "hide", "solo"] {
+            assert!((hand.named(button).y - first).abs() < 6.0, "{size:?} {button}");
+        }
+    }
+}
+
+#[test]
+fn a_colour_map_over_all_of_the_data_is_shown_where_they_lie() {
+    let gaussian = TEXT.split("kind = ").nth(1).and_then(|rest| rest.split("\n\n").next()).unwrap();
+    let unstated = TEXT.replace(gaussian, "\"colormap\"\nextinction = 0.1");
+    let stated = unstated.replace("extinction = 0.1", "extinction = 0.1\nrange = [\"0 %\", \"100 %\"]");
+    let drawn = [unstated, stated].map(|text| {
+        let mut hand = Hand::new(&text);
+        with_distribution(&mut hand);
+        assert!(hand.shown(&|text| text.contains("not of the type")).is_empty());
+        let plane = hand.rect("plane of s and g");
+        let within =
+            hand.shapes().iter().filter(|shape| plane.contains_rect(shape.shape.visual_bounding_rect()));
+        within.map(|shape| shape.shape.visual_bounding_rect()).collect::<Vec<_>>()
+    });
+    assert!(drawn[0] == drawn[1], "{drawn:?}");
+}

@@ -47,14 +47,18 @@ pub struct Worker {
 impl Worker {
     /// Begins the thread. `registry`: the node types and filters that graphs may name.
     pub fn start(registry: &Registry, wake: RepaintCallback) -> Result<Worker> {
-        let mut registry = registry.clone();
-        registry.add(&request::WIRES)?;
-        let shared = Arc::new(Shared::new(wake));
+        let shared = Arc::new(Shared::new(with_wires(registry)?, wake));
         let of_thread = shared.clone();
-        let work = move || work::run(&of_thread, &registry);
+        let work = move || work::run(&of_thread);
         let spawned = std::thread::Builder::new().name("worker".into()).spawn(work);
         let thread = spawned.map_err(|error| Error::run("no thread can be started to draw").got(error))?;
         Ok(Worker { shared, thread: Some(thread) })
+    }
+
+    /// Has what is asked from now on name these node types and filters. Errors: they contradict the worker's own.
+    pub(crate) fn use_registry(&self, registry: &Registry) -> Result<()> {
+        lock(&self.shared.state).registry = with_wires(registry)?;
+        Ok(())
     }
 
     /// Asks for a picture, in place of any that was asked for before; gives the request's number.
@@ -129,6 +133,13 @@ impl Worker {
     pub fn shown<T>(&self, look: impl FnOnce(&WorkerOutput) -> T) -> T {
         look(&lock(&self.shared.state).output)
     }
+}
+
+/// The registry with the node by which the worker looks at the values of wires.
+fn with_wires(registry: &Registry) -> Result<Arc<Registry>> {
+    let mut registry = registry.clone();
+    registry.add(&request::WIRES)?;
+    Ok(Arc::new(registry))
 }
 
 impl Drop for Worker {

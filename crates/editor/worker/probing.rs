@@ -58,38 +58,32 @@ impl ProbeQuery {
         let camera = Camera { samples: 1, ..*camera };
         let surfaces = call.surfaces("surface")?;
         let forms = CompiledTransferFunction::new(&transfer_function)?;
-        let mut probed = PixelProbe { rays: self.places.len(), ..PixelProbe::default() };
-        // All cells are looked at once, those of the box again for each bundle, and few are made ready for rays.
-        let of_box = Arc::new(near_rays(&volume, camera, &self.places, call.progress())?);
-        for bundle in self.places.chunks(BUNDLE) {
-            let near = match bundle.len() < self.places.len() {
-                true => Arc::new(near_rays(&of_box, camera, bundle, call.progress())?),
-                false => of_box.clone(),
-            };
-            // What is seen, as the values count: light and silhouettes change colours.
-            let (shading, order) = (Shading::default(), VisibilityOrder::Exact);
-            let scene = Scene::new(near, transfer_function.clone(), camera, shading, order);
-            let scene = Scene { clips: self.clips.clone(), surfaces: surfaces.clone(), ..scene };
-            self.walk_bundle(&scene, &forms, bundle, &mut probed, call.progress())?;
-        }
-        Ok(probed)
+        // All cells are looked at once, and few are made ready for rays.
+        let near = Arc::new(near_rays(&volume, camera, &self.places, call.progress())?);
+        // What is seen, as the values count: light and silhouettes change colours.
+        let (shading, order) = (Shading::default(), VisibilityOrder::Exact);
+        let scene = Scene::new(near, transfer_function, camera, shading, order);
+        let scene = Scene { clips: self.clips.clone(), surfaces, ..scene };
+        self.walk_rays(&scene, &forms, call.progress())
     }
 
-    /// Adds what rays through some of the places meet.
-    fn walk_bundle(
+    /// Walks the rays through the places, each among the cells that lie before its part of the picture.
+    fn walk_rays(
         &self,
         scene: &Scene,
         forms: &CompiledTransferFunction,
-        places: &[[f64; 2]],
-        probed: &mut PixelProbe,
         progress: &dyn Progress,
-    ) -> Result<()> {
+    ) -> Result<PixelProbe> {
+        let mut probed = PixelProbe { rays: self.places.len(), ..PixelProbe::default() };
         let tracer = Tracer::new(scene, Box::new(forms.clone()))?;
+        let count = scene.volume.grid.tetrahedra.len() as u32;
+        let goes_on = |cell: &u32| !(cell.is_multiple_of(LOOKED_AT) && progress.cancelled());
+        let lists = tracer.tile_lists((0..count).take_while(goes_on));
         let (mut seen_most, [width, height]) = (0.0, scene.camera.size.map(f64::from));
-        for place in places {
+        for place in &self.places {
             progress.check_cancelled()?;
-            let ray = tracer.ray(0.5 * width + place[0] * height, (0.5 - place[1]) * height);
-            let walk = tracer.walk(&ray)?;
+            let pixel = [0.5 * width + place[0] * height, (0.5 - place[1]) * height];
+            let (ray, walk) = (tracer.ray(pixel[0], pixel[1]), tracer.walk_near(pixel, &lists)?);
             probed.opacity += walk.seen.opacity / self.places.len() as f64;
             let all: f64 = walk.steps.iter().map(|step| step.contribution()[3]).sum();
             let way: f64 = walk.steps.iter().map(|step| step.length).sum();
@@ -119,17 +113,17 @@ impl ProbeQuery {
             let on_surface = probed.hit.as_ref().filter(|hit| hit.is_on_surface).map(|hit| hit.point);
             probed.point = on_surface.or(probed.point);
         }
-        Ok(())
+        Ok(probed)
     }
 }
 
-/// Most rays of a box for which cells are made ready together; between two such bundles a probe can be cancelled.
-const BUNDLE: usize = 16;
+/// Cells after which a probe can be cancelled.
+const LOOKED_AT: u32 = 4096;
 
 /// Room for rounding about a cell, as a share of its distance from the eye.
 const ROUNDING: f64 = 1e-9;
 
-/// Margin of a bundle of rays, heights of the picture.
+/// Margin of the rays, heights of the picture.
 const MARGIN: f64 = 1e-6;
 
 /// The cells of a volume whose balls, about the middle of their corners, reach into the box of the picture that holds these places. Errors: a
@@ -143,7 +137,7 @@ fn near_rays(
     let Some(sides) = sides(camera, places) else { return Ok(volume.clone()) };
     let (grid, stops) = (&volume.grid, AtomicBool::new(false));
     let is_met = |cell: usize| {
-        if cell.is_multiple_of(4096) && progress.cancelled() {
+        if cell.is_multiple_of(LOOKED_AT as usize) && progress.cancelled() {
             stops.store(true, Ordering::Relaxed);
         }
         let corner = |point: u32| grid.points.get(point as usize).copied().unwrap_or(DVec3::NAN);

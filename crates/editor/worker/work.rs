@@ -18,7 +18,7 @@ fn session() -> Session {
 
 struct WorkerState<'a> {
     shared: &'a Shared,
-    registry: &'a Registry,
+    registry: Arc<Registry>,
     session: Session,
     /// The session that read data ahead, which keeps them until they are drawn.
     ahead: Option<Session>,
@@ -26,7 +26,8 @@ struct WorkerState<'a> {
 }
 
 /// Works at the newest request, and at queries where there is none, until the worker ends.
-pub(super) fn run(shared: &Shared, registry: &Registry) {
+pub(super) fn run(shared: &Shared) {
+    let registry = lock(&shared.state).registry.clone();
     let mut own =
         WorkerState { shared, registry, session: session(), ahead: None, pace: FrameTimeModel::default() };
     loop {
@@ -49,6 +50,7 @@ impl WorkerState<'_> {
         if state.ends {
             return false;
         }
+        self.registry = state.registry.clone();
         if let Some(wanted) = state.picture.take() {
             let (number, next) = (self.shared.newest(), state.next.take());
             drop(state);
@@ -73,9 +75,9 @@ impl WorkerState<'_> {
             self.ahead = None;
             return self.picture(number, wanted);
         };
-        let (shared, registry, mut session) = (self.shared, self.registry, self.session.beside());
+        let (shared, registry, mut session) = (self.shared, self.registry.clone(), self.session.beside());
         std::thread::scope(|scope| {
-            scope.spawn(|| read_ahead(shared, registry, &mut session, next));
+            scope.spawn(|| read_ahead(shared, &registry, &mut session, next));
             self.picture(number, wanted);
         });
         self.ahead = Some(session).filter(|_| lock(&shared.state).reads_ahead);
@@ -114,7 +116,7 @@ impl WorkerState<'_> {
         patience: Option<Duration>,
     ) -> Result<bool> {
         let start = Instant::now();
-        let graph = wanted.graph(self.registry, divisor)?;
+        let graph = wanted.graph(&self.registry, divisor)?;
         let (shared, begun) = (self.shared, Instant::now());
         let pass = Pass { shared, number, wanted, begun, patience, judged: Mutex::default() };
         let stop = |running: &dyn Fn() -> Option<String>| pass.stops(running);
@@ -164,7 +166,7 @@ impl WorkerState<'_> {
         newest: u64,
         of: impl Fn(&mut WorkerOutput) -> &mut Exchange<Q> + Sync,
     ) -> bool {
-        let (shared, registry) = (self.shared, self.registry);
+        let (shared, registry) = (self.shared, &*self.registry.clone());
         // Queries of another document than that of the newest request are none of this document's.
         let taken = lock(&shared.state).output.since(newest).and_then(|output| of(output).take());
         let Some((number, query)) = taken else { return false };
@@ -222,14 +224,17 @@ pub(super) struct SharedState {
     /// False once nobody waits for the data of the next one any more.
     pub reads_ahead: bool,
     pub output: WorkerOutput,
+    /// Node types and filters that graphs may name.
+    pub registry: Arc<Registry>,
     /// True if something was requested since the thread waited.
     pub has_news: bool,
     pub ends: bool,
 }
 
 impl Shared {
-    pub fn new(wake: RepaintCallback) -> Shared {
-        Shared { state: Mutex::default(), changed: Condvar::new(), newest: AtomicU64::new(0), wake }
+    pub fn new(registry: Arc<Registry>, wake: RepaintCallback) -> Shared {
+        let state = Mutex::new(SharedState { registry, ..SharedState::default() });
+        Shared { state, changed: Condvar::new(), newest: AtomicU64::new(0), wake }
     }
 
     /// Changes what is shown, and has it shown.

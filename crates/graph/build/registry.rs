@@ -122,6 +122,11 @@ impl Registry {
         self.plugins = Some(clause);
     }
 
+    /// The clause that names the plug-ins that were searched.
+    pub fn told_plugins(&self) -> Option<&str> {
+        self.plugins.as_deref()
+    }
+
     /// The node type of that name; an error that suggests the nearest otherwise.
     pub fn find(&self, name: &str) -> Result<&'static Node> {
         let found = self.nodes.iter().copied().find(|n| n.name == name);

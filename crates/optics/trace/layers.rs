@@ -61,8 +61,8 @@ pub fn layers(
     let tracer = Tracer::new(&scene, Box::new(function.clone()))?;
     let events = scene.ray_event_source()?.map(|source| source.events([0.0; 2], progress)).transpose()?;
     let [width, height] = scene.camera.size.map(|n| n as usize);
-    let [columns, rows] = [width.div_ceil(SIDE), height.div_ceil(SIDE)];
-    let lists = tracer.tile_lists([columns, rows], cells.iter().copied());
+    let [columns, _] = tracer.tile_counts();
+    let lists = tracer.tile_lists(cells.iter().copied());
     let (near, is_whole) = (tracer.near(), requested.contains(&PictureLayer::OpticalDepth));
     let tile = |number: usize| {
         progress.check_cancelled()?;

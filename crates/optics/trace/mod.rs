@@ -497,9 +497,12 @@ impl Tracer<'_> {
 
     /// Traces a ray cell by cell. Errors: what cannot be integrated.
     pub fn walk(&self, ray: &Ray) -> Result<Walk> {
-        let crossings = self.crossings(ray);
+        self.walk_crossings(ray, &self.crossings(ray))
+    }
+
+    fn walk_crossings(&self, ray: &Ray, crossings: &[Crossing]) -> Result<Walk> {
         let mut steps = Vec::with_capacity(crossings.len());
-        let seen = self.composite(ray, &crossings, |crossing, transmittance, part| {
+        let seen = self.composite(ray, crossings, |crossing, transmittance, part| {
             let (length, [front, back]) = self.segment(ray, crossing);
             let [silhouette, light] = self.surface(ray, crossing);
             steps.push(CellCrossing {

@@ -1,6 +1,6 @@
 //! The picture: cells put into screen tiles by conservative bounds, tiles drawn on all cores.
 
-use crate::trace::{Crossing, Ray, Tracer, sample_places};
+use crate::trace::{Crossing, Ray, Tracer, Walk, sample_places};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
@@ -35,8 +35,8 @@ impl Tracer<'_> {
     /// are drawn.
     pub fn draw_further(&self, tiles: &mut Tiles, progress: &dyn Progress) -> Result<Picture> {
         let [width, height] = self.camera.size.map(|n| n as usize);
-        let columns = width.div_ceil(SIDE);
-        let lists = self.tile_lists([columns, height.div_ceil(SIDE)], 0..self.cell_count());
+        let [columns, _] = self.tile_counts();
+        let lists = self.tile_lists(0..self.cell_count());
         tiles.retain(|&tile, pixels| (tile as usize) < lists.len() && pixels.len() == TILE_PIXELS);
         let missing: Vec<usize> =
             (0..lists.len()).filter(|&tile| !tiles.contains_key(&(tile as u32))).collect();
@@ -118,12 +118,14 @@ impl Tracer<'_> {
         }
     }
 
-    /// Numbers of the cells, of some, that may touch each tile, in their order.
-    pub(super) fn tile_lists(
-        &self,
-        [columns, rows]: [usize; 2],
-        cells: impl Iterator<Item = u32>,
-    ) -> Vec<Vec<u32>> {
+    /// Columns and rows of the picture's tiles.
+    pub(super) fn tile_counts(&self) -> [usize; 2] {
+        self.camera.size.map(|length| (length as usize).div_ceil(SIDE))
+    }
+
+    /// Numbers of the cells, of some, that may touch each tile, row by row, in their order: for [`Tracer::walk_near`].
+    pub fn tile_lists(&self, cells: impl Iterator<Item = u32>) -> Vec<Vec<u32>> {
+        let [columns, rows] = self.tile_counts();
         let mut lists = vec![Vec::new(); columns * rows];
         for cell in cells {
             let Some(bounds) = self.bounds(cell) else { continue };
@@ -140,6 +142,17 @@ impl Tracer<'_> {
             }
         }
         lists
+    }
+
+    /// Traces the ray through a place of the picture, (i, j) in pixels from its upper left corner, cell by cell, among those of its tile.
+    /// Errors: what cannot be integrated.
+    pub fn walk_near(&self, [i, j]: [f64; 2], lists: &[Vec<u32>]) -> Result<Walk> {
+        let (counts, ray) = (self.tile_counts(), self.ray(i, j));
+        let tile = |k: usize, x: f64| ((x / SIDE as f64) as usize).min(counts[k] - 1);
+        let cells = &lists[tile(1, j) * counts[0] + tile(0, i)];
+        let mut crossings = cells.iter().filter_map(|cell| self.crossing(&ray, *cell)).collect::<Vec<_>>();
+        self.sort(&mut crossings);
+        self.walk_crossings(&ray, &crossings)
     }
 
     /// True if a plane through the eye along a tile's edge has the cell on one side and the tile on the other.

@@ -141,6 +141,25 @@ fn scenes() -> Vec<(&'static str, Scene)> {
     .collect()
 }
 
+/// Also between two tiles and at the picture's border.
+#[test]
+fn a_ray_meets_the_same_cells_in_the_list_of_its_tile_as_among_all() {
+    for (name, mut scene) in scenes() {
+        scene.camera.size = [60, 44];
+        let tracer = tracer(&scene).unwrap();
+        let lists = tracer.tile_lists(0..scene.volume.grid.tetrahedra.len() as u32);
+        let mut met = 0;
+        for i in [0.0, 3.7, 15.999, 16.0, 31.5, 48.0, 59.9, 60.0] {
+            for j in [0.0, 9.3, 16.0, 22.0, 32.0, 44.0] {
+                let walk = tracer.walk(&tracer.ray(i, j)).unwrap();
+                assert_eq!(walk, tracer.walk_near([i, j], &lists).unwrap(), "{name} {i} {j}");
+                met += walk.steps.len();
+            }
+        }
+        assert!(met > 50, "{name}: {met}");
+    }
+}
+
 /// Nothing but rounding of sums lies between the two.
 #[test]
 fn what_the_cells_add_is_the_pixel() {

@@ -1,7 +1,7 @@
 //! `voltet edit`: the node editor.
 
 use super::shared::{DONE, Outcome, with_bar};
-use super::{run::film_of, start, study as measured};
+use super::{plugins, run::film_of, start, study as measured};
 use crate::cli::arguments::{Edit, Start};
 use crate::core::Result;
 use crate::core::progress::Progress;
@@ -9,19 +9,34 @@ use crate::document;
 use crate::graph::{NodeProgress, Observer, Registry};
 use crate::{Document, Source};
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use voltet_editor::{FilmRequest, Services, Studied, StudiedRow, StudyRequest};
 use voltet_study::work_precision::{self as study, StudyOptions};
 
 pub fn edit(arguments: &Edit, registry: &Registry) -> Outcome {
-    let [of_start, of_study, of_film] = [(); 3].map(|()| registry.clone());
+    // With the plug-ins that are loaded meanwhile.
+    let known = Arc::new(Mutex::new(registry.clone()));
+    let [start, study, film, plugin] = [(); 4].map(|()| known.clone());
     let services = Services {
-        start: Arc::new(move |path: &Path, at: &Path| pipeline_for(path, at, &of_start)),
-        study: Arc::new(move |of: &StudyRequest, observer: &dyn Observer| studied(of, &of_study, observer)),
-        film: Arc::new(move |of: &FilmRequest, observer: &dyn Observer| film_of(of, &of_film, observer)),
+        start: Arc::new(move |path: &Path, at: &Path| pipeline_for(path, at, &current(&start))),
+        study: Arc::new(move |of: &StudyRequest, observer: &dyn Observer| {
+            studied(of, &current(&study), observer)
+        }),
+        film: Arc::new(move |of: &FilmRequest, observer: &dyn Observer| {
+            film_of(of, &current(&film), observer)
+        }),
+        plugin: Arc::new(move |path: &Path| {
+            let (more, words) = plugins::with_dropped(&current(&plugin), path)?;
+            *plugin.lock().unwrap_or_else(PoisonError::into_inner) = more.clone();
+            Ok((more, words))
+        }),
     };
     voltet_editor::run(arguments.file.as_deref(), registry, services)?;
     Ok(DONE)
+}
+
+fn current(known: &Mutex<Registry>) -> Registry {
+    known.lock().unwrap_or_else(PoisonError::into_inner).clone()
 }
 
 /// `voltet study` without options, of a pipeline that need not be saved.

@@ -75,9 +75,24 @@ pub fn with(
     registry.tell_plugins(match (told.is_empty(), file) {
         (true, Some(file)) => format!("no plug-in is loaded: --plugin PATH does, and {}", file.display()),
         (true, None) => "no plug-in is loaded: --plugin PATH does".into(),
-        (false, _) => format!("of the plug-ins: {}", told.join("; ")),
+        (false, _) => format!("{TOLD}{}", told.join("; ")),
     });
     Ok(registry)
+}
+
+/// Beginning of the clause that names the plug-ins.
+const TOLD: &str = "of the plug-ins: ";
+
+/// The registry with a plug-in that was dropped on a window, and words for it. It runs in processes of its own, as by
+/// `--plugin-process`: the window has threads, which no supervisor can follow, and work that is not saved.
+///
+/// Errors: it cannot be loaded; two filters of one name.
+#[cfg(feature = "editor")]
+pub fn with_dropped(registry: &Registry, path: &Path) -> Result<(Registry, String)> {
+    let (mut more, words) = add(registry, &PluginFile::read(path)?, None, true)?;
+    let others = registry.told_plugins().filter(|told| told.starts_with(TOLD));
+    more.tell_plugins(others.map_or_else(|| format!("{TOLD}{words}"), |others| format!("{others}; {words}")));
+    Ok((more, words))
 }
 
 /// True if a library was not loaded yet; it counts as loaded from then on.

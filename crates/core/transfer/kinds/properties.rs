@@ -258,7 +258,7 @@ pub(super) const MATRIX: Parameter = Parameter {
 
 pub(super) const FIELDS: Parameter = Parameter {
     name: "fields",
-    parameter_type: ParameterType::Texts,
+    parameter_type: ParameterType::ArrayNames,
     unit: "",
     default: DefaultValue::Required,
     help: "names of one to eight point arrays; \"NAME:0\" and \"NAME:magnitude\" for vectors",

@@ -26,7 +26,7 @@ pub(super) const KIND: VariantSchema = VariantSchema {
         },
         Parameter {
             name: "magnitude",
-            parameter_type: ParameterType::Text,
+            parameter_type: ParameterType::ArrayName,
             unit: "",
             default: DefaultValue::Text("multi-gradient"),
             help: "the point array that the widths are shares of, such as the node multi-gradient computes",
