@@ -12,8 +12,9 @@ use super::parts::{
 use super::source::{CellStatus, Source};
 use super::unsplit::unsplit;
 use super::{Array, GhostCells, Grid, cell_values};
+use crate::parallel::all_or_first;
 use crate::progress::Progress;
-use crate::{Error, Result, SharedSlice, agreeing, counted, noun_of};
+use crate::{Error, Result, SharedSlice, agreeing, counted};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -265,23 +266,21 @@ fn overlaps(points: &[glam::DVec3], tetrahedra: &[[u32; 4]], cell: impl Fn(u32) 
 /// Appends the points that curved cells and polyhedra add, with all values that sit on points.
 fn add_points(parts: &mut RawGrid, source: &Source) -> Result<()> {
     let count = source.added_count();
-    let points: Vec<glam::DVec3> = (0..count)
-        .into_par_iter()
-        .map(|i| {
-            source.weights_of_added(i, |weights| weights.map(|(p, w)| parts.points[p as usize] * w).sum())
-        })
-        .collect::<Result<_>>()?;
+    let points = (0..count).into_par_iter().map(|i| {
+        source.weights_of_added(i, |weights| weights.map(|(p, w)| parts.points[p as usize] * w).sum())
+    });
+    let points: Vec<glam::DVec3> = all_or_first(points)?;
     parts.points.make_mut().extend_from_slice(&points);
     let interpolate = |values: &mut SharedSlice<f64>, component_count: usize| -> Result<()> {
         let n = component_count.max(1);
         let mut added = vec![0.0; count * n];
-        added.par_chunks_exact_mut(n).enumerate().try_for_each(|(i, tuple)| {
+        all_or_first(added.par_chunks_exact_mut(n).enumerate().map(|(i, tuple)| {
             source.weights_of_added(i, |weights| {
                 for (p, w) in weights {
                     tuple.iter_mut().zip(&values[p as usize * n..]).for_each(|(sum, v)| *sum += w * v);
                 }
             })
-        })?;
+        }))?;
         values.make_mut().extend_from_slice(&added);
         Ok(())
     };
@@ -309,7 +308,7 @@ fn check(parts: &RawGrid, options: &Options) -> Result<()> {
 fn nothing_to_draw(tally: &CellCounts, left_out: &[String]) -> Error {
     let mut found = describe_counts(&tally.by_type);
     let ghosts = tally.ghost + tally.without_owner;
-    for (count, why) in [(ghosts, &*noun_of(&ghosts, "ghost")), (tally.not_finite, "not finite")] {
+    for (count, why) in [(ghosts, "ghosts or hidden"), (tally.not_finite, "not finite")] {
         if count > 0 {
             found.push_str(&format!(" ({count} {why})"));
         }
@@ -377,47 +376,43 @@ fn chunks(count: usize) -> impl IndexedParallelIterator<Item = std::ops::Range<u
 /// Goes over all cells once: checks them, counts fates and tetrahedra.
 fn tally(source: &Source, progress: &dyn Progress) -> Result<CellCounts> {
     let count = source.cells.count();
-    let parts: Vec<Result<CellCounts>> = chunks(count)
-        .map(|range| {
-            progress.check_cancelled()?;
-            let mut tally = CellCounts::default();
-            let mut by_type = [0_u64; 256];
-            let mut tetrahedra = 0;
-            let mut buffer = [0; 8];
-            for number in range {
-                let cell = source.cell(number, &mut buffer)?;
-                let fate = source.fate(&cell)?;
-                if source.is_neighbour(number) {
-                    if fate == CellStatus::Drawn {
-                        tally.neighbours += 1;
-                        source.tetrahedra(&cell, &mut |_| tetrahedra += 1);
-                    }
-                    continue;
+    let parts = chunks(count).map(|range| {
+        progress.check_cancelled()?;
+        let mut tally = CellCounts::default();
+        let mut by_type = [0_u64; 256];
+        let mut tetrahedra = 0;
+        let mut buffer = [0; 8];
+        for number in range {
+            let cell = source.cell(number, &mut buffer)?;
+            let fate = source.fate(&cell)?;
+            if source.is_neighbour(number) {
+                if fate == CellStatus::Drawn {
+                    tally.neighbours += 1;
+                    source.tetrahedra(&cell, &mut |_| tetrahedra += 1);
                 }
-                by_type[usize::from(cell.code)] += 1;
-                match fate {
-                    CellStatus::Drawn => {
-                        let is_ghost = source.ghost.is_some_and(|flags| is_ghost(flags[number]));
-                        *(if is_ghost { &mut tally.without_owner } else { &mut tally.drawn }) += 1;
-                        source.tetrahedra(&cell, &mut |_| tetrahedra += 1);
-                    }
-                    CellStatus::Ghost => tally.ghost += 1,
-                    CellStatus::NotVolume => tally.not_volume += 1,
-                    CellStatus::NotFinite => tally.not_finite += 1,
-                    // The warnings count them.
-                    CellStatus::NotSplit => {}
-                    CellStatus::Unsupported => *tally.unsupported.entry(cell.code).or_default() += 1,
-                }
+                continue;
             }
-            tally.by_type = (0..=255).zip(by_type).filter(|&(_, count)| count > 0).collect();
-            tally.chunk_tetrahedra.push(tetrahedra);
-            Ok(tally)
-        })
-        .collect();
+            by_type[usize::from(cell.code)] += 1;
+            match fate {
+                CellStatus::Drawn => {
+                    let is_ghost = source.ghost.is_some_and(|flags| is_ghost(flags[number]));
+                    *(if is_ghost { &mut tally.without_owner } else { &mut tally.drawn }) += 1;
+                    source.tetrahedra(&cell, &mut |_| tetrahedra += 1);
+                }
+                CellStatus::Ghost => tally.ghost += 1,
+                CellStatus::NotVolume => tally.not_volume += 1,
+                CellStatus::NotFinite => tally.not_finite += 1,
+                // The warnings count them.
+                CellStatus::NotSplit => {}
+                CellStatus::Unsupported => *tally.unsupported.entry(cell.code).or_default() += 1,
+            }
+        }
+        tally.by_type = (0..=255).zip(by_type).filter(|&(_, count)| count > 0).collect();
+        tally.chunk_tetrahedra.push(tetrahedra);
+        Ok(tally)
+    });
     let mut sum = CellCounts::default();
-    for part in parts {
-        sum.add(part?);
-    }
+    all_or_first(parts)?.into_iter().for_each(|part| sum.add(part));
     Ok(sum)
 }
 
@@ -457,7 +452,7 @@ fn split_all(
     let lengths = || tally.chunk_tetrahedra.iter().copied();
     let slots = split_lengths(&mut tetrahedra, lengths()).into_iter();
     let slots: Vec<_> = slots.zip(split_lengths(&mut source_cells, lengths())).collect();
-    chunks(source.cells.count()).zip(slots).try_for_each(|(range, (tetrahedra, cells))| {
+    all_or_first(chunks(source.cells.count()).zip(slots).map(|(range, (tetrahedra, cells))| {
         progress.check_cancelled()?;
         let mut buffer = [0; 8];
         let mut at = 0;
@@ -471,8 +466,8 @@ fn split_all(
                 });
             }
         }
-        Result::Ok(())
-    })?;
+        Ok(())
+    }))?;
     Ok((tetrahedra, source_cells))
 }
 

@@ -7,6 +7,7 @@ use super::parts::{CellSet, Cells, FileCells, OWNED, Polyhedron, RawGrid, as_giv
 use super::polyhedra::Polyhedra;
 use super::source::Source;
 use super::{Array, Grid};
+use crate::parallel::all_or_first;
 use crate::{Error, Result};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -33,10 +34,9 @@ pub(super) fn unsplit(mut parts: RawGrid) -> Result<Grid> {
         },
     };
     let count = if are_plain(&parts) { 0 } else { parts.cells.count() };
-    (0..count).into_par_iter().with_min_len(CELL_CHUNK).try_for_each(|number| {
-        let mut buffer = [0; 8];
-        source.check(&source.cell(number, &mut buffer)?)
-    })?;
+    let check = |number: usize| source.check(&source.cell(number, &mut [0; 8])?);
+    let chunks = (0..count.div_ceil(CELL_CHUNK)).into_par_iter().map(|chunk| chunk * CELL_CHUNK);
+    all_or_first(chunks.map(|first| (first..count.min(first + CELL_CHUNK)).try_for_each(check)))?;
     if let Cells::Mixed(set) = &parts.cells {
         check_polyhedra(set, &source.polyhedra)?;
     }

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use std::cmp::Reverse;
 use std::sync::Arc;
 use voltet_core::grid::Association;
+use voltet_core::parallel::all_or_first;
 use voltet_core::progress::refuse_beyond_memory;
 use voltet_core::reading::FileArray;
 use voltet_core::{Result, counted};
@@ -113,16 +114,12 @@ impl Boxes {
             let values: Vec<f64> = stored.load(meter)?;
             Ok(part.tuples.iter().flat_map(|&tuple| &values[tuple as usize * n..][..n]).copied().collect())
         };
-        // The first error is that of the first part, whatever the threads.
-        let parts: Vec<Result<_>> = own.par_iter().zip(&self.parts).map(of_part).collect();
-        let parts: Vec<Vec<f64>> = parts.into_iter().collect::<Result<_>>()?;
-        Ok(parts.concat())
+        Ok(all_or_first(own.par_iter().zip(&self.parts).map(of_part))?.concat())
     }
 
     /// Values at the points: those of the finest box where boxes of several sizes meet.
     fn point_values(&self, own: &[Stored], n: usize, meter: &Meter) -> Result<Vec<f64>> {
-        let own: Vec<Result<_>> = own.par_iter().map(|stored| stored.load(meter)).collect();
-        let own: Vec<Vec<f64>> = own.into_iter().collect::<Result<_>>()?;
+        let own: Vec<Vec<f64>> = all_or_first(own.par_iter().map(|stored| stored.load(meter)))?;
         let mut values = vec![f64::NAN; self.lattice.point_count() * n];
         let mut next = 0;
         let mut order: Vec<(&Part, &Vec<f64>, usize)> = Vec::new();

@@ -13,6 +13,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use voltet_core::grid::Association;
+use voltet_core::parallel::all_or_first;
 use voltet_core::progress::refuse_beyond_memory;
 use voltet_core::{Error, Result, counted};
 
@@ -124,8 +125,7 @@ pub(super) fn add(dataset: &mut Dataset, patches: Vec<Patch>, is_whole: bool) ->
     let finer = FinerPatches::new(&placed);
     let named =
         |(own, patch): (&LatticePatch, &Patch)| finer.over(own).map_err(|error| error.at_item(&patch.name));
-    let covered: Vec<Result<_>> = placed.par_iter().zip(&patches).map(named).collect();
-    let covered: Vec<Vec<bool>> = covered.into_iter().collect::<Result<_>>()?;
+    let covered: Vec<Vec<bool>> = all_or_first(placed.par_iter().zip(&patches).map(named))?;
     let covered_count: u64 = covered.iter().flatten().map(|&is_covered| u64::from(is_covered)).sum();
     refuse_too_many(all - covered_count, Part::BYTES_PER_BOX)?;
     let options = FlagOptions { is_whole, has_flags: patches.iter().any(Patch::has_flags) };

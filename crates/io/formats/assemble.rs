@@ -13,6 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use voltet_core::grid::{
     Array, Association, CellType, CellValues, Cells, Grid, Options, RawGrid, Scalar, code,
 };
+use voltet_core::parallel::all_or_first;
 use voltet_core::parameters::SourceSpan;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result, counted, grid, progress};
@@ -30,7 +31,7 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     let meter = Meter::new(progress, dataset.file_bytes);
     let pieces = pieces_with_cells(dataset);
     let external = fetch(dataset, &pieces, request, progress)?;
-    let cells: Vec<Cells> = of_each(pieces.clone(), |piece| cells::load(piece.1, &meter))?;
+    let cells: Vec<Cells> = all_or_first(pieces.par_iter().map(|piece| cells::load(piece.1, &meter)))?;
     let has_cells = cells.iter().any(|cells| cells.count() > 0);
     if !(request.options.without_tetrahedra && has_cells) {
         check_dimension(&cells)?;
@@ -93,10 +94,10 @@ pub(super) fn load_all(
     refuse_beyond_memory(&pieces, choices.len(), is_unsplit, meter.progress())?;
     let (ids, fills) = (global_ids(dataset), is_unsplit && dataset.has_blocks);
     let wanted = PieceRequest { request, choices, ids, fills };
-    of_each(pieces, |((index, piece), cells)| {
+    all_or_first(pieces.into_par_iter().map(|((index, piece), cells)| {
         let block = group(dataset, piece, index);
         Ok((index, RawGrid { block, ..load(piece, cells, &wanted, meter)? }))
-    })
+    }))
 }
 
 /// Adds to a grid what the table of contents says of all of the file.
@@ -177,14 +178,6 @@ pub(super) fn fetch<'a>(
         first.read(true, &places(first), progress)?;
     }
     Ok(external)
-}
-
-/// Work on pieces, side by side. Errors: that of the first piece that has one.
-pub(super) fn of_each<P: Send, T: Send>(
-    pieces: Vec<P>,
-    work: impl Fn(P) -> Result<T> + Sync + Send,
-) -> Result<Vec<T>> {
-    pieces.into_par_iter().map(work).collect::<Vec<_>>().into_iter().collect()
 }
 
 /// Number of the grid that a piece is of; points of different ones stay apart.

@@ -14,6 +14,7 @@ use bytemuck::Pod;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
+use voltet_core::parallel::all_or_first;
 use voltet_core::{Error, Result, counted};
 
 /// Values that one task decodes from data that is not cut into blocks: what they take is in the cache until they are converted.
@@ -229,7 +230,7 @@ impl Stored {
             })?;
             meter.advance(chunks.file_bytes(row))
         };
-        all_or_first(parts.into_par_iter().map_init(ChunkBuffers::default, of_part))
+        all_or_first(parts.into_par_iter().map_init(ChunkBuffers::default, of_part)).map(drop)
     }
 
     /// Decompresses block `index` into `to`, which has its size.
@@ -303,11 +304,6 @@ pub(super) fn join<T: Target>(planes: &[Stored], meter: &Meter) -> Result<Vec<T>
     };
     all_or_first(joined.par_chunks_mut((PART * n).max(1)).enumerate().map_init(Default::default, of_part))?;
     Ok(joined)
-}
-
-/// The first error of parts in their order: which one is met first differs with the threads.
-fn all_or_first(results: impl IndexedParallelIterator<Item = Result<()>>) -> Result<()> {
-    results.find_map_first(Result::err).map_or(Ok(()), Err)
 }
 
 /// Puts numbers into one component of tuples of n.

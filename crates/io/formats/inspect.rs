@@ -12,8 +12,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use voltet_core::grid::{self, Association, CellType, Cells, RawGrid, code, is_drawn};
+use voltet_core::parallel::all_or_first;
 use voltet_core::progress::Progress;
 use voltet_core::reading::FileArray;
 use voltet_core::{Result, SharedSlice};
@@ -59,7 +59,7 @@ pub struct Summary {
     pub warnings: Vec<String>,
     /// Further contents of the file: "2 node sets: 'inlet', 'outlet'".
     pub notes: Vec<String>,
-    /// Damage for which no grid is built of the cells.
+    /// Reason why no grid is built of cells with a volume: damage, or that none is drawn.
     pub damage: Option<String>,
 }
 
@@ -178,6 +178,10 @@ pub(super) fn summarize(
     }
     let is_drawn = drawn_bounds.is_some();
     summary.bounds = if is_drawn { drawn_bounds } else { all_bounds };
+    if !is_drawn && summary.has_volume() && summary.damage.is_none() {
+        let none = "each cell with a volume is a ghost, hidden (vtkGhostType), or at a point without a finite position";
+        summary.damage = Some(none.to_owned());
+    }
     summary.arrays = arrays
         .into_iter()
         .map(|(array, of_all)| if is_drawn { array } else { ArraySummary { range: of_all, ..array } })
@@ -240,28 +244,18 @@ fn value_count(stored: &Stored) -> u64 {
     stored.tuple_count.unwrap_or(0).saturating_mul(stored.component_count as u64)
 }
 
-/// Contents of each of some pieces, which are decoded side by side. Errors: that of the first piece that has one.
+/// Contents of each of some pieces, which are decoded side by side.
 fn sums_of(
     dataset: &Dataset,
     numbers: Range<usize>,
     wanted: &PieceRequest,
     meter: &Meter,
 ) -> Result<Vec<PieceSums>> {
-    let first_failed = AtomicUsize::new(usize::MAX);
     let of_piece = |index: usize| {
-        // Pieces behind one that failed are not asked for.
-        if index > first_failed.load(Ordering::Relaxed) {
-            return None;
-        }
         let mut sums = PieceSums::default();
-        let added = sums.add(dataset, index, &dataset.pieces[index], wanted, meter);
-        if added.is_err() {
-            first_failed.fetch_min(index, Ordering::Relaxed);
-        }
-        Some(added.map(|()| sums))
+        sums.add(dataset, index, &dataset.pieces[index], wanted, meter).map(|()| sums)
     };
-    let sums: Vec<Option<Result<PieceSums>>> = numbers.into_par_iter().map(of_piece).collect();
-    sums.into_iter().flatten().collect()
+    all_or_first(numbers.into_par_iter().map(of_piece))
 }
 
 /// Bounds of points.
@@ -496,6 +490,7 @@ mod tests {
     use crate::formats::source::Source;
     use glam::DMat3;
     use std::sync::Arc;
+    use std::sync::atomic::{AtomicUsize, Ordering};
     use voltet_core::Error;
     use voltet_core::progress::NoProgress;
 

@@ -100,7 +100,7 @@ impl Lattice {
         if boxes.is_empty() {
             return Err(Error::run("the adaptive grid holds no cells"));
         }
-        if let Some(wrong) = boxes.par_iter().find_any(|own| !(0..3).all(|axis| fits_axis(own, axis))) {
+        if let Some(wrong) = boxes.par_iter().find_first(|own| !(0..3).all(|axis| fits_axis(own, axis))) {
             let error = Error::run("a cell of the adaptive grid lies off its lattice");
             return Err(
                 error.got(format_args!("a cell of size {} at {:?} of {last:?}", wrong.size, wrong.low))

@@ -53,6 +53,8 @@ mod hdf5_chunks;
 mod hdf5_files;
 mod hdf5_heaps;
 mod hdf5_virtual;
+#[cfg(test)]
+mod heads;
 mod hexahedra;
 mod hyper_tree;
 mod inspect;
@@ -175,8 +177,7 @@ pub fn read_part(
 /// # Errors
 /// As [`read`], as far as headers show them.
 pub fn unread(path: &Path, request: &Request) -> Result<SkippedArray> {
-    let dataset = open(path, request)?;
-    assemble::unread(&dataset, &assemble::choices(&dataset, request)?).map_err(|error| error.in_file(path))
+    TableOfContents::open(path, request)?.unread(request)
 }
 
 /// The arrays of a file, each once, the points' first. Reads headers alone.
@@ -200,10 +201,33 @@ pub fn outline(path: &Path, request: &Request) -> Result<Outline> {
 /// # Errors
 /// As [`read`]; a file without three-dimensional cells or without arrays is no error here.
 pub fn inspect(path: &Path, request: &Request, progress: &dyn Progress) -> Result<Summary> {
-    let dataset = open(path, request)?;
-    // A thread of the pool need not wait for another one at each of a hundred thousand small arrays.
-    let summarize = || inspect::summarize(&dataset, request.association, progress);
-    rayon::scope(|_| summarize()).map_err(|error| error.in_file(path))
+    TableOfContents::open(path, request)?.inspect(request.association, progress)
+}
+
+/// Table of contents of a file that is opened once for several of the functions here.
+pub struct TableOfContents {
+    path: PathBuf,
+    dataset: Dataset,
+}
+
+impl TableOfContents {
+    /// Reads headers alone.
+    pub fn open(path: &Path, request: &Request) -> Result<TableOfContents> {
+        Ok(TableOfContents { path: path.to_owned(), dataset: open(path, request)? })
+    }
+
+    /// As [`inspect`].
+    pub fn inspect(&self, association: Option<Association>, progress: &dyn Progress) -> Result<Summary> {
+        // A thread of the pool need not wait for another one at each of a hundred thousand small arrays.
+        let summarize = || inspect::summarize(&self.dataset, association, progress);
+        rayon::scope(|_| summarize()).map_err(|error| error.in_file(&self.path))
+    }
+
+    /// As [`unread`], for other arrays than those of the request that the file was opened with.
+    pub fn unread(&self, request: &Request) -> Result<SkippedArray> {
+        let choices = assemble::choices(&self.dataset, request)?;
+        assemble::unread(&self.dataset, &choices).map_err(|error| error.in_file(&self.path))
+    }
 }
 
 /// The times of a file's steps, none where it is no series, and the number of the step that `request` means; 0 where it
@@ -307,7 +331,7 @@ const IN_HDF5: &[(&str, Hdf5Reader)] =
 fn open_hdf5(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     match hdf5::Group::root(source.clone()) {
         Ok(root) => read_hdf5(&root, request),
-        Err(error) => unsupported::refuse(&source, unsupported::IN_HDF5).and(Err(error)),
+        Err(error) => unsupported::refuse_damaged_hdf5(&source).and(Err(error)),
     }
 }
 
@@ -318,7 +342,7 @@ fn read_hdf5(root: &hdf5::Group, request: &Request) -> Result<Dataset> {
     if let Some((_, open)) = IN_HDF5.iter().find(|(name, _)| is_there(name)) {
         return open(root, request);
     }
-    unsupported::refuse_hdf5(&names)?;
+    unsupported::refuse_hdf5(is_there)?;
     let first: Vec<&str> = names.iter().take(8).map(String::as_str).collect();
     let found = if first.is_empty() { "nothing".to_owned() } else { first.join(", ") };
     Err(Error::run("the file is HDF5, but of no format that is read")

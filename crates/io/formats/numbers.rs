@@ -1,6 +1,7 @@
 //! Number types of files, their conversion to the types that grids hold, and numbers as text.
 
 use rayon::prelude::*;
+use voltet_core::parallel::all_or_first;
 use voltet_core::{Error, Result};
 
 /// Type of the numbers of an array in a file.
@@ -360,8 +361,7 @@ pub(super) fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
 /// All numbers of a text.
 pub(super) fn numbers<T: Target>(number_type: NumberType, text: &[u8]) -> Result<Vec<T>> {
     let of_part = |part| words(part).map(|word| parse(number_type, word)).collect();
-    let parts: Vec<Result<Vec<T>>> = parts(text).into_par_iter().map(of_part).collect();
-    let parts = parts.into_iter().collect::<Result<Vec<_>>>()?;
+    let parts: Vec<Vec<T>> = all_or_first(parts(text).into_par_iter().map(of_part))?;
     Ok(match <[Vec<T>; 1]>::try_from(parts) {
         Ok([only]) => only,
         Err(parts) => parts.concat(),

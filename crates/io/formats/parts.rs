@@ -12,18 +12,20 @@
 //! 64 cubes 50 MiB.
 
 use super::assemble::{
-    choices, describe, fetch, global_ids, has_volume, is_averaged, is_unsplit, load, load_all, of_each,
+    choices, describe, fetch, global_ids, has_volume, is_averaged, is_unsplit, load, load_all,
     pieces_with_cells, unread_of,
 };
 use super::contents::{Dataset, GHOST_LEVELS, GHOST_TYPE, Geometry, Meter, NumberedPiece, Piece};
 use super::piece_share::Share;
 use super::request::{ArraySelection, Request};
 use super::{assemble, blocks, cells};
+use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Mutex, PoisonError};
 use voltet_core::grid::{
     self, Association, Cells, Grid, Halo, Options, PointKeys, RawGrid, SharedPoints, extent,
 };
+use voltet_core::parallel::all_or_first;
 use voltet_core::progress::{Progress, refuse_beyond_memory};
 use voltet_core::{Error, Result, SharedSlice, counted};
 use voltet_graph::MEAN_LAYERS;
@@ -199,7 +201,8 @@ impl OwnPieces<'_> {
     /// Reads pieces with all that is requested, and keeps them.
     fn keep(&mut self, pieces: Vec<NumberedPiece>) -> Result<()> {
         let external = fetch(self.dataset, &pieces, self.request, self.meter.progress())?;
-        let cells: Vec<Cells> = of_each(pieces.clone(), |piece| cells::load(piece.1, self.meter))?;
+        let cells: Vec<Cells> =
+            all_or_first(pieces.par_iter().map(|piece| cells::load(piece.1, self.meter)))?;
         self.reads += pieces.len() as u64;
         let with_cells = pieces.iter().copied().zip(cells).collect();
         let loaded = load_all(self.dataset, with_cells, self.request, self.choices, self.meter)?;
@@ -404,11 +407,11 @@ pub(super) fn read(
     let unread: Vec<NumberedPiece> =
         own.iter().copied().filter(|piece| !kept.contains_key(&piece.0)).collect();
     let external = fetch(dataset, &unread, request, progress)?;
-    let pieces = own.iter().map(|&piece| (piece, kept.remove(&piece.0))).collect();
-    let found: Vec<ReadPiece> = of_each(pieces, |(piece, kept)| match kept {
+    let pieces: Vec<_> = own.iter().map(|&piece| (piece, kept.remove(&piece.0))).collect();
+    let found: Vec<ReadPiece> = all_or_first(pieces.into_par_iter().map(|(piece, kept)| match kept {
         Some(kept) => Ok(ReadPiece::Whole(Box::new(kept))),
         None => Ok(ReadPiece::Cells(cells::load(piece.1, &meter)?)),
-    })?;
+    }))?;
     drop(kept);
     let choices = choices(dataset, request)?;
     let is_unsplit = is_unsplit(request, &choices);

@@ -6,7 +6,6 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant, SystemTime};
 use voltet_core::parameters::nearest;
 use voltet_core::{Error, Result, counted};
 use voltet_files::names_beside;
@@ -26,21 +25,10 @@ pub(super) struct Source {
 
 /// Files that are opened for each reading are read whole up to this many bytes: to open one takes longer than to read it.
 const SMALL: u64 = 1 << 16;
-/// Time within which a file that was read whole is not asked again when it was written: its arrays are read one after the other, in far less.
-const UNCHANGED: Duration = Duration::from_millis(1);
 
 thread_local! {
-    /// The small file that the thread read last; at most [`SMALL`] bytes.
-    static LAST_READ: RefCell<LastRead> = const { RefCell::new(LastRead { of: None, asked: None, bytes: Vec::new() }) };
-}
-
-/// Bytes of a file that was read whole.
-struct LastRead {
-    /// Number of the file, its length and when it was last written; `None`: there is none.
-    of: Option<(u64, u64, SystemTime)>,
-    /// When that was found out.
-    asked: Option<Instant>,
-    bytes: Vec<u8>,
+    /// Number of the small file that the thread read last, and its at most [`SMALL`] bytes as they were then: one reading opens it once.
+    static LAST_READ: RefCell<(Option<u64>, Vec<u8>)> = const { RefCell::new((None, Vec::new())) };
 }
 
 /// A number that no other file has.
@@ -156,22 +144,16 @@ impl Source {
         read.map_err(|error| Error::run("the file cannot be read").got(error).in_file(&self.path))
     }
 
-    /// Fills `bytes` from those of the whole file, which is read if it is not the thread's last or was written since.
+    /// Fills `bytes` from those of the whole file, which is read if it is not the thread's last.
     fn read_of_whole(&self, offset: u64, bytes: &mut [u8]) -> std::io::Result<()> {
-        LAST_READ.with_borrow_mut(|last| {
-            let is_own = last.of.is_some_and(|of| of.0 == self.number);
-            if !is_own || last.asked.is_none_or(|asked| asked.elapsed() > UNCHANGED) {
-                let now = std::fs::metadata(&self.path)?;
-                let of = (self.number, now.len(), now.modified().unwrap_or(SystemTime::UNIX_EPOCH));
-                if last.of != Some(of) {
-                    last.of = None;
-                    last.bytes.resize(self.len as usize, 0);
-                    read_exact_at(&File::open(&self.path)?, 0, &mut last.bytes)?;
-                    last.of = Some(of);
-                }
-                last.asked = Some(Instant::now());
+        LAST_READ.with_borrow_mut(|(number, whole)| {
+            if *number != Some(self.number) {
+                *number = None;
+                whole.resize(self.len as usize, 0);
+                read_exact_at(&File::open(&self.path)?, 0, whole)?;
+                *number = Some(self.number);
             }
-            bytes.copy_from_slice(&last.bytes[offset as usize..offset as usize + bytes.len()]);
+            bytes.copy_from_slice(&whole[offset as usize..offset as usize + bytes.len()]);
             Ok(())
         })
     }
@@ -261,18 +243,16 @@ mod tests {
                 assert!(source.read(at as u64, 60).is_err());
             }
         }
-        // One that was written since is read again, by the thread that read it last, too.
+        // The next reading of one that was written since opens it anew, in the thread that read it last, too.
         let (source, bytes) = &files[0];
         assert_eq!(source.read(0, 4).unwrap(), bytes[..4]);
         std::fs::write(source.path(), vec![7; bytes.len()]).unwrap();
-        let later = SystemTime::now() + Duration::from_secs(10);
-        File::options().write(true).open(source.path()).unwrap().set_modified(later).unwrap();
-        std::thread::sleep(2 * UNCHANGED);
-        assert_eq!(source.read(0, 4).unwrap(), [7; 4]);
+        let again = Source::open(source.path()).unwrap().closed();
+        assert_eq!(again.read(0, 4).unwrap(), [7; 4]);
         // One that was cut since is an error, not what another file or reading left.
         std::fs::write(files[1].0.path(), b"short").unwrap();
         let error = files[1].0.read(0, 4).unwrap_err();
         assert!(error.location.file.is_some() && error.to_string().contains("cannot be read"), "{error}");
-        assert_eq!(files[0].0.read(0, 4).unwrap(), [7; 4]);
+        assert_eq!(again.read(0, 4).unwrap(), [7; 4]);
     }
 }

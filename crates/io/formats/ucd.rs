@@ -26,11 +26,11 @@ pub(super) const FORMAT: Format =
 fn matches(head: &[u8], path: &Path, _: &Request) -> bool {
     let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
     let text = String::from_utf8_lossy(head);
-    let first = text.lines().find(|line| !line.starts_with('#'));
+    let first = text.lines().find(|line| !line.starts_with('#') && !line.trim().is_empty());
     let is_head = |line: &str| {
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
         // Long comments hide what follows them, or cut it.
-        let is_cut = !line.is_empty() && words.len() < 5 && text.ends_with(line);
+        let is_cut = words.len() < 5 && text.ends_with(line);
         (words.len() == 5 || is_cut) && words.iter().all(|word| word.parse::<u64>().is_ok())
     };
     ["inp", "ucd", "avs"].iter().any(|name| ending == *name) && first.is_none_or(is_head)

@@ -9,7 +9,6 @@ pub(super) type UnsupportedFormat = (&'static str, &'static str, fn(&FileStart) 
 
 /// First bytes of a file.
 pub(super) struct FileStart {
-    /// Its first bytes; of containers, with names somewhere within, more of them.
     bytes: Vec<u8>,
     /// Its length.
     len: u64,
@@ -45,23 +44,23 @@ const GRID_FUNCTION: &str = "the mesh that it belongs to, with this file as its 
 const TABLE: &str =
     "a grid with cells: points alone have no volume; ParaView's Delaunay3D joins them to tetrahedra";
 
-/// Formats in HDF5, by the names in the root group; where that cannot be read, by those anywhere within.
-pub(super) const IN_HDF5: &[UnsupportedFormat] = &[
-    ("a MED file (Salome)", SALOME, |file| file.has_name("ENS_MAA") || file.has_name("INFOS_GENERALES")),
-    ("results of Nastran", NASTRAN_RESULTS, |file| file.has_name("NASTRAN")),
-    ("a case or results of Ansys Fluent", PARAVIEW, |file| {
-        file.has_name("settings") && (file.has_name("meshes") || file.has_name("results"))
+/// Formats in HDF5, as [`UnsupportedFormat`], by the names in them.
+const IN_HDF5: [(&str, &str, fn(&dyn Fn(&str) -> bool) -> bool); 4] = [
+    ("a MED file (Salome)", SALOME, |has_name| has_name("ENS_MAA") || has_name("INFOS_GENERALES")),
+    ("results of Nastran", NASTRAN_RESULTS, |has_name| has_name("NASTRAN")),
+    ("a case or results of Ansys Fluent", PARAVIEW, |has_name| {
+        has_name("settings") && (has_name("meshes") || has_name("results"))
     }),
     // Meshes of Conduit (Blueprint) have topologies beside their coordinates.
-    ("a checkpoint of Firedrake", "a .pvd file: VTKFile of Firedrake writes one", |file| {
-        file.has_name("topologies") && !file.has_name("coordsets")
+    ("a checkpoint of Firedrake", "a .pvd file: VTKFile of Firedrake writes one", |has_name| {
+        has_name("topologies") && !has_name("coordsets")
     }),
 ];
 
-/// Formats that their first bytes tell for sure. Of containers those that are told by what is inside stand first.
+/// Formats that their first bytes tell for sure.
 pub(super) const BY_MAGIC: &[UnsupportedFormat] = &[
     ("a CGNS file in ADF, its older form", CGNS_ADF, |file| {
-        !file.is_container() && file.holds(&["ADF Database Version"])
+        !file.has_magic_at(0, HDF5_MAGIC) && file.holds("ADF Database Version")
     }),
     ("data of Abaqus (.odb)", ABAQUS, |file| file.begins(&["HKSRD0"])),
     ("a file of OpenFOAM", OPENFOAM, |file| file.has_line(|line| line.trim() == "FoamFile")),
@@ -150,8 +149,8 @@ pub(super) const BY_WORDS: &[UnsupportedFormat] = &[
     ("a table as text", TABLE, |file| ["csv", "tsv"].contains(&file.ending.as_str())),
 ];
 
-/// Bytes searched of HDF5, in which names stand anywhere, for the most part early.
-const CONTAINER_HEAD: u64 = 4 << 20;
+/// Bytes of damaged HDF5 that are searched for names, which stand anywhere, for the most part early.
+const HDF5_HEAD: u64 = 4 << 20;
 
 /// Refuses a folder of a format whose data are one.
 pub(super) fn refuse_folder(path: &Path) -> Result<()> {
@@ -164,24 +163,25 @@ pub(super) fn refuse_folder(path: &Path) -> Result<()> {
 /// Refuses a file of one of these formats.
 pub(super) fn refuse(source: &Source, formats: &[UnsupportedFormat]) -> Result<()> {
     let ending = source.path().extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    let mut file = FileStart { bytes: source.head(HEAD)?, len: source.len(), ending };
-    if file.is_container() {
-        file.bytes = source.head(CONTAINER_HEAD)?;
-    }
-    refuse_one(&file, formats)
-}
-
-/// Refuses a file in HDF5 with these names in its root group.
-pub(super) fn refuse_hdf5(names: &[String]) -> Result<()> {
-    let bytes = format!("\0{}\0", names.join("\0")).into_bytes();
-    refuse_one(&FileStart { bytes, len: 0, ending: String::new() }, IN_HDF5)
-}
-
-fn refuse_one(file: &FileStart, formats: &[UnsupportedFormat]) -> Result<()> {
-    match formats.iter().find(|(_, _, is_one)| is_one(file)) {
+    let file = FileStart { bytes: source.head(HEAD)?, len: source.len(), ending };
+    match formats.iter().find(|(_, _, is_one)| is_one(&file)) {
         Some((what, remedy, _)) => Err(refusal(what, remedy)),
         None => Ok(()),
     }
+}
+
+/// Refuses a file in HDF5 of another format by the names in its root group.
+pub(super) fn refuse_hdf5(has_name: impl Fn(&str) -> bool) -> Result<()> {
+    match IN_HDF5.iter().find(|(_, _, is_one)| is_one(&has_name)) {
+        Some((what, remedy, _)) => Err(refusal(what, remedy)),
+        None => Ok(()),
+    }
+}
+
+/// Refuses such a file whose root group cannot be read, by names anywhere in it, which stand between zeros.
+pub(super) fn refuse_damaged_hdf5(source: &Source) -> Result<()> {
+    let bytes = source.head(HDF5_HEAD)?;
+    refuse_hdf5(|name| holds(&bytes, format!("\0{name}\0").as_bytes()))
 }
 
 fn refusal(what: &str, remedy: &str) -> Error {
@@ -223,17 +223,12 @@ impl FileStart {
 
     /// True if it is XML with this element.
     fn has_tag(&self, tag: &str) -> bool {
-        self.text().trim_ascii_start().starts_with(b"<") && self.holds(&[&format!("<{tag}")])
+        self.text().trim_ascii_start().starts_with(b"<") && self.holds(&format!("<{tag}"))
     }
 
-    /// True if one of the words stands anywhere.
-    fn holds(&self, words: &[&str]) -> bool {
-        words.iter().any(|word| holds(&self.bytes, word.as_bytes()))
-    }
-
-    /// True if the name stands between two zeros, as names in HDF5 do.
-    fn has_name(&self, name: &str) -> bool {
-        self.holds(&[&format!("\0{name}\0")])
+    /// True if the word stands anywhere.
+    fn holds(&self, word: &str) -> bool {
+        holds(&self.bytes, word.as_bytes())
     }
 
     /// The number of the first set of data of a universal file: a line -1, and one of the number.
@@ -256,11 +251,6 @@ impl FileStart {
         self.has_line(|line| words.iter().any(|word| line.starts_with(word)))
     }
 
-    /// True if names may stand anywhere in it.
-    fn is_container(&self) -> bool {
-        self.has_magic_at(0, HDF5_MAGIC)
-    }
-
     /// Text, or 80 bytes of anything, the number of triangles and 50 bytes for each.
     fn is_stl(&self) -> bool {
         let words = self.text().starts_with(b"solid")
@@ -277,8 +267,8 @@ mod tests {
     #[test]
     fn formats_in_hdf5_are_told_by_whole_names() {
         let found = |names: &str| {
-            let names: Vec<String> = names.split(' ').map(str::to_owned).collect();
-            refuse_hdf5(&names).err().map_or(String::new(), |error| error.to_string())
+            let found = refuse_hdf5(|name| names.split(' ').any(|own| own == name));
+            found.err().map_or(String::new(), |error| error.to_string())
         };
         assert!(found("settings meshes").contains("Ansys Fluent"));
         assert!(found("results settings").contains("Ansys Fluent"));

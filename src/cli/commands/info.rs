@@ -15,7 +15,7 @@ use crate::graph::pipeline::Pipeline;
 use crate::graph::{Graph, LinkEntry, NodeEntry, ParameterValue, PortType, Registry};
 use crate::io::encode;
 use crate::io::formats::{
-    ArrayChoice, ArraySummary, Association, BlockSummary, Request, Summary, inspect, unread,
+    ArrayChoice, ArraySummary, Association, BlockSummary, Request, Summary, TableOfContents,
 };
 use crate::io::memory::GridSize;
 use crate::io::provenance::{CameraRecord, DataFile, PluginRecord, Provenance, SidecarFiles};
@@ -42,12 +42,13 @@ pub fn info(arguments: &Info, registry: &Registry) -> Outcome {
         return Err(error.expected("a pipeline file (.toml), or no --set").in_file(&arguments.data).into());
     }
     let wanted = arguments.options.request(&arguments.data, registry)?;
-    let summary = with_bar(false, |_, progress| inspect(&arguments.data, &wanted, progress))?;
+    let contents = TableOfContents::open(&arguments.data, &wanted)?;
+    let summary = with_bar(false, |_, progress| contents.inspect(wanted.association, progress))?;
     if arguments.json {
         print(&format!("{:#}\n", json(&summary)))?;
         return Ok(DONE);
     }
-    let first = suggestion(arguments, &wanted, &summary, registry);
+    let first = suggestion(arguments, &wanted, &contents, &summary, registry);
     print(&(describe_data(&arguments.data, &summary) + &first))?;
     Ok(DONE)
 }
@@ -194,7 +195,13 @@ fn array_line(array: &ArraySummary, width: usize) -> String {
 }
 
 /// A pipeline to start with that `run` accepts, or the reason why there is none.
-fn suggestion(arguments: &Info, wanted: &Request, summary: &Summary, registry: &Registry) -> String {
+fn suggestion(
+    arguments: &Info,
+    wanted: &Request,
+    contents: &TableOfContents,
+    summary: &Summary,
+    registry: &Registry,
+) -> String {
     if !summary.has_volume() {
         return "\nNo cell has a volume: nothing to draw.\n".into();
     }
@@ -209,7 +216,7 @@ fn suggestion(arguments: &Info, wanted: &Request, summary: &Summary, registry: &
         let choice = summary.choice_of(array);
         let pipeline =
             pipeline(arguments, wanted.node_type(), &choice, array.range.unwrap_or_default(), bounds);
-        match run_error(arguments, wanted, choice, &pipeline, registry) {
+        match run_error(contents, wanted, choice, &pipeline, registry) {
             None => return format!("\nA pipeline to start with\n{pipeline}"),
             Some(error) => refusal = refusal.or(Some(error)),
         }
@@ -220,7 +227,7 @@ fn suggestion(arguments: &Info, wanted: &Request, summary: &Summary, registry: &
 
 /// Error of `run` for a pipeline that draws this array, as far as the headers of its data show.
 fn run_error(
-    arguments: &Info,
+    contents: &TableOfContents,
     wanted: &Request,
     choice: ArrayChoice,
     pipeline: &str,
@@ -229,7 +236,7 @@ fn run_error(
     let request = Request { scalar: Some(choice.scalar), association: choice.association, ..wanted.clone() };
     let document = Document::from_text(Path::new("suggested.toml"), pipeline.into(), &[], registry);
     let planned = document.and_then(|document| crate::nodes::session().plan(&document.graph).map(drop));
-    planned.and_then(|()| unread(&arguments.data, &request).map(drop)).err()
+    planned.and_then(|()| contents.unread(&request).map(drop)).err()
 }
 
 /// Bands of colour over an array's range, and a camera that sees all.

@@ -259,6 +259,22 @@ fn plain_tetrahedra_are_the_cells_of_the_file() {
 }
 
 #[test]
+fn the_error_is_that_of_the_first_damaged_cell_though_another_thread_begins_with_the_second() {
+    const COUNT: usize = 100_000;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+    for without_tetrahedra in [false, true] {
+        let mut parts = box_of(Kind::Hexahedra, [COUNT, 1, 1], UNIT, 0.0);
+        let Cells::Mixed(set) = &mut parts.cells else { unreachable!() };
+        // Threads begin at the middle, or at the chunk of 8,192 cells that holds it.
+        (6 * 8192 - 1..=COUNT / 2).for_each(|cell| set.connectivity[8 * cell] = u32::MAX);
+        parts.scalar = None;
+        let options = Options { without_tetrahedra, ..Options::default() };
+        let error = pool.install(|| build(parts, &options, &NoProgress)).unwrap_err().to_string();
+        assert!(error.contains("cell 49151 "), "{error}");
+    }
+}
+
+#[test]
 fn damaged_input_is_one_clear_error() {
     let cube = || box_of(Kind::Hexahedra, [2, 1, 1], UNIT, 0.0);
     let with = |f: &dyn Fn(&mut CellSet)| {

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
 use voltet_core::grid::{CellSet, Cells, code};
+use voltet_core::parallel::all_or_first;
 use voltet_core::{Error, Result};
 
 /// A part of the file.
@@ -296,7 +297,7 @@ fn number_corners(run: &ElementRun, nodes: &Tags, corners: &mut [u32], tags: &mu
     }
     let places = corners.par_chunks_mut(PART * order.len()).zip(tags.par_chunks_mut(PART));
     let parts = places.zip(run.rows.par_chunks(PART * width)).map(all_of);
-    parts.collect::<Vec<Result<()>>>().into_iter().collect()
+    all_or_first(parts).map(drop)
 }
 
 /// Tags and positions of nodes.

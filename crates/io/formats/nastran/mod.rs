@@ -30,7 +30,7 @@ pub(super) const FORMAT: Format =
 
 fn matches(head: &[u8], path: &Path, _: &Request) -> bool {
     let is_named = path.extension().is_some_and(is_ending);
-    is_named || String::from_utf8_lossy(head).lines().any(|line| begins_bulk(line) || is_grid(line))
+    is_named || String::from_utf8_lossy(head).lines().any(|line| begins_bulk(line) || is_entry(line))
 }
 
 /// True for the endings of names of such files alone.
@@ -40,7 +40,8 @@ pub(super) fn is_ending(ending: &OsStr) -> bool {
 
 /// True for a line that ends the sections before the bulk data.
 pub(super) fn begins_bulk(line: &str) -> bool {
-    let words: Vec<&str> = line.split_ascii_whitespace().take(3).collect();
+    let statement = line.split('$').next().unwrap_or_default();
+    let words: Vec<&str> = statement.split_ascii_whitespace().take(3).collect();
     match words[..] {
         [first] => first.eq_ignore_ascii_case("CEND"),
         [first, second, ..] => first.eq_ignore_ascii_case("BEGIN") && second.eq_ignore_ascii_case("BULK"),
@@ -48,13 +49,15 @@ pub(super) fn begins_bulk(line: &str) -> bool {
     }
 }
 
-/// True for a GRID with its number.
-fn is_grid(line: &str) -> bool {
+/// True for a GRID or an element with its number.
+fn is_entry(line: &str) -> bool {
     let line = line.trim_start();
-    let Some((name, fields)) = line.split_at_checked(4) else { return false };
+    let place = line.find(|letter: char| !letter.is_ascii_alphabetic()).unwrap_or(line.len());
+    let (name, fields) = line.split_at(place);
     let number = fields.trim_start_matches([',', '*', ' ', '\t']);
     let is_separated = [",", "*", "  ", "\t"].iter().any(|own| fields.starts_with(own));
-    name.eq_ignore_ascii_case("GRID")
+    let mut names = ELEMENTS.iter().map(|element| element.0).chain(["GRID"]);
+    names.any(|own| own.eq_ignore_ascii_case(name))
         && is_separated
         && number.starts_with(|first: char| first.is_ascii_digit())
 }

@@ -24,7 +24,10 @@ use voltet_core::{Error, Result};
 pub(super) const FORMAT: Format = Format { files: "a mesh of SU2 (.su2)", matches, open, has_solution: true };
 
 fn matches(head: &[u8], path: &Path, _: &Request) -> bool {
-    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("su2")) || head.starts_with(b"NDIME=")
+    let is_named = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("su2"));
+    let mut lines = head.split(|&byte| byte == b'\n').map(|line| words(line).collect::<Vec<_>>().concat());
+    let first = lines.find(|line| !line.is_empty()).unwrap_or_default().to_ascii_uppercase();
+    is_named || [&b"NDIME="[..], b"NZONE="].iter().any(|key| first.starts_with(key))
 }
 
 /// Points and elements of one zone.

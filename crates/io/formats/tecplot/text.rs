@@ -28,7 +28,8 @@ fn matches(head: &[u8], path: &Path, _: &Request) -> bool {
     }
     let is_first = |line: &str| {
         let key = line.split('=').next().unwrap_or_default().trim();
-        line.contains('=') && ["title", "variables", "filetype"].contains(&key) || line.starts_with("zone ")
+        let is_zone = line.split([' ', '\t', ',']).next() == Some("zone");
+        line.contains('=') && ["title", "variables", "filetype"].contains(&key) || is_zone
     };
     text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#')).is_some_and(is_first)
 }

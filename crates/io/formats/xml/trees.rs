@@ -18,6 +18,7 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use voltet_core::parallel::all_or_first;
 use voltet_core::{Error, Result, agreeing, counted};
 
 /// Types of files without cells of three dimensions.
@@ -160,13 +161,11 @@ impl Tree {
                 is_read(leaf.block) && open_leaf(leaf, place, self.leaves.len() > 1, &inner, &mut part)?;
             Ok(opened.then_some((place, part)))
         };
-        // The error is that of the first leaf that has one.
-        let parts: Vec<Result<_>> = self.leaves.par_iter().enumerate().map(read).collect();
+        let parts = all_or_first(self.leaves.par_iter().enumerate().map(read))?;
         let mut dataset = Dataset { has_blocks, ..Dataset::default() };
         let mut is_given = vec![false; self.blocks.len().max(1)];
-        let parts: Result<Vec<_>> = parts.into_iter().collect();
         let mut patches: Vec<Vec<Patch>> = (0..self.adaptive_count).map(|_| Vec::new()).collect();
-        for (place, mut part) in parts?.into_iter().flatten() {
+        for (place, mut part) in parts.into_iter().flatten() {
             let leaf = &self.leaves[place];
             is_given[leaf.block] = true;
             if let Some((grid, extent)) = leaf.patch_of {

@@ -53,6 +53,54 @@ fn pieces_are_put_together_without_their_ghosts() {
 }
 
 #[test]
+fn each_bit_of_ghost_types_leaves_out_what_it_does_in_vtk() {
+    let folder = tempfile::tempdir().unwrap();
+    // Eight cells; flags of the first cell, of the first point, and of that in the middle, which all cells have.
+    let files = |cell: u8, point: u8, middle: u8| {
+        let row = |count: usize, flags: &[(usize, u8)]| {
+            let flag = |place: usize| flags.iter().find(|own| own.0 == place).map_or(0, |own| own.1);
+            (0..count).map(|place| format!("{} ", flag(place))).collect::<String>()
+        };
+        let (cells, points) = (row(8, &[(0, cell)]), row(27, &[(0, point), (13, middle)]));
+        let array = |flags: &str| {
+            format!("<DataArray type=\"UInt8\" Name=\"vtkGhostType\" format=\"ascii\">{flags}</DataArray>")
+        };
+        let values = (0..27).map(|value| format!("{value} ")).collect::<String>();
+        let xml = format!(
+            "<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 2 0 2 0 2\" Spacing=\"1 1 1\"><Piece Extent=\"0 2 0 2 0 2\">\
+             <PointData><DataArray type=\"Float32\" Name=\"f\" format=\"ascii\">{values}</DataArray>{}</PointData>\
+             <CellData>{}</CellData></Piece></ImageData></VTKFile>",
+            array(&points),
+            array(&cells)
+        );
+        let scalars = "SCALARS vtkGhostType unsigned_char\nLOOKUP_TABLE default\n";
+        let legacy = format!(
+            "# vtk DataFile Version 3.0\n\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 3 3 3\nORIGIN 0 0 0\nSPACING 1 1 1\n\
+             CELL_DATA 8\n{scalars}{cells}\nPOINT_DATA 27\nSCALARS f float\nLOOKUP_TABLE default\n{values}\n{scalars}{points}\n"
+        );
+        [file(&folder, "a.vti", xml.as_bytes()), file(&folder, "a.vtk", legacy.as_bytes())]
+    };
+    for bit in (0..8).map(|bit| 1_u8 << bit) {
+        // DUPLICATECELL, REFINEDCELL, HIDDENCELL; HIDDENPOINT.
+        let by_cell = 8 - usize::from([1, 8, 32].contains(&bit));
+        for (cell, point, drawn) in [(bit, 0, by_cell), (0, bit, 8 - usize::from(bit == 2))] {
+            for path in files(cell, point, 0) {
+                let grid = read(&path, &request("f"), &NoProgress).unwrap();
+                assert_eq!(grid.tetrahedra.len(), 6 * drawn, "{bit}, {}", path.display());
+            }
+        }
+    }
+    // Bit 2 of a cell says nothing of it, but all of them are at a hidden point.
+    for path in files(2, 0, 2) {
+        let error = read(&path, &request("f"), &NoProgress).unwrap_err().to_string();
+        assert!(error.contains("nothing to draw") && error.contains("8 ghosts or hidden"), "{error}");
+        let summary = inspect(&path, &Request::default(), &NoProgress).unwrap();
+        assert_eq!(summary.cell_count, 8);
+        assert!(summary.damage.is_some_and(|damage| damage.contains("hidden (vtkGhostType)")));
+    }
+}
+
+#[test]
 fn pieces_of_one_file_are_put_together() {
     let folder = tempfile::tempdir().unwrap();
     let text = String::from_utf8(unstructured(ascii(), 3, false)).unwrap();
