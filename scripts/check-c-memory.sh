@@ -3,8 +3,8 @@
 # values that were never set, leaks: scripts/check-c-memory.sh [LIBRARY]
 # Needs a C and a C++ compiler, and valgrind. LIBRARY is a libvoltet_c.so that is built already; without it, it is built.
 set -euo pipefail
+library=${1:+$(realpath "$1")}
 cd "$(dirname "$0")/.."
-library=${1:-}
 if [ -z "$library" ]; then
     cargo build --locked -p voltet-c
     library="${CARGO_TARGET_DIR:-target}/debug/libvoltet_c.so"
@@ -22,7 +22,8 @@ if [ "$(uname -m)" = x86_64 ]; then
     export VOLTET_LANES=avx2
 fi
 # Without a device: valgrind would look into its driver.
-export VK_DRIVER_FILES=/nonexistent
+# The second name is that of older loaders.
+export VK_DRIVER_FILES=/nonexistent VK_ICD_FILENAMES=/nonexistent
 # A shipped pipeline in the size of a thumbnail, as all takes fifty times as long here.
 sed -e "s|\.\./data|$PWD/data|" -e 's/^size = .*/size = [200, 150]/' pipelines/quickstart_1d.toml > "$folder/small.toml"
 checked() {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use voltet_core::grid::extent;
 use voltet_core::picture::Picture;
 use voltet_core::probing::{BandCounts, bands};
-use voltet_core::transfer::{TransferFunction, Widget};
+use voltet_core::transfer::{ColorSource, TransferFunction, Widget};
 use voltet_core::volume::Volume;
 use voltet_core::{Result, SharedSlice, agreeing, counted};
 use voltet_graph::{Diagnostics, RunContext, SavedWork};
@@ -226,11 +226,12 @@ fn nearly_empty(most: f32, opacity: f32) -> String {
 fn why_empty(scene: &Scene, counts: &RenderStats) -> String {
     let widgets = &scene.transfer_function.widgets;
     if !widgets.iter().any(|widget| widget.is_drawn()) {
+        // Colours over the range of values that are all the same are one point, at the beginning of the ramp of opacity.
+        let is_one = |widget: &Widget| matches!(widget.profile.properties().color, ColorSource::Points([_]));
         return match extent::range(&scene.volume.scalar) {
-            // A ramp along the colours begins at 0, and the range has no other end.
-            Some([low, high]) if low == high => format!(
-                "every value of '{}' is {low}, where no widget has an extinction. A colour map shows it with opacity = \"constant\", or \
-                 with a range of which it is not the end",
+            Some([low, high]) if low == high && widgets.iter().any(is_one) => format!(
+                "every value of '{}' is {low}, where the opacity of a colour map begins. It shows them with opacity = \"constant\", or \
+                 with a range that begins below them",
                 scene.volume.grid.scalar_name
             ),
             _ => "the extinction of every widget is 0. Give one an extinction above it".into(),

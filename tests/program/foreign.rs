@@ -29,7 +29,7 @@ fn formats_are_told_by_content_and_named_with_a_remedy() {
         ("room.cas.h5", hdf5("meshes\0settings"), "Ansys Fluent", paraview),
         ("checkpoint.h5", hdf5("topologies"), "a checkpoint of Firedrake", "VTKFile"),
         ("text.h5", bytes("\u{89}HDF\n\x1a\n"), "line ends were changed", "transfer of bytes"),
-        ("restart_flow.dat", bytes("\u{ec}\u{2b}\u{8}\0"), "a restart file of SU2", "--solution"),
+        ("restart_flow.dat", bytes("\u{ec}\u{2b}\u{8}\0"), "a restart or surface file of SU2", "--solution"),
         ("bytes.inp", bytes("\u{7}\0\0\u{5}"), "AVS UCD as bytes", paraview),
         ("a.unv", bytes("    -1\n  2411\n"), "a universal file of I-DEAS", "gmsh FILE -save"),
         ("femap.neu", bytes("   -1\n   100\n<NULL>\n"), "a neutral file of Femap", "Nastran"),

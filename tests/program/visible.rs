@@ -108,7 +108,7 @@ fn a_picture_that_shows_nothing_says_why() {
                 "look.widgets.0={ kind = \"colormap\", colormap = \"viridis\", opacity = \"ramp\", extinction = 1 }",
             ],
             Some(
-                "the picture is empty: every value of 'ones' is 1, where no widget has an extinction. A colour map",
+                "the picture is empty: every value of 'ones' is 1, where the opacity of a colour map begins. It shows",
             ),
         ),
         (
@@ -117,6 +117,10 @@ fn a_picture_that_shows_nothing_says_why() {
                 "look.widgets.0={ kind = \"colormap\", colormap = \"viridis\", opacity = \"constant\", extinction = 1 }",
             ],
             None,
+        ),
+        (
+            &["grid.scalar=ones", "look.widgets.0.extinction=0"],
+            Some("the picture is empty: the extinction of every widget is 0."),
         ),
         // Half opaque: ln 2 over the depth 2e-5 of the slab.
         (

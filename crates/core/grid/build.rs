@@ -14,7 +14,7 @@ use super::unsplit::unsplit;
 use super::{Array, GhostCells, Grid, cell_values};
 use crate::parallel::all_or_first;
 use crate::progress::Progress;
-use crate::{Error, Result, SharedSlice, agreeing, counted};
+use crate::{Error, Result, SharedSlice, agreeing, counted, noun_of};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -308,7 +308,9 @@ fn check(parts: &RawGrid, options: &Options) -> Result<()> {
 fn nothing_to_draw(tally: &CellCounts, left_out: &[String]) -> Error {
     let mut found = describe_counts(&tally.by_type);
     let ghosts = tally.ghost + tally.without_owner;
-    for (count, why) in [(ghosts, "ghosts or hidden"), (tally.not_finite, "not finite")] {
+    for (count, why) in
+        [(ghosts, &*format!("{} or hidden", noun_of(&ghosts, "ghost"))), (tally.not_finite, "not finite")]
+    {
         if count > 0 {
             found.push_str(&format!(" ({count} {why})"));
         }

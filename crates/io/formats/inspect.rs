@@ -59,8 +59,10 @@ pub struct Summary {
     pub warnings: Vec<String>,
     /// Further contents of the file: "2 node sets: 'inlet', 'outlet'".
     pub notes: Vec<String>,
-    /// Reason why no grid is built of cells with a volume: damage, or that none is drawn.
+    /// Damage for which no grid is built of the cells.
     pub damage: Option<String>,
+    /// Reason why none of the cells with a volume is drawn.
+    pub not_drawn: Option<String>,
 }
 
 impl Summary {
@@ -180,7 +182,7 @@ pub(super) fn summarize(
     summary.bounds = if is_drawn { drawn_bounds } else { all_bounds };
     if !is_drawn && summary.has_volume() && summary.damage.is_none() {
         let none = "each cell with a volume is a ghost, hidden (vtkGhostType), or at a point without a finite position";
-        summary.damage = Some(none.to_owned());
+        summary.not_drawn = Some(none.to_owned());
     }
     summary.arrays = arrays
         .into_iter()

@@ -20,7 +20,8 @@ const PARAVIEW: &str = "a .vtu file: open it in ParaView and save its data as .v
 const MESHIO: &str = "a .vtu file: `meshio convert FILE out.vtu` (pip install meshio) makes one of its mesh";
 const GMSH: &str = "a mesh of Gmsh: `gmsh FILE -save -o out.msh` makes one of it";
 const NASTRAN_RESULTS: &str = "the bulk data (.bdf) that they belong to, whose mesh is read; pyNastran (pip install pyNastran) reads the results";
-const SU2_RESTART: &str = "the mesh (.su2), with this file as its solution (--solution)";
+const SU2_RESTART: &str =
+    "the mesh (.su2), with the restart file as its solution (--solution); a file of surfaces has no cells";
 const SURFACE: &str =
     "cells with a volume: a surface has to be filled with them by a mesher (Gmsh, TetGen) first";
 const IMAGE: &str = "a .vti file (VTK image data): ParaView reads it and saves its data as .vti";
@@ -83,7 +84,7 @@ pub(super) const BY_MAGIC: &[UnsupportedFormat] = &[
         "the file as it was written, by a transfer of bytes: Git and FTP change those of text",
         |file| file.has_magic_at(0, b"\x89HDF\n\x1a\n"),
     ),
-    ("a restart file of SU2", SU2_RESTART, |file| {
+    ("a restart or surface file of SU2", SU2_RESTART, |file| {
         file.has_magic_at(0, b"\xec\x2b\x08\0") || file.begins(&["\"PointID\""])
     }),
     ("AVS UCD as bytes", PARAVIEW, |file| {

@@ -82,7 +82,7 @@ fn json(summary: &Summary) -> Value {
         "bounds": bounds, "arrays": summary.arrays.iter().map(array).collect::<Vec<_>>(),
         "active_scalars": summary.active_scalars, "time": summary.time, "time_steps": summary.time_steps,
         "memory_bytes": memory, "warnings": summary.warnings, "notes": summary.notes,
-        "damage": summary.damage,
+        "damage": summary.damage, "not_drawn": summary.not_drawn,
     })
 }
 
@@ -205,8 +205,8 @@ fn suggestion(
     if !summary.has_volume() {
         return "\nNo cell has a volume: nothing to draw.\n".into();
     }
-    if let Some(damage) = &summary.damage {
-        return format!("\nNo pipeline to start with: {}\n", name(damage));
+    if let Some(why) = summary.damage.as_ref().or(summary.not_drawn.as_ref()) {
+        return format!("\nNo pipeline to start with: {}\n", name(why));
     }
     let (Some(bounds), true) = (summary.bounds, summary.quantities().any(ArraySummary::varies)) else {
         return "\nNo array whose values differ: nothing to draw.\n".into();

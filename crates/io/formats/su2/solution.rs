@@ -6,9 +6,9 @@
 
 use super::super::cursor::Cursor;
 use super::super::numbers::{self, NumberType};
-use super::super::source::Source;
+use super::super::source::{Source, quoted};
 use super::super::tagged::VisitValues;
-use super::super::text::{TextRange, is_space, next_word};
+use super::super::text::{TextRange, is_space};
 use super::super::vectors::{Joined, joined};
 use std::path::Path;
 use std::sync::Arc;
@@ -21,6 +21,8 @@ const MAGIC: [u8; 4] = 535_532_u32.to_le_bytes();
 const HEAD: u64 = 20;
 /// Bytes of a name.
 const NAME: u64 = 33;
+/// Number of columns that SU2 counts in 16 bits.
+const MAX_COLUMNS: u64 = 0xffff;
 /// Rows that are read at once.
 const ROWS: u64 = 1 << 12;
 /// Columns that are no quantities: numbers of points, and where these are.
@@ -124,15 +126,18 @@ impl Solution {
             if line.iter().all(|&byte| is_space(byte)) || line.contains(&b'=') {
                 return Ok(());
             }
-            let mut rest = line;
+            let has_commas = line.contains(&b',');
+            let is_between = |&byte: &u8| if has_commas { byte == b',' } else { is_space(byte) };
+            let words = line.split(is_between).map(<[u8]>::trim_ascii);
+            let mut words = words.filter(|word| has_commas || !word.is_empty());
             let mut row: Vec<f64> = Vec::with_capacity(width);
             for name in &self.columns {
-                let (word, after) = next_word(rest, |byte| is_space(byte) || byte == b',');
-                rest = after;
-                row.push(
-                    numbers::parse(NumberType::F64, word)
-                        .map_err(|error| error.expected(format_args!("a value of '{name}'")))?,
-                );
+                let value = numbers::parse(NumberType::F64, words.next().unwrap_or_default());
+                row.push(value.map_err(|error| error.expected(format_args!("a value of '{name}'")))?);
+            }
+            if let Some(word) = words.find(|word| !word.is_empty()) {
+                let error = Error::run("a row has further values").got(quoted(word));
+                return Err(error.expected(format_args!("{width}, one of each variable of the first line")));
             }
             found.0.extend(of_points.map(|place| row[place]));
             found.1.extend(columns.iter().map(|&place| row[place]));
@@ -178,6 +183,7 @@ fn binary_head(source: &Arc<Source>, point_count: u64) -> Result<(Vec<String>, R
         let error = Error::run("the solution does not fit the mesh").got(format_args!("{row_count} points"));
         return Err(error.expected(format_args!("the {point_count} of the mesh")));
     }
+    checked_count(column_count)?;
     let start = HEAD + column_count * NAME;
     source.check(start, row_count.saturating_mul(8 * column_count))?;
     let names = source.read(HEAD, column_count * NAME)?;
@@ -186,7 +192,7 @@ fn binary_head(source: &Arc<Source>, point_count: u64) -> Result<(Vec<String>, R
         let text = bytes.split(|&byte| byte == 0).next().unwrap_or_default();
         String::from_utf8_lossy(text).trim().to_owned()
     };
-    columns(names.iter().map(name).collect()).map(|columns| (columns, Rows::Bytes(start)))
+    Ok((names.iter().map(name).collect(), Rows::Bytes(start)))
 }
 
 /// Columns of a file of text, and its rows.
@@ -199,15 +205,19 @@ fn text_head(source: &Arc<Source>) -> Result<(Vec<String>, Rows)> {
         return Err(error.expected("names in quotes, as \"PointID\",\"x\",\"y\",\"z\",\"Density\", or a file of bytes that begins with the number 535532"));
     }
     // Names are in quotes, and between them commas or tabs.
-    let names = line.split('"').skip(1).step_by(2).map(|name| name.trim().to_owned()).collect();
-    columns(names).map(|columns| (columns, Rows::Text(cursor.rest())))
+    let names: Vec<String> = line.split('"').skip(1).step_by(2).map(|name| name.trim().to_owned()).collect();
+    checked_count(names.len() as u64)?;
+    Ok((names, Rows::Text(cursor.rest())))
 }
 
 /// # Errors
-/// No columns.
-fn columns(names: Vec<String>) -> Result<Vec<String>> {
-    match names.is_empty() {
-        true => Err(Error::run("the solution holds no variables")),
-        false => Ok(names),
+/// No variables, or more than SU2 counts.
+fn checked_count(count: u64) -> Result<()> {
+    match count {
+        0 => Err(Error::run("the solution holds no variables")),
+        1..=MAX_COLUMNS => Ok(()),
+        _ => Err(Error::run("the solution is damaged")
+            .got(format_args!("{count} variables"))
+            .expected(format_args!("at most {MAX_COLUMNS}"))),
     }
 }

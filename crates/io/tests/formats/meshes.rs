@@ -193,13 +193,18 @@ fn su2_has_its_solution_in_a_file_of_its_own() {
         let names: Vec<String> = names.arrays.into_iter().map(|array| array.head.name).collect();
         assert_eq!(names, ["Density", "Momentum"], "{name}");
         let alone = read(&solution, &self::mesh(), &NoProgress).unwrap_err().to_string();
-        assert!(alone.contains("a restart file of SU2") && alone.contains("--solution"), "{alone}");
+        assert!(
+            alone.contains("a restart or surface file of SU2") && alone.contains("--solution"),
+            "{alone}"
+        );
     }
     for (from, to, words) in [
         ("3, 0, 0, 1, 3.5, 0, 7, 0\n", "", ["does not fit the mesh", "3 rows"]),
         ("3, 0, 0, 1,", "4, 0, 0, 1,", ["a row of point 4", "points 0 to 3"]),
         ("3, 0, 0, 1,", "2, 0, 0, 1,", ["a row of point 2", "one of each"]),
         ("3.5, 0, 7, 0", "3.5, 0, 7", ["a value of 'Momentum_z'", "r.csv:6"]),
+        ("3.5, 0, 7, 0", "3.5, 0, 7, 0, 1", ["further values", "8, one of each variable"]),
+        ("3.5, 0, 7, 0", "3.5, , 0, 7", ["a value of 'Momentum_x'", "r.csv:6"]),
         ("1.25", "high", ["'high'", "r.csv:2"]),
         ("\"PointID\"", "PointID", ["no solution of SU2", "names in quotes"]),
     ] {
@@ -207,7 +212,9 @@ fn su2_has_its_solution_in_a_file_of_its_own() {
         let found = read(&path, &with("Density", &solution), &NoProgress).unwrap_err().to_string();
         assert!(words.iter().all(|word| found.contains(word)), "{found}");
     }
-    for (place, value, word) in [(8, 5, "5 points"), (4, 1 << 30, "ends early"), (4, 0, "no variables")] {
+    for (place, value, word) in
+        [(8, 5, "5 points"), (4, 1 << 30, "at most 65535"), (4, 60000, "ends early"), (4, 0, "no variables")]
+    {
         let mut wrong = bytes.clone();
         wrong[place..place + 4].copy_from_slice(&u32::to_le_bytes(value));
         let solution = file(&folder, "b.dat", &wrong);
