@@ -125,6 +125,14 @@ def test_a_field_that_is_the_same_everywhere_has_colours_of_matplotlibs():
     assert drawn[4, 4, 3] > 0.5
 
 
+def test_a_field_that_is_the_same_everywhere_is_said_to_begin_the_opacity():
+    with pytest.warns(voltet.VoltetWarning, match=r"every value of 'values' is 7, where the opacity of a colour map begins"):
+        drawn = voltet.render(np.full((3, 3, 3), 7.0), size=(8, 8), engine="cpu")
+    assert not drawn.any()
+    remedies = ({"opacity": "constant"}, {"clim": (0, 7)})
+    assert all(voltet.render(np.full((3, 3, 3), 7.0), size=(8, 8), engine="cpu", **remedy).any() for remedy in remedies)
+
+
 def test_a_scene_of_a_mesh_is_a_pipeline_file():
     values = np.linspace(0.0, 1.0, 27).reshape(3, 3, 3)
     text = str(voltet.scene(values, cmap="inferno_r", clim=(0.25, 0.75), extinction=0.5))

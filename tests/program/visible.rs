@@ -103,22 +103,6 @@ fn a_picture_that_shows_nothing_says_why() {
             Some("the picture is empty: the extinction of every widget is 0."),
         ),
         (
-            &[
-                "grid.scalar=ones",
-                "look.widgets.0={ kind = \"colormap\", colormap = \"viridis\", opacity = \"ramp\", extinction = 1 }",
-            ],
-            Some(
-                "the picture is empty: every value of 'ones' is 1, where the opacity of a colour map begins. It shows",
-            ),
-        ),
-        (
-            &[
-                "grid.scalar=ones",
-                "look.widgets.0={ kind = \"colormap\", colormap = \"viridis\", opacity = \"constant\", extinction = 1 }",
-            ],
-            None,
-        ),
-        (
             &["grid.scalar=ones", "look.widgets.0.extinction=0"],
             Some("the picture is empty: the extinction of every widget is 0."),
         ),
