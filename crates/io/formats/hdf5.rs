@@ -22,13 +22,15 @@ use voltet_core::{Error, Result};
 
 /// Most groups in one that are found by their names.
 const FEW_GROUPS: usize = 16;
+/// Most groups in one that are found by their names again when the file was opened anew.
+const MANY_GROUPS: usize = if cfg!(test) { 16 } else { 4096 };
 /// Most groups in one another.
 const MAX_DEPTH: usize = 128;
 
 /// A group of a file.
 #[derive(Clone)]
 pub(super) struct Group {
-    file: Arc<File>,
+    pub file: Arc<File>,
     /// Path in the file, empty for the root.
     path: String,
     /// Number of the file and address in it.
@@ -41,7 +43,7 @@ impl Group {
         let file = File::open(source)?;
         let mut opened = file.opened()?;
         let root = file.group(&mut opened, "")?;
-        let identity = file.note(&mut opened, "", root);
+        let identity = file.identity(&opened, &root);
         drop(opened);
         Ok(Group { file, path: String::new(), identity })
     }
@@ -53,7 +55,9 @@ impl Group {
             let error = Error::run("the HDF5 groups stand too deep in one another").at_item(path);
             return Err(error.expected(format_args!("at most {MAX_DEPTH} steps")));
         }
-        let identity = self.file.note(opened, &path, group);
+        let identity = self.file.identity(opened, &group);
+        let group = self.file.whole(opened, group);
+        opened.groups.insert(path.clone(), group);
         Ok(Group { file: self.file.clone(), path, identity })
     }
 
@@ -91,7 +95,7 @@ impl Group {
         let path = self.below(name);
         let mut opened = self.file.opened()?;
         let group = self.file.optional(&path, self.file.group(&mut opened, &self.path)?.group(name))?;
-        opened.count += 1;
+        opened.count += usize::from(group.is_some());
         group.map(|group| self.child(&mut opened, name, group)).transpose()
     }
 
@@ -113,7 +117,15 @@ impl Group {
                 let name = group.name().to_owned();
                 self.child(&mut opened, &name, group)
             };
-            return groups.into_iter().map(&mut child).collect();
+            let groups = groups.into_iter().map(&mut child).collect::<Result<Vec<Group>>>()?;
+            if groups.len() > MANY_GROUPS
+                && let Some(open) = self.file.numbered(self.identity.0)
+            {
+                open.views.list(self.identity.1);
+                let by_path = groups.iter().map(|group| (group.path.clone(), group.identity));
+                opened.among_many.extend(by_path);
+            }
+            return Ok(groups);
         }
         drop(opened);
         names.iter().map(|name| self.required_group(name)).collect()
@@ -140,7 +152,9 @@ impl Group {
     fn member_names(&self, opened: &mut ObjectCache) -> Result<(Vec<String>, Vec<String>)> {
         let names = self.file.group(opened, &self.path)?.member_names();
         let (groups, arrays) = names.map_err(|error| self.file.damaged(self.path(), &error))?;
-        opened.count += groups.len() + arrays.len();
+        let count = groups.len() + arrays.len();
+        opened.count += count;
+        opened.listed = opened.listed.max(count);
         let mut known = HashSet::new();
         match groups.iter().chain(&arrays).find(|name| name.contains('/') || !known.insert(*name)) {
             Some(name) => Err(Error::run("the names in an HDF5 group are damaged")
@@ -163,10 +177,10 @@ impl Group {
         let group = self.file.group(&mut opened, &self.path)?;
         let followed = || self.file.files.followed.load(Ordering::Relaxed);
         let before = followed();
-        opened.count += 1;
         let Some(dataset) = self.file.optional(&path, group.dataset(name))? else { return Ok(None) };
+        opened.count += 1;
         // An array that is itself linked lies in a file that is not known here.
-        let owner = if followed() == before { self.file.files.owner(group.storage()) } else { None };
+        let owner = if followed() == before { self.file.owner(&opened, group.storage()) } else { None };
         let (source, len) = match &owner {
             Some(open) => (open.source.clone(), open.source.len()),
             None => (self.file.source.clone(), self.file_bytes()),
@@ -524,7 +538,7 @@ mod tests {
     use voltet_core::progress::NoProgress;
 
     /// Places that name the bytes of a file that is open once.
-    const SOURCES: usize = 3;
+    const SOURCES: usize = 4;
 
     #[test]
     fn arrays_that_are_read_later_keep_nothing_of_the_file() {
@@ -552,6 +566,7 @@ mod tests {
             let again = root.required_group("beside").unwrap().required_group(group.name()).unwrap();
             assert_eq!(again.identity(), group.identity());
         }
-        assert_eq!((groups.len(), Arc::strong_count(root.source())), (20, SOURCES));
+        let views = root.file.opened().unwrap().views.len();
+        assert_eq!((groups.len(), Arc::strong_count(root.source())), (20, SOURCES + views));
     }
 }

@@ -1,12 +1,15 @@
 //! Files in HDF5 as the crate hdf5-reader opens them, and those that external links lead to.
 //!
 //! The crate keeps of each object what its header says, for as long as the file is open, 35 to 60 kB for a VTKHDF block of two arrays. So a
-//! file is opened anew after [`MAX_OPENED`] objects; groups are known by their paths, and arrays that are read later by group and name.
+//! file is opened anew after [`MAX_OPENED`] objects; groups are known by their paths, and arrays that are read later by group and name. Groups
+//! among many are found again by their addresses, not by the names of all ([`hdf5_views`]).
 
 use super::hdf5_heaps::HeapStorage;
+use super::hdf5_views::{self, Views};
 use super::hdf5_virtual;
 use super::source::Source;
 use super::xml::{beside, open_named};
+use hdf5_reader::group::Group;
 use hdf5_reader::{Hdf5File, OpenOptions, Storage};
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -16,18 +19,25 @@ use voltet_core::{Error, Result};
 
 /// Most bytes that deflate makes of one.
 pub(super) const DEFLATE: u64 = 1032;
-/// Decoded chunks that are kept, in bytes.
+/// Decoded chunks that are kept, in bytes, and their number.
 const CHUNK_CACHE: usize = 16 << 20;
+const CHUNKS: usize = 512;
 /// Most files that external links of one file lead to.
 const MAX_FILES: usize = 4096;
 /// Groups and arrays that are listed or opened until the file is opened anew: the crate keeps 2 to 6 kB of each as long as it is open.
 const MAX_OPENED: usize = if cfg!(test) { 4 } else { 50_000 };
+/// Views that are open at a time: what the crate keeps of a few stays in the processor's cache.
+const MAX_VIEWS: usize = 8;
+/// Decoded chunks that are kept for each view.
+const CHUNKS_OF_VIEW: usize = 64;
 
 /// A file as the crate has opened it.
 #[derive(Clone)]
 pub(super) struct OpenFile {
     pub source: Arc<Source>,
     pub file: Hdf5File,
+    storage: Arc<HeapStorage>,
+    pub views: Arc<Views>,
 }
 
 /// A file, which is the first, and those that links led to.
@@ -42,11 +52,6 @@ impl Files {
     pub fn open(&self) -> MutexGuard<'_, Vec<OpenFile>> {
         self.open.lock().unwrap_or_else(PoisonError::into_inner)
     }
-
-    /// The file whose bytes these are.
-    pub fn owner(&self, storage: &dyn Storage) -> Option<OpenFile> {
-        self.open().iter().find(|open| std::ptr::addr_eq(open.file.storage(), storage)).cloned()
-    }
 }
 
 /// A file and those that its links lead to.
@@ -60,9 +65,15 @@ pub(super) struct File {
 #[derive(Default)]
 pub(super) struct ObjectCache {
     /// Groups by their paths; empty for the root.
-    groups: HashMap<String, hdf5_reader::group::Group>,
+    pub groups: HashMap<String, Group>,
+    /// Paths of groups among many, with their identities, which stay when the files are opened anew.
+    pub among_many: HashMap<String, (usize, u64)>,
+    /// Files as they were opened for one of these each.
+    pub views: Vec<OpenFile>,
     /// Number of groups and arrays that were listed or opened.
     pub count: usize,
+    /// Most that were listed together: the file is not opened anew before each of them was looked at.
+    pub listed: usize,
 }
 
 /// External links of the files of one folder.
@@ -94,8 +105,23 @@ impl hdf5_reader::ExternalLinkResolver for Links {
 }
 
 impl OpenFile {
-    /// Opens a file with limits that follow from its length.
     fn open(source: Arc<Source>, files: &Arc<Files>) -> Result<OpenFile> {
+        let open = |storage: Arc<HeapStorage>| {
+            let file = OpenFile::of_storage(&source, storage.clone(), CHUNKS, files)?;
+            Ok(OpenFile { source: source.clone(), file, storage, views: Arc::default() })
+        };
+        HeapStorage::new(source.clone())
+            .and_then(|storage| open(Arc::new(storage)))
+            .map_err(|error| damaged("/", &error))
+    }
+
+    /// Opens a file by its bytes with limits that follow from its length.
+    fn of_storage(
+        source: &Source,
+        storage: Arc<dyn Storage>,
+        chunks: usize,
+        files: &Arc<Files>,
+    ) -> hdf5_reader::error::Result<Hdf5File> {
         let limit = usize::try_from(source.len().saturating_mul(DEFLATE)).unwrap_or(usize::MAX);
         let links = Links { by: source.path().to_owned(), files: Arc::downgrade(files) };
         let options = OpenOptions::default()
@@ -103,11 +129,14 @@ impl OpenFile {
             .with_max_read_bytes(limit)
             .with_max_object_header_bytes(usize::try_from(source.len()).unwrap_or(usize::MAX))
             .with_chunk_cache_bytes(CHUNK_CACHE)
+            .with_chunk_cache_slots(chunks)
             .with_external_link_resolver(Arc::new(links));
-        let file = HeapStorage::new(source.clone())
-            .and_then(|storage| Hdf5File::from_storage_with_options(Arc::new(storage), options))
-            .map_err(|error| damaged("/", &error))?;
-        Ok(OpenFile { source, file })
+        Hdf5File::from_storage_with_options(storage, options)
+    }
+
+    /// Number of the file.
+    fn number(&self) -> usize {
+        Arc::as_ptr(&self.source).addr()
     }
 }
 
@@ -143,41 +172,77 @@ impl File {
     /// Cache of opened objects; opens all files anew where the crate keeps many.
     pub fn opened(&self) -> Result<MutexGuard<'_, ObjectCache>> {
         let mut opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
-        if opened.count > MAX_OPENED {
+        if opened.count > MAX_OPENED + opened.listed {
             for open in self.files.open().iter_mut() {
-                *open = OpenFile::open(open.source.clone(), &self.files)?;
+                let file = OpenFile::of_storage(&open.source, open.storage.clone(), CHUNKS, &self.files);
+                open.file = file.map_err(|error| damaged("/", &error))?;
             }
-            *opened = ObjectCache::default();
+            let among_many = std::mem::take(&mut opened.among_many);
+            *opened = ObjectCache { among_many, ..ObjectCache::default() };
         }
         Ok(opened)
     }
 
-    /// Keeps a group that was found at a path; a number of its file and its address there, the same by whatever path.
-    pub fn note(
-        &self,
-        opened: &mut ObjectCache,
-        path: &str,
-        group: hdf5_reader::group::Group,
-    ) -> (usize, u64) {
-        let owner = self.files.owner(group.storage());
-        let identity = (owner.map_or(0, |open| Arc::as_ptr(&open.source).addr()), group.address());
-        opened.groups.insert(path.to_owned(), group);
-        identity
+    /// The file, or the view of it, whose bytes these are.
+    pub fn owner(&self, opened: &ObjectCache, storage: &dyn Storage) -> Option<OpenFile> {
+        let files = self.files.open();
+        let mut all = files.iter().chain(opened.views.iter().rev());
+        all.find(|open| std::ptr::addr_eq(open.file.storage(), storage)).cloned()
+    }
+
+    /// The file of a number.
+    pub fn numbered(&self, number: usize) -> Option<OpenFile> {
+        self.files.open().iter().find(|open| open.number() == number).cloned()
+    }
+
+    /// A number of a group's file and its address there, the same by whatever path.
+    pub fn identity(&self, opened: &ObjectCache, group: &Group) -> (usize, u64) {
+        let owner = self.owner(opened, group.storage());
+        (owner.map_or(0, |open| open.number()), group.address())
+    }
+
+    /// A group as it is in its file: the root of a view links to one group more.
+    pub fn whole(&self, opened: &ObjectCache, group: Group) -> Group {
+        let (number, address) = self.identity(opened, &group);
+        let root = self.numbered(number).and_then(|open| open.file.root_group().ok());
+        root.filter(|root| root.address() == address).unwrap_or(group)
     }
 
     /// The group at a path that was found before; as deep in calls as the path, of which there is a limit.
-    pub fn group(&self, opened: &mut ObjectCache, path: &str) -> Result<hdf5_reader::group::Group> {
+    pub fn group(&self, opened: &mut ObjectCache, path: &str) -> Result<Group> {
         if let Some(group) = opened.groups.get(path) {
             return Ok(group.clone());
         }
-        let group = match path.rsplit_once('/') {
-            None => self.files.open()[0].file.clone().root_group(),
-            Some((above, name)) => self.group(opened, above)?.group(name),
+        let group = match (self.in_view(opened, path).transpose(), path.rsplit_once('/')) {
+            (Some(group), _) => group,
+            (None, Some((above, name))) => self.group(opened, above)?.group(name),
+            (None, None) => self.files.open()[0].file.clone().root_group(),
         };
-        let group = group.map_err(|error| damaged(path, &error))?;
+        let group = self.whole(opened, group.map_err(|error| damaged(path, &error))?);
         opened.count += 1;
         opened.groups.insert(path.to_owned(), group.clone());
         Ok(group)
+    }
+
+    /// The group among many at a path, in a view of its file; `None` for others, and where the file has no views.
+    fn in_view(&self, opened: &mut ObjectCache, path: &str) -> hdf5_reader::error::Result<Option<Group>> {
+        let Some(&(number, address)) = opened.among_many.get(path) else { return Ok(None) };
+        let Some(open) = self.numbered(number) else { return Ok(None) };
+        let links = || {
+            let before = self.files.followed.load(Ordering::Relaxed);
+            let links = open.file.root_group().ok().and_then(|root| hdf5_views::links(&root));
+            // A view has no links of the root to other files.
+            links.filter(|_| self.files.followed.load(Ordering::Relaxed) == before)
+        };
+        let view = open.views.view(&open.storage, open.file.superblock(), address, links);
+        let Some(view) = view else { return Ok(None) };
+        if opened.views.len() == MAX_VIEWS {
+            (opened.views, opened.groups) = Default::default();
+        }
+        let file = OpenFile::of_storage(&open.source, view, CHUNKS_OF_VIEW, &self.files)?;
+        let group = file.root_group()?.group(hdf5_views::LINK)?;
+        opened.views.push(OpenFile { file, ..open });
+        Ok(Some(group))
     }
 }
 

@@ -12,7 +12,7 @@ use hdf5_reader::checksum::jenkins_lookup3;
 use hdf5_reader::error::{Error, Result};
 use hdf5_reader::fractal_heap::FractalHeap;
 use hdf5_reader::io::Cursor;
-use hdf5_reader::storage::{BlockCacheStorage, StorageBuffer};
+use hdf5_reader::storage::StorageBuffer;
 use hdf5_reader::superblock::Superblock;
 use hdf5_reader::{RangeRequestStorage, Storage};
 use std::collections::HashMap;
@@ -37,13 +37,15 @@ const MAX_HEAP_BYTES_PER_FILE_BYTE: u64 = 4;
 /// Most bytes of a reading that comes from blocks of the file that are kept, as a group of a few arrays takes a hundred of a few dozen bytes;
 /// bytes of these blocks, and most of them.
 const SMALL: usize = 1 << 11;
-const BLOCK_BYTES: usize = 1 << 14;
+const BLOCK_BYTES: u64 = 1 << 14;
 const MAX_BLOCKS: usize = 64;
 
 /// A file of which heaps are read as one row of blocks, and small readings come from blocks of the file: up to 1 MiB of these are kept.
 pub(super) struct HeapStorage {
-    file: Arc<RangeRequestStorage>,
-    blocks: BlockCacheStorage,
+    file: RangeRequestStorage,
+    source: Arc<Source>,
+    /// Numbers of blocks and their bytes, each at its number modulo their count.
+    blocks: Mutex<Vec<(u64, Vec<u8>)>>,
     superblock: Superblock,
     heaps: Mutex<Heaps>,
 }
@@ -93,8 +95,7 @@ impl Storage for HeapStorage {
                 return StorageBuffer::from_shared_owner(row.bytes.clone(), (at - row.begin) as usize, len);
             }
         }
-        let bytes =
-            if len > SMALL { self.file.read_range(at, len) } else { self.blocks.read_range(at, len) }?;
+        let bytes = self.bytes(at, len)?;
         let is_header = bytes.starts_with(HEADER) && len as u64 == HEADER_BYTES.min(self.len() - at);
         if is_header { self.replaced_header(at, bytes) } else { Ok(bytes) }
     }
@@ -104,15 +105,33 @@ impl HeapStorage {
     /// Bytes of a file. Errors: it is no HDF5.
     pub fn new(source: Arc<Source>) -> Result<HeapStorage> {
         let len = source.len();
-        let read = move |at: u64, len: usize| {
-            source.read(at, len as u64).map_err(|error| Error::Other(error.to_string()))
-        };
-        let file = Arc::new(RangeRequestStorage::new(len, read));
-        let blocks = BlockCacheStorage::new(file.clone(), BLOCK_BYTES, MAX_BLOCKS);
-        let superblock = Superblock::parse_from_storage(&*file)?;
+        let own = source.clone();
+        let failed = |error: voltet_core::Error| Error::Other(error.to_string());
+        let file = RangeRequestStorage::new(len, move |at, len| own.read(at, len as u64).map_err(failed));
+        let blocks = Mutex::new(vec![(u64::MAX, Vec::new()); MAX_BLOCKS]);
+        let superblock = Superblock::parse_from_storage(&file)?;
         let bytes_left = len.saturating_mul(MAX_HEAP_BYTES_PER_FILE_BYTE);
         let heaps = Heaps { headers: HashMap::new(), rows: Vec::new(), bytes_left };
-        Ok(HeapStorage { file, blocks, superblock, heaps: Mutex::new(heaps) })
+        Ok(HeapStorage { file, source, blocks, superblock, heaps: Mutex::new(heaps) })
+    }
+
+    /// Bytes of the file; few that lie in one block are copied out of it, and it is kept.
+    fn bytes(&self, at: u64, len: usize) -> Result<StorageBuffer> {
+        let (number, begin) = (at / BLOCK_BYTES, (at % BLOCK_BYTES) as usize);
+        let block_len = BLOCK_BYTES.min(self.len().saturating_sub(number * BLOCK_BYTES)) as usize;
+        if len > SMALL || begin + len > block_len {
+            return self.file.read_range(at, len);
+        }
+        let mut blocks = self.blocks.lock().unwrap_or_else(PoisonError::into_inner);
+        let (own, bytes) = &mut blocks[number as usize % MAX_BLOCKS];
+        if *own != number {
+            *own = u64::MAX;
+            bytes.resize(block_len, 0);
+            let read = self.source.read_at(number * BLOCK_BYTES, bytes);
+            read.map_err(|error| Error::Other(error.to_string()))?;
+            *own = number;
+        }
+        Ok(StorageBuffer::from_vec(bytes[begin..begin + len].to_vec()))
     }
 
     fn heaps(&self) -> MutexGuard<'_, Heaps> {

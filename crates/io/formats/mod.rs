@@ -52,6 +52,7 @@ mod hdf5;
 mod hdf5_chunks;
 mod hdf5_files;
 mod hdf5_heaps;
+mod hdf5_views;
 mod hdf5_virtual;
 #[cfg(test)]
 mod heads;

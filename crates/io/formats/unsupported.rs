@@ -45,8 +45,11 @@ const GRID_FUNCTION: &str = "the mesh that it belongs to, with this file as its 
 const TABLE: &str =
     "a grid with cells: points alone have no volume; ParaView's Delaunay3D joins them to tetrahedra";
 
+/// Test for a format; it is given a function that says whether the file holds a name.
+type TellsFormat = fn(&dyn Fn(&str) -> bool) -> bool;
+
 /// Formats in HDF5, as [`UnsupportedFormat`], by the names in them.
-const IN_HDF5: [(&str, &str, fn(&dyn Fn(&str) -> bool) -> bool); 4] = [
+const IN_HDF5: [(&str, &str, TellsFormat); 4] = [
     ("a MED file (Salome)", SALOME, |has_name| has_name("ENS_MAA") || has_name("INFOS_GENERALES")),
     ("results of Nastran", NASTRAN_RESULTS, |has_name| has_name("NASTRAN")),
     ("a case or results of Ansys Fluent", PARAVIEW, |has_name| {
