@@ -28,8 +28,7 @@ impl Editor {
         let file = file.as_ref();
         let end = file.extension().map(|end| end.to_string_lossy().to_lowercase()).unwrap_or_default();
         if PLUGINS.contains(&&*end) {
-            self.plugins.offered = Some(file.to_path_buf());
-            return;
+            return self.plugins.offered.push(file.to_path_buf());
         }
         if !MAPS.contains(&&*end) {
             return self.actions.push(Action::Begin(file.to_path_buf()));
@@ -67,16 +66,23 @@ impl Editor {
 }
 
 impl Editor {
-    /// Asks about the plug-in that was dropped, once no other question is open, and loads it where a hand says so.
+    /// True if a plug-in that was dropped is asked about: no other question or dialog is open, and no plug-in is being loaded.
+    pub(crate) fn offers_plugin(&self) -> bool {
+        let is_free = !self.asks_about_work() && self.file_dialog.is_none() && self.plugins.loading.is_none();
+        is_free && !self.plugins.offered.is_empty()
+    }
+
+    /// Asks about the first plug-in that was dropped, and loads it where a hand says so.
     pub(crate) fn offer_plugin(&mut self, ctx: &Context) {
-        let is_free = self.unsaved.is_none() && self.recover.left.is_empty();
-        let Some(path) = self.plugins.offered.take_if(|_| is_free) else { return };
+        let Some(path) = self.plugins.offered.first() else { return };
         let file = path.display();
         let text = format!("{file} is a plug-in: a program. Load it if you trust those who made it.");
-        match ask(ctx, "Plug-in", text, &[("Load it", true), ("Cancel", false)]) {
-            None => self.plugins.offered = Some(path),
-            Some(true) => self.load_plugin(ctx, path),
-            Some(false) => {}
+        let Some(is_wanted) = ask(ctx, "Plug-in", text, &[("Load it", true), ("Cancel", false)]) else {
+            return;
+        };
+        let path = self.plugins.offered.remove(0);
+        if is_wanted {
+            self.load_plugin(ctx, path);
         }
     }
 
@@ -85,6 +91,7 @@ impl Editor {
             return self
                 .say(format!("this program loads no plug-ins: voltet edit --plugin {}", path.display()));
         };
+        self.say(format!("loading {} …", path.display()));
         let job = Job::start("plug-in", ctx, move |_| load(&path));
         self.plugins.loading = self.check(job);
     }

@@ -355,7 +355,12 @@ impl Editor {
 impl Editor {
     /// True if a question waits for its answer.
     pub(crate) fn asks(&self) -> bool {
-        self.unsaved.is_some() || !self.recover.left.is_empty() || self.plugins.offered.is_some()
+        self.asks_about_work() || self.offers_plugin()
+    }
+
+    /// True if a question about work that is not saved waits for its answer.
+    pub(crate) fn asks_about_work(&self) -> bool {
+        self.unsaved.is_some() || !self.recover.left.is_empty()
     }
 
     /// Closes the sheet that lies above the others, when Escape is pressed and nothing else has a use for it.
@@ -383,6 +388,7 @@ impl Editor {
 
 fn show(editor: &mut Editor, ui: &mut Ui) {
     let ctx = &ui.ctx().clone();
+    let offers_plugin = editor.offers_plugin();
     changed_on_disk(editor, ui);
     // The panels change; everything else is looked at.
     let mut panels = std::mem::take(&mut editor.panels);
@@ -407,7 +413,10 @@ fn show(editor: &mut Editor, ui: &mut Ui) {
     }
     unsaved(editor, ctx);
     editor.offer_left_behind(ctx);
-    editor.offer_plugin(ctx);
+    // A key that answers another question in this frame is not for this one.
+    if offers_plugin && editor.offers_plugin() {
+        editor.offer_plugin(ctx);
+    }
 }
 
 fn empty(editor: &Editor, ui: &mut Ui, graph: &mut GraphView, scene: &Scene) {

@@ -192,10 +192,15 @@ pub(crate) fn ask<T: Copy>(ctx: &Context, title: &str, text: String, answers: &[
             }
         });
     });
-    if answer.is_none() && ctx.input(|input| input.key_pressed(Key::Escape)) {
+    if answer.is_none() && takes_escape(ctx) {
         return answers.last().map(|(_, last)| *last);
     }
     answer
+}
+
+/// True if Escape was pressed; it answers one question or dialog, and no other of the same frame.
+fn takes_escape(ctx: &Context) -> bool {
+    ctx.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape))
 }
 
 /// Steps to the right by which Tab and the arrows of this frame move the focus in a row of buttons. Called before these are shown: egui
@@ -300,9 +305,9 @@ impl FileDialog {
         let name = match &purpose {
             FilePurpose::Open => String::new(),
             FilePurpose::SaveAs => own.unwrap_or_else(|| "pipeline.toml".into()),
-            FilePurpose::Data(_) | FilePurpose::Film | FilePurpose::Parameter { .. } => {
-                own.unwrap_or_default()
-            }
+            // Where no data file is known, the path is another file's.
+            FilePurpose::Data(_) => own.filter(|name| purpose.accepts(name)).unwrap_or_default(),
+            FilePurpose::Film | FilePurpose::Parameter { .. } => own.unwrap_or_default(),
         };
         let mut dialog = FileDialog {
             purpose,
@@ -430,7 +435,7 @@ pub(crate) fn show_dialog(
         .default_width(460.0)
         .anchor(Align2::CENTER_CENTER, [0.0, 0.0])
         .show(ctx, |ui| chosen = dialog.show(ui));
-    if chosen.is_none() && open && !ctx.input(|input| input.key_pressed(Key::Escape)) {
+    if chosen.is_none() && open && !takes_escape(ctx) {
         *open_dialog = Some(dialog);
         return None;
     }
@@ -440,7 +445,16 @@ pub(crate) fn show_dialog(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::templates::Template;
     use std::sync::mpsc;
+
+    #[test]
+    fn the_dialog_of_a_template_begins_with_a_data_file_alone() {
+        let template = Template { title: "a volume".into(), text: "" };
+        let name =
+            |path: &str| FileDialog::new(FilePurpose::Data(template.clone()), Some(Path::new(path))).name;
+        assert_eq!([name("scene.toml"), name("wing.vtu")], ["", "wing.vtu"]);
+    }
 
     #[test]
     fn a_file_that_comes_or_changes_wakes() {

@@ -549,9 +549,10 @@ impl ParameterPanel {
     }
 }
 
-/// True if a fault is that of the expression in a row, whose field points at it.
+/// True if a fault is that of the expression in a row, whose field points at it: at none where it is empty.
 fn is_of_expression(row: &Row, fault: &Error) -> bool {
     let text = row.value().filter(|_| matches!(row.control, Control::Expression)).map(to_text);
+    let text = text.filter(|text| !text.is_empty());
     text.and_then(|text| Expression::parse(&text).err()).is_some_and(|(error, _)| error.what == fault.what)
 }
 

@@ -276,7 +276,7 @@ impl PicturePanel {
             }
             (Some(failure), Some(_)) => {
                 let place = say(ui, &scene.reason("picture", failure), theme::wrong(dark));
-                ways_out(ui, scene, failure, place.center_bottom());
+                ways_out(ui, scene, failure, place.center_bottom(), rect);
             }
             (None, Some(_)) if scene.pixels.is_none() => {
                 say(ui, scene.running.as_deref().unwrap_or("drawing …"), Color32::from_gray(200));
@@ -305,6 +305,8 @@ impl PicturePanel {
         match self.outline.follow(ui, response, picture, self.probes.or(with_alt)) {
             Drawing::Idle => return false,
             Drawing::Going => {}
+            // Beside the picture alone, or a line: nothing lies within.
+            Drawing::Done(corners) if !Rect::from_points(&corners).is_positive() => {}
             Drawing::Done(corners) => {
                 let places = enclosed(&corners, grid(Rect::from_points(&corners)));
                 let places = places.into_iter().map(place).collect();
@@ -368,7 +370,8 @@ impl PicturePanel {
 }
 
 /// Buttons below what is wrong with a node: to its parameters where it is not selected, and to another file where it reads one.
-fn ways_out(ui: &mut Ui, scene: &Scene, failure: &Error, below: Pos2) {
+/// Side by side where `within` has room for that, else one below the other.
+fn ways_out(ui: &mut Ui, scene: &Scene, failure: &Error, below: Pos2, within: Rect) {
     let Some(entry) = failure.location.node.as_deref().and_then(|node| scene.entry(node)) else { return };
     let name = entry.name.clone();
     let file = path_of(entry).filter(|_| reads(entry, scene.registry)).map(|path| {
@@ -378,10 +381,15 @@ fn ways_out(ui: &mut Ui, scene: &Scene, failure: &Error, below: Pos2) {
     let shows =
         (!scene.selection.contains(&name)).then(|| (format!("Show '{name}'"), Action::Select([name].into())));
     let ways: Vec<(String, Action)> = shows.into_iter().chain(file).collect();
-    let size = vec2(170.0, 28.0);
+    let (size, others) = (vec2(170.0f32.min(within.width()), 28.0), ways.len().saturating_sub(1) as f32);
+    let across = vec2(size.x + 8.0, 0.0);
+    let is_row = (size + others * across).x <= within.width();
+    let step = if is_row { across } else { vec2(0.0, size.y + 8.0) };
+    let whole = size + others * step;
+    let first = below + vec2(-0.5 * whole.x, 16.0);
+    let first = first.min(within.max - whole).max(within.min);
     for (place, (text, action)) in ways.iter().enumerate() {
-        let aside = (place as f32 - 0.5 * (ways.len() - 1) as f32) * (size.x + 8.0);
-        let at = Rect::from_center_size(below + vec2(aside, 30.0), size);
+        let at = Rect::from_min_size(first + place as f32 * step, size);
         if ui.put(at, Button::new(text).truncate()).clicked() {
             scene.actions.push(action.clone());
         }

@@ -14,7 +14,8 @@ pub type LoadPlugin = Arc<dyn Fn(&Path) -> Result<(Registry, String)> + Send + S
 pub(crate) struct Plugins {
     /// Function that loads them, where the program has one.
     pub load: Option<LoadPlugin>,
-    /// File that is asked about: no code of it has run.
-    pub offered: Option<PathBuf>,
+    /// Files that are asked about, one after the other: no code of them has run.
+    pub offered: Vec<PathBuf>,
+    /// The load that is going on. There is one at a time: each begins with what those before it brought.
     pub loading: Option<Job<(Registry, String)>>,
 }

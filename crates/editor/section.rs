@@ -115,10 +115,10 @@ impl SectionPanel {
         let at = response.interact_pointer_pos().or(response.hover_pos());
         let shape = if self.is_free { OutlineShape::Free } else { OutlineShape::Box };
         if let Drawing::Done(corners) = self.outline.follow(ui, &response, rect, Some(shape)) {
-            probe(scene, &section, &corners.into_iter().map(pixel).collect::<Vec<_>>());
+            probe(scene, &section, &corners.into_iter().map(pixel).collect::<Vec<_>>(), shape);
         }
         if let Some(at) = at.filter(|_| response.clicked()) {
-            probe(scene, &section, &[pixel(at)]);
+            probe(scene, &section, &[pixel(at)], OutlineShape::Box);
         }
         let weak = theme::weak(ui.visuals().dark_mode);
         ui.horizontal(|ui| {
@@ -185,17 +185,27 @@ fn under(section: &Section, at: [f64; 2]) -> String {
     }
 }
 
+/// Middles of the pixels in an outline, corners in pixels: of a box all from corner to corner, both ends included, so that a thin one
+/// has those along it, too.
+fn pixels_in(corners: &[Pos2], shape: OutlineShape, size: [usize; 2]) -> Vec<Pos2> {
+    let around = Rect::from_points(corners);
+    let within =
+        |low: f32, high: f32, count: usize| (low as usize).min(count - 1)..=(high as usize).min(count - 1);
+    let columns = within(around.left(), around.right(), size[0]);
+    let middles = within(around.top(), around.bottom(), size[1])
+        .flat_map(|row| columns.clone().map(move |column| pos2(column as f32 + 0.5, row as f32 + 0.5)));
+    match shape {
+        OutlineShape::Box => middles.collect(),
+        OutlineShape::Free => enclosed(corners, middles),
+    }
+}
+
 /// The values at the pixels in an outline, corners in pixels, as what a probe found.
-fn probe(scene: &Scene, section: &Section, corners: &[[f64; 2]]) {
-    let size = section.of.size;
+fn probe(scene: &Scene, section: &Section, corners: &[[f64; 2]], shape: OutlineShape) {
     let corners: Vec<Pos2> = corners.iter().map(|[x, y]| pos2(*x as f32, *y as f32)).collect();
     let around = Rect::from_points(&corners);
-    let from_to = |low: f32, high: f32, count: usize| (low as usize)..(high.ceil() as usize).min(count);
-    let columns = from_to(around.left(), around.right(), size[0]);
-    let rows = from_to(around.top(), around.bottom(), size[1]);
-    let middles =
-        rows.flat_map(|row| columns.clone().map(move |column| pos2(column as f32 + 0.5, row as f32 + 0.5)));
-    let pixels = enclosed(&corners, middles).into_iter().map(|at| [at.x, at.y].map(f64::from));
+    let pixels = pixels_in(&corners, shape, section.of.size);
+    let pixels = pixels.into_iter().map(|at| [at.x, at.y].map(f64::from));
     let values: Vec<([f64; 2], f64)> =
         pixels.filter_map(|at| value_at(section, at).map(|value| (value, 1.0))).collect();
     let middle = section.of.point([around.center().x, around.center().y].map(f64::from));
@@ -207,6 +217,21 @@ fn probe(scene: &Scene, section: &Section, corners: &[[f64; 2]]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_box_has_all_pixels_from_corner_to_corner_also_a_thin_one() {
+        let within = |[left, top]: [f32; 2], [right, bottom]: [f32; 2]| {
+            let corners = [pos2(left, top), pos2(right, top), pos2(right, bottom), pos2(left, bottom)];
+            let places = pixels_in(&corners, OutlineShape::Box, [8, 6]);
+            places.iter().map(|at| [at.x as usize, at.y as usize]).collect::<Vec<_>>()
+        };
+        assert_eq!(within([1.2, 2.4], [4.9, 2.4]), [[1, 2], [2, 2], [3, 2], [4, 2]]);
+        assert_eq!(within([7.0, 3.1], [7.0, 5.3]), [[7, 3], [7, 4], [7, 5]]);
+        assert_eq!(within([1.9, 1.9], [2.1, 2.1]), [[1, 1], [2, 1], [1, 2], [2, 2]]);
+        // The corner of the picture is the end of its last pixel.
+        assert_eq!(within([7.5, 5.5], [8.0, 6.0]), [[7, 5]]);
+        assert_eq!(pixels_in(&[pos2(3.7, 0.2)], OutlineShape::Box, [8, 6]), [pos2(3.5, 0.5)]);
+    }
 
     #[test]
     fn colours_rise_and_a_constant_field_has_one() {

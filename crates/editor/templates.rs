@@ -47,7 +47,10 @@ fn fits_any_data(document: &Document, registry: &Registry) -> bool {
     let readers = nodes.iter().filter(|node| reads(node, registry)).count();
     let fits = |node: &NodeEntry| {
         let is_reader = reads(node, registry);
-        document.rows(registry, &node.name).iter().all(|row| is_reader || row_fits(row))
+        // Of what a reader states, that alone is set for other data.
+        let is_set = |row: &Row| ["path", "scalar", "association"].contains(&row.parameter.name);
+        let fits = |row: &Row| if is_reader { is_set(row) || !is_stated(row) } else { row_fits(row) };
+        document.rows(registry, &node.name).iter().all(fits)
     };
     readers == 1 && nodes.iter().any(|node| writes_picture(node, registry)) && nodes.iter().all(fits)
 }
@@ -59,14 +62,24 @@ fn writes_picture(node: &NodeEntry, registry: &Registry) -> bool {
     })
 }
 
+/// The rows within a row.
+fn within(row: &Row) -> impl Iterator<Item = &Row> {
+    row.rows.iter().chain(row.entries.iter().flat_map(|entry| &entry.rows))
+}
+
+/// True if a value is stated, of the parameter or within it.
+fn is_stated(row: &Row) -> bool {
+    row.set_value.is_some() || within(row).any(is_stated)
+}
+
 /// True if what is stated holds for any data.
 fn row_fits(row: &Row) -> bool {
-    let within = row.rows.iter().chain(row.entries.iter().flat_map(|entry| &entry.rows));
-    let Some(stated) = &row.set_value else { return within.into_iter().all(row_fits) };
+    let mut within = within(row);
+    let Some(stated) = &row.set_value else { return within.all(row_fits) };
     let parameter = row.parameter;
     let is_s_or_g = matches!(stated, ParameterValue::Text(text) if text == "s" || text == "g");
     match row.control {
-        Control::Table | Control::Entries(_) => within.into_iter().all(row_fits),
+        Control::Table | Control::Entries(_) => within.all(row_fits),
         Control::Array => is_s_or_g,
         Control::Arrays | Control::Expression | Control::Texts | Control::InputFile => {
             matches!(stated, ParameterValue::Text(word) if !parameter.parameter_type.is_input_path(word))
@@ -147,6 +160,9 @@ impl Template {
 mod tests {
     use super::*;
 
+    /// The array that the reader of the example names.
+    const SCALAR: &str = "scalar = \"temperature\"";
+
     #[test]
     fn what_is_said_of_some_data_makes_no_template() {
         let registry = voltet_nodes::registry().unwrap();
@@ -163,11 +179,16 @@ mod tests {
             ("type = \"transfer-function\"", "type = \"transfer-function\"\nunit_distance = 10.0"),
             ("axes = \"box\"", "axes = \"box\"\nlength_unit = \"mm\""),
             ("type = \"image-writer\"", "type = \"grid-writer\""),
+            (SCALAR, "scalar = \"temperature\"\nblocks = [\"fluid/*\"]"),
+            (SCALAR, "scalar = \"temperature\"\ndisplacement = \"disp\""),
+            (SCALAR, "scalar = \"temperature\"\ntime_step = 3"),
+            (SCALAR, "scalar = \"temperature\"\nsolution = \"flow.q\""),
             ("[nodes.view]", "[nodes.more]\ntype = \"reader\"\npath = \"more.vtu\"\n\n[nodes.view]"),
             ("[nodes.view]", "[nodes.part]\ntype = \"surface-reader\"\npath = \"part.stl\"\n\n[nodes.view]"),
         ] {
             assert!(text.contains(from) && !fits(&text.replace(from, to)), "{to}");
         }
+        assert!(fits(&text.replace(SCALAR, "scalar = \"temperature\"\nassociation = \"cell\"")));
         // 0 and infinity are the same in any unit.
         assert!(fits(
             &text.replace(widget, "kind = \"gaussian\"\ncentre = [\"50 %\", 0.0]\nsigma = [\"5 %\", inf]")

@@ -275,6 +275,8 @@ fn parameter<A: AddressSpace>(
             return Err(format!("'length' is {}, and a point array has 1 to 9 components", read.length));
         }
         interface::TEXT => (ParameterType::Text, text_or_unset(Some(read.text))?),
+        // The type is that of names with one value a point.
+        interface::POINT_ARRAY if read.length > 1 => (ParameterType::Text, text_or_unset(Some(read.text))?),
         interface::POINT_ARRAY => (ParameterType::ArrayName, text_or_unset(Some(read.text))?),
         interface::VECTOR if read.length > MAX_VECTOR_LENGTH => {
             return Err(format!("'length' is {}, at most {MAX_VECTOR_LENGTH}", read.length));
@@ -359,5 +361,41 @@ fn identifier<A: AddressSpace>(space: A, what: &str, address: A::Address) -> Che
         false => Err(format!(
             "{what} is '{name}', and may have lower-case letters, digits, '-' and '_' after a letter"
         )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Editors offer names of arrays with one value a point for the type of these.
+    #[test]
+    fn names_of_point_arrays_of_several_components_are_texts() {
+        let help = c"the array";
+        let of = |length| {
+            let read = interface::Parameter::<Process> {
+                size: size_of::<interface::Parameter>() as u32,
+                parameter_type: interface::POINT_ARRAY,
+                name: 0,
+                unit: 0,
+                help: help.as_ptr().expose_provenance(),
+                flags: interface::REQUIRED,
+                length,
+                min: 0.0,
+                max: 0.0,
+                number: 0.0,
+                text: 0,
+                numbers: 0,
+                unset: 0,
+                word_count: 0,
+                reserved: 0,
+                words: 0,
+                meanings: 0,
+            };
+            parameter(Process, &read, "by").map(|parameter| parameter.parameter_type)
+        };
+        assert!(matches!(of(1), Ok(ParameterType::ArrayName)));
+        assert!([2, 3, 9].map(of).iter().all(|found| matches!(found, Ok(ParameterType::Text))));
+        assert!([0, 10].map(of).iter().all(Result::is_err));
     }
 }

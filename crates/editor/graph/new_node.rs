@@ -45,7 +45,10 @@ pub(super) fn adding(
     join_to_others(scene, &mut with_it, node, &name, &mut edits);
     let arrays = scene.arrays.feeding(ctx, &with_it, scene.registry, &name);
     if let Some(Edit::AddNode { settings, .. }) = edits.first_mut() {
-        settings.extend(settings_of_arrays(node, &arrays.choices()));
+        let of_arrays = settings_of_arrays(node, &arrays.choices());
+        // The type says more than the name by which a first value was found.
+        settings.retain(|known| of_arrays.iter().all(|field| field.name != known.name));
+        settings.extend(of_arrays);
     }
     Ok(edits)
 }

@@ -52,13 +52,13 @@ fn word([right, up]: [i8; 2]) -> String {
 /// The annotations among these nodes, in a picture of that width by its height.
 pub(super) fn objects<'a>(scene: &Scene, nodes: impl Iterator<Item = &'a NodeEntry>) -> Vec<Rc<dyn Movable>> {
     let size = scene.picture_size.unwrap_or([4, 3]).map(f64::from);
-    let note =
-        |node: &NodeEntry| Note { node: node.name.clone(), parts: parts(node), aspect: size[0] / size[1] };
+    let aspect = size[0] / size[1];
+    let note = |node: &NodeEntry| Note { node: node.name.clone(), parts: parts(node, aspect), aspect };
     let annotations = nodes.filter(|node| node.node_type.text() == Some("annotation"));
     annotations.map(|node| Rc::new(note(node)) as Rc<dyn Movable>).collect()
 }
 
-fn parts(node: &NodeEntry) -> Vec<(String, Path, bool, Anchor)> {
+fn parts(node: &NodeEntry, aspect: f64) -> Vec<(String, Path, bool, Anchor)> {
     let mut parts = Vec::new();
     let stated = node.setting("bar").and_then(LocatedValue::text);
     let has_scale = node.inputs.iter().any(|link| link.port == "transfer_function");
@@ -69,7 +69,7 @@ fn parts(node: &NodeEntry) -> Vec<(String, Path, bool, Anchor)> {
     let texts = node.setting("texts").and_then(LocatedValue::list).unwrap_or_default();
     for (place, text) in texts.iter().enumerate() {
         let fields = text.table().unwrap_or_default();
-        if let Some(anchor) = anchor(fields) {
+        if let Some(anchor) = anchor(fields, aspect) {
             let path = Path::from("texts").with(place).with("at");
             parts.push((format!("text {}", place + 1), path, find_setting(fields, "at").is_some(), anchor));
         }
@@ -77,7 +77,8 @@ fn parts(node: &NodeEntry) -> Vec<(String, Path, bool, Anchor)> {
     parts
 }
 
-fn anchor(text: &[Field]) -> Option<Anchor> {
+/// The place of a text, in a picture of that width by its height.
+fn anchor(text: &[Field], aspect: f64) -> Option<Anchor> {
     let at = find_setting(text, "at");
     match find_setting(text, "kind")?.text()? {
         "border" => Some(Anchor::Border(side(at.and_then(LocatedValue::text).unwrap_or("bottom-left")))),
@@ -88,10 +89,24 @@ fn anchor(text: &[Field]) -> Option<Anchor> {
                 Some("end") => [GRIP_DISTANCE, 0.0],
                 _ => [-GRIP_DISTANCE, 0.0],
             };
-            Some(Anchor::Point(at?.array()?, beside))
+            let shares = at?.array()?;
+            let (point, most) = (from_middle(shares, aspect), farthest(aspect, TEXT_MARGIN));
+            // A hand reaches what is in the picture alone.
+            let grip = |k: usize| (point[k] + beside[k]).clamp(-most[k], most[k]);
+            Some(Anchor::Point(shares, [0, 1].map(|k| grip(k) - point[k])))
         }
         _ => None,
     }
+}
+
+/// A point by shares of width and height from the upper left corner, as heights from the middle to the right and up.
+fn from_middle([right, down]: [f64; 2], aspect: f64) -> [f64; 2] {
+    [(right - 0.5) * aspect, 0.5 - down]
+}
+
+/// Distances from the middle to the right and up at which the border is `margin` away, heights of the picture.
+fn farthest(aspect: f64, margin: f64) -> [f64; 2] {
+    [0.5 * aspect - margin, 0.5 - margin]
 }
 
 impl Note {
@@ -99,11 +114,12 @@ impl Note {
         match anchor {
             Anchor::Bar(side) | Anchor::Border(side) => {
                 let margin = if matches!(anchor, Anchor::Bar(_)) { MARGIN } else { TEXT_MARGIN };
-                let half = [0.5 * self.aspect - margin, 0.5 - margin];
+                let half = farthest(self.aspect, margin);
                 [0, 1].map(|k: usize| f64::from(side[k]) * half[k])
             }
-            Anchor::Point([right, down], beside) => {
-                [(right - 0.5) * self.aspect + beside[0], 0.5 - down + beside[1]]
+            Anchor::Point(shares, beside) => {
+                let point = from_middle(shares, self.aspect);
+                [0, 1].map(|k: usize| point[k] + beside[k])
             }
         }
     }
@@ -233,16 +249,29 @@ mod tests {
 
     #[test]
     fn grips_stand_beside_the_letters() {
-        let place = |fields: &str| {
-            let field = |(name, value): (&str, ParameterValue)| Field::new(name, value);
-            let at = ParameterValue::from_iter([0.5, 0.5]);
-            let text = [("kind", "point".into()), ("at", at), ("align", fields.into())].map(field);
-            let note = Note { node: "figure".into(), parts: Vec::new(), aspect: 1.5 };
-            note.place(anchor(&text).unwrap())
-        };
         assert_eq!(
-            ["start", "middle", "end"].map(place),
+            ["start", "middle", "end"].map(|align| placed([0.5, 0.5], align).0),
             [[-GRIP_DISTANCE, 0.0], [0.0, GRIP_DISTANCE], [GRIP_DISTANCE, 0.0]]
         );
+    }
+
+    /// Place of the grip of a text at a point of a picture of 1.5 by 1, and whether it leaves the text there where it is let go of.
+    fn placed(at: [f64; 2], align: &str) -> ([f64; 2], bool) {
+        let field = |(name, value): (&str, ParameterValue)| Field::new(name, value);
+        let at = ParameterValue::from_iter(at);
+        let text = [("kind", "point".into()), ("at", at), ("align", align.into())].map(field);
+        let note = Note { node: "figure".into(), parts: Vec::new(), aspect: 1.5 };
+        let anchor = anchor(&text, note.aspect).unwrap();
+        (note.place(anchor), note.nearest(anchor, note.place(anchor)) == anchor)
+    }
+
+    #[test]
+    fn grips_of_texts_at_the_border_stay_in_the_picture() {
+        for align in ["start", "middle", "end"] {
+            for at in [[0.0, 0.0], [0.0, 0.5], [0.5, 0.0], [1.0, 0.5], [0.5, 1.0], [1.0, 1.0]] {
+                let ([x, y], stays) = placed(at, align);
+                assert!(x.abs() < 0.75 && y.abs() < 0.5 && stays, "{align} {at:?}: {x} {y} {stays}");
+            }
+        }
     }
 }

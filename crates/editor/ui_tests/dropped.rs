@@ -1,7 +1,9 @@
 //! Files that are dropped on the window.
 
 use super::*;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::channel;
 use voltet_graph::Node;
 
 #[derive(Debug)]
@@ -93,7 +95,7 @@ fn a_plug_in_is_loaded_where_a_hand_says_so_and_not_before() {
     // The question has the keys, and its last answer the focus.
     hand.key(Key::Enter, Modifiers::NONE);
     hand.frames(3);
-    assert!(hand.editor.plugins.offered.is_none() && calls.load(Ordering::SeqCst) == 0);
+    assert!(hand.editor.plugins.offered.is_empty() && calls.load(Ordering::SeqCst) == 0);
     for (file, words) in
         [("wrong.wasm", "no plug-in of this interface"), ("filter.so", "loaded until the window closes")]
     {
@@ -108,6 +110,59 @@ fn a_plug_in_is_loaded_where_a_hand_says_so_and_not_before() {
     hand.typed("from outside");
     hand.frames(2);
     assert!(hand.sees("  of-plug-in"));
+}
+
+/// Another of another plug-in.
+static OF_OTHER: Node = Node { name: "of-other", summary: "A node from elsewhere.", ..Node::BLANK };
+
+#[test]
+fn plug_ins_are_loaded_one_after_the_other_and_none_is_lost() {
+    let mut hand = Hand::new(TEXT);
+    let known = Mutex::new(hand.editor.registry.clone());
+    let (release, released) = channel();
+    let released = Mutex::new(released);
+    // As the program does: each with what was loaded before it began.
+    hand.editor.plugins.load = Some(Arc::new(move |path: &Path| {
+        let mut more = known.lock().unwrap().clone();
+        released.lock().unwrap().recv_timeout(Duration::from_secs(60)).expect("it is released");
+        more.add(if path.ends_with("filter.so") { &OF_PLUGIN } else { &OF_OTHER })?;
+        *known.lock().unwrap() = more.clone();
+        Ok((more, path.display().to_string()))
+    }));
+    drop_files(&mut hand, &["filter.so"]);
+    hand.click_on("Load it");
+    assert!(hand.said().starts_with("loading ") && hand.said().ends_with("filter.so …"), "{}", hand.said());
+    drop_files(&mut hand, &["other.so"]);
+    assert!(!hand.sees("Load it") && !hand.editor.asks(), "one is being loaded");
+    release.send(()).unwrap();
+    until(&mut hand, "it is not loaded", |hand| hand.said().starts_with("loaded until the window closes"));
+    hand.frames(2);
+    hand.click_on("Load it");
+    release.send(()).unwrap();
+    until(&mut hand, "the other is not loaded", |hand| hand.said().ends_with("other.so"));
+    for name in ["of-plug-in", "of-other"] {
+        assert!(hand.editor.registry.find(name).is_ok(), "{name}");
+    }
+}
+
+#[test]
+fn a_press_of_escape_answers_one_question() {
+    let mut hand = Hand::new(TEXT);
+    hand.editor.plugins.load = Some(Arc::new(|_: &Path| Err(Error::run("not asked for"))));
+    hand.command(Command::Open);
+    drop_files(&mut hand, &["filter.so"]);
+    assert!(hand.editor.file_dialog.is_some() && !hand.sees("Load it"));
+    hand.key(Key::Escape, Modifiers::NONE);
+    assert!(hand.editor.file_dialog.is_none() && hand.sees("Load it"));
+    hand.key(Key::Escape, Modifiers::NONE);
+    assert!(!hand.sees("Load it"));
+    // The view is another one.
+    hand.key(Key::X, Modifiers::NONE);
+    hand.command(Command::Quit);
+    drop_files(&mut hand, &["filter.so"]);
+    assert!(hand.editor.unsaved.is_some() && !hand.sees("Load it"));
+    hand.key(Key::Escape, Modifiers::NONE);
+    assert!(hand.editor.unsaved.is_none() && hand.sees("Load it"));
 }
 
 #[test]

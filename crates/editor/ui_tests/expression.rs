@@ -120,6 +120,16 @@ fn a_fault_is_said_at_the_expression_alone() {
     assert_eq!((hand.shown(&above).len(), hand.texts("^").len()), (0, 1));
 }
 
+/// There is no character to point at.
+#[test]
+fn that_an_expression_is_empty_is_said_above_the_parameters() {
+    let mut hand = Hand::with_file(&CALCULATOR.replace("\"T\"", "\"\""), "data.vtk", DATA);
+    hand.editor.selection = ["sum".to_string()].into();
+    hand.frames(3);
+    let above = |text: &str| text.starts_with("sum: the expression");
+    assert_eq!((hand.shown(&above).len(), hand.texts("^").len()), (1, 0), "{:?}", hand.editor.scene().faults);
+}
+
 #[test]
 fn a_function_under_the_pointer_shows_its_signature() {
     let mut hand = Hand::with_file(&CALCULATOR.replace("\"T\"", "\"atan2(T, T)\""), "data.vtk", DATA);

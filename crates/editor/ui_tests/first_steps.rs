@@ -363,6 +363,19 @@ fn what_is_wrong_has_a_way_out() {
         "type = \"wavelet\"\nresolution = [12, 12, 12] # coarse",
         "type = \"reader\"\npath = \"gone.vtk\"",
     ));
+    // One below the other where they have no room side by side.
+    let wide = ["Show 'grid'", "Choose a file …"].map(|text| hand.rect(text));
+    assert!(wide[0].top() == wide[1].top() && wide[0].right() < wide[1].left(), "{wide:?}");
+    hand.resize([560.0, 720.0], 1.0);
+    hand.frames(4);
+    let narrow = ["Show 'grid'", "Choose a file …"].map(|text| hand.rect(text));
+    let pane = hand.editor.panels.picture.rect.unwrap();
+    assert!(pane.width() < 340.0 && narrow[0].bottom() < narrow[1].top(), "{pane} {narrow:?}");
+    assert!(
+        narrow.iter().all(|at| pane.x_range().contains(at.left()) && pane.x_range().contains(at.right()))
+    );
+    hand.resize([1280.0, 720.0], 1.0);
+    hand.frames(4);
     // The histogram says nothing of its own of the same node.
     assert_eq!(hand.texts("no histogram: 'grid' has a fault").len(), 1);
     hand.click_on("Show 'grid'");
@@ -446,6 +459,8 @@ static FROM_OUTSIDE: Node = Node {
         required("of", ParameterType::ArrayName),
         required("those", ParameterType::ArrayNames),
         required("formula", ParameterType::Expression),
+        // A name with another first value.
+        required("text", ParameterType::ArrayName),
         Parameter { default: DefaultValue::Text("wavelet"), ..required("made", ParameterType::NewArrayName) },
     ],
     ..Node::BLANK
@@ -488,11 +503,12 @@ fn new_calculators_and_multi_gradients_begin_with_an_array_of_the_data() {
     hand.frames(2);
     add(&mut hand, "from-outside");
     let own = node(&hand, "from_outside");
-    for key in ["of", "those", "formula"] {
+    for key in ["of", "those", "formula", "text"] {
         let stated = own.setting(key).unwrap_or_else(|| panic!("{key}: {}", hand.text()));
         assert_eq!(stated.list().map_or(stated, |list| &list[0]).text(), Some("wavelet"), "{key}");
     }
     assert_eq!(own.setting("made").and_then(|made| made.text()), Some("wavelet_2"));
+    assert_eq!(own.settings.iter().filter(|field| field.name == "text").count(), 1, "{}", hand.text());
     assert!(hand.editor.scene().faults.is_empty(), "{:?}", hand.editor.scene().faults);
     // Without data coordinates are there.
     let mut hand = Hand::new("[pipeline]\nformat = 1\n");

@@ -30,6 +30,24 @@ fn a_box_in_the_picture_finds_the_values_on_its_rays() {
 }
 
 #[test]
+fn a_box_beside_the_picture_and_one_without_width_probe_nothing() {
+    let mut hand = Hand::in_tall_window(TEXT);
+    let picture = hand.editor.panels.picture.rect.unwrap();
+    let pane = hand.rect("picture picture");
+    let margin = picture.min - pane.min;
+    assert!(margin.max_elem() > 17.0, "room for a drag: {picture} {pane}");
+    let in_margin = match margin.x > margin.y {
+        true => [pane.left_center() + vec2(4.0, -20.0), pane.left_center() + vec2(16.0, 20.0)],
+        false => [pane.center_top() + vec2(-20.0, 4.0), pane.center_top() + vec2(20.0, 16.0)],
+    };
+    for [from, to] in [in_margin, [-20.0, 20.0].map(|down| picture.center() + vec2(0.0, down))] {
+        hand.drag_with(from, to, PointerButton::Primary, Modifiers::ALT);
+        assert!(hand.editor.worker().shown(|shown| shown.probe.asked().is_none()), "{from} {to}");
+    }
+    assert_eq!(hand.text(), TEXT, "nor does the view turn");
+}
+
+#[test]
 fn an_outline_that_a_hand_draws_proposes_widgets_as_a_box_does() {
     let mut hand = Hand::in_tall_window(TEXT);
     with_distribution(&mut hand);

@@ -84,12 +84,6 @@ impl RenderRequest {
         node.is_none_or(|node| node.node_type.text().is_some_and(|text| QUICK.contains(&text)))
     }
 
-    /// True for an error of a node that draws, or such: the rest of the run was done.
-    pub(super) fn is_of_drawing(&self, error: &Error) -> bool {
-        error.kind != ErrorKind::Cancelled
-            && error.location.node.as_deref().is_some_and(|node| self.is_cheap(node))
-    }
-
     /// The graph that makes the picture and nothing else; `divisor`: by how much its sides are divided.
     pub(super) fn graph(&self, registry: &Registry, divisor: u32) -> Result<Graph> {
         let mut nodes = feeding(&self.nodes, &self.node)?;

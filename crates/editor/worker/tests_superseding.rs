@@ -256,37 +256,63 @@ fn a_steady_drag_shows_pictures() {
     assert!(seen.len() >= 5, "{seen:?}");
 }
 
-/// Draws pictures of more than 8 pixels across alone, as a device may that holds so many cells a tile.
-const FINE: Node = Node {
-    run: &|call| -> Result<Outputs> {
-        let [width, height] = call.camera("camera")?.size.map(|side| side as usize);
-        match width > 8 {
-            true => Ok(vec![Value::Image(Arc::new(Picture::transparent(width, height)))]),
-            false => Err(Error::run("a tile lists too many cells").got(width)),
-        }
-    },
-    ..TIMED
-};
+/// Numbers of runs of the node that draws fine pictures alone: its errors are of a tile, are others, or it panics.
+static FINE_RUNS: [AtomicUsize; 3] = [const { AtomicUsize::new(0) }; 3];
 
-#[test]
-fn where_a_coarse_picture_fails_the_full_one_is_drawn() {
+/// Draws pictures of more than 8 pixels across alone.
+fn fine(call: &voltet_graph::RunContext, kind: usize) -> Result<Outputs> {
+    FINE_RUNS[kind].fetch_add(1, Ordering::SeqCst);
+    let [width, height] = call.camera("camera")?.size.map(|side| side as usize);
+    match (width > 8, kind) {
+        (true, _) => Ok(vec![Value::Image(Arc::new(Picture::transparent(width, height)))]),
+        (false, 0) => {
+            Err(Error::run(voltet_nodes::TILE_ERRORS.first().copied().unwrap_or_default()).got(width))
+        }
+        (false, 1) => Err(Error::run("the device is lost")),
+        (false, _) => panic!("a mistake"),
+    }
+}
+
+/// Its errors are of a tile, which a device may hold where it lists fewer cells.
+const OF_TILE: Node = Node { run: &|call| fine(call, 0), ..TIMED };
+const OTHER: Node = Node { run: &|call| fine(call, 1), ..TIMED };
+const PANICKING: Node = Node { run: &|call| fine(call, 2), ..TIMED };
+/// One that is not known to be quick.
+const ELSEWHERE: Node = Node { name: "elsewhere", ..OF_TILE };
+
+/// Size of the picture of a new worker that draws a node with so many pixels across, coarse at first; whether it failed, and how often
+/// the node ran.
+fn drawn_by(node: &'static Node, kind: usize, width: u32) -> (Option<[usize; 2]>, bool, usize) {
     let shipped = voltet_nodes::registry().unwrap();
     let mut registry = Registry::new();
     registry.add(shipped.find("camera").unwrap()).unwrap();
-    registry.add(&FINE).unwrap();
+    registry.add(node).unwrap();
     let worker = Worker::start(&registry, Arc::new(|| {})).unwrap();
-    let draw = |width: u32| {
-        let text = format!(
-            "[pipeline]\nformat = 1\n[nodes.view]\ntype = \"camera\"\neye = [9.0, 0.0, 0.0]\ntarget = [0.0, 0.0, 0.0]\n\
-             fov_y = 25.0\nsize = [{width}, 6]\n[nodes.picture]\ntype = \"renderer\"\ninputs = {{ camera = \"view\" }}\n"
-        );
-        worker.draw(RenderRequest { coarse_first: true, ..wanted(nodes(&text), &PathBuf::new()) });
-        settle(&worker);
-        worker.shown(|shown| (shown.pixels.as_ref().map(Pixels::size), shown.failure.is_some()))
-    };
-    assert_eq!(draw(16), (Some([16, 6]), false));
+    let text = format!(
+        "[pipeline]\nformat = 1\n[nodes.view]\ntype = \"camera\"\neye = [9.0, 0.0, 0.0]\ntarget = [0.0, 0.0, 0.0]\n\
+         fov_y = 25.0\nsize = [{width}, 6]\n[nodes.picture]\ntype = \"{}\"\ninputs = {{ camera = \"view\" }}\n",
+        node.name
+    );
+    let before = FINE_RUNS[kind].load(Ordering::SeqCst);
+    worker.draw(RenderRequest { coarse_first: true, ..wanted(nodes(&text), &PathBuf::new()) });
+    settle(&worker);
+    let runs = FINE_RUNS[kind].load(Ordering::SeqCst) - before;
+    worker.shown(|shown| (shown.pixels.as_ref().map(Pixels::size), shown.failure.is_some(), runs))
+}
+
+#[test]
+#[cfg_attr(not(feature = "gpu"), ignore = "no engine draws by tiles of a device")]
+fn where_a_tile_of_a_coarse_picture_has_too_many_cells_the_full_one_is_drawn() {
+    assert_eq!(drawn_by(&OF_TILE, 0, 16), (Some([16, 6]), false, 2));
+    assert_eq!(drawn_by(&ELSEWHERE, 0, 16), (Some([16, 6]), false, 2));
     // Where the full one fails, too, its error is told.
-    assert_eq!(draw(8), (Some([16, 6]), true));
+    assert_eq!(drawn_by(&OF_TILE, 0, 8), (None, true, 2));
+}
+
+#[test]
+fn other_errors_and_panics_of_a_coarse_picture_are_told_at_once() {
+    assert_eq!(drawn_by(&OTHER, 1, 16), (None, true, 1));
+    assert_eq!(drawn_by(&PANICKING, 2, 16), (None, true, 1));
 }
 
 /// A query by hand does not wait for data that nobody will draw.

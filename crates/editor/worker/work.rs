@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use voltet_core::{Error, Result};
 use voltet_graph::{NodeEntry, Observer, Registry, Session};
 use voltet_io::memory;
+use voltet_nodes::TILE_ERRORS;
 
 /// A session whose widgets a hand moves.
 fn session() -> Session {
@@ -100,7 +101,7 @@ impl WorkerState<'_> {
                 Ok(false) if self.shared.newest() != number => return,
                 Ok(false) => {}
                 // A tile of a coarse picture lists more cells than one of the full picture, which a device may hold all the same.
-                Err(error) if divisor > 1 && wanted.is_of_drawing(&error) => {}
+                Err(error) if divisor > 1 && TILE_ERRORS.contains(&&*error.what) => {}
                 Err(error) => return self.shared.show(|shown| shown.failed(number, error)),
             }
         }

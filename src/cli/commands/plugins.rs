@@ -40,6 +40,7 @@ pub fn with(
         admit_foreign_code()?;
     }
     for file in &named {
+        warn_of(file);
         let (more, plugin) = add(&registry, file, None, wanted.plugin_process)?;
         registry = more;
         told.push(plugin);
@@ -58,8 +59,10 @@ pub fn with(
         admit_foreign_code()?;
     }
     for (own, read) in own {
-        let added =
-            read.and_then(|file| add(&registry, &file, own.fingerprint.as_deref(), wanted.plugin_process));
+        let added = read.and_then(|file| {
+            warn_of(&file);
+            add(&registry, &file, own.fingerprint.as_deref(), wanted.plugin_process)
+        });
         match added {
             Ok((more, plugin)) => {
                 registry = more;
@@ -83,21 +86,45 @@ pub fn with(
 /// Beginning of the clause that names the plug-ins.
 const TOLD: &str = "of the plug-ins: ";
 
-/// The registry with a plug-in that was dropped on a window, and words for it. It runs in processes of its own, as by
-/// `--plugin-process`: the window has threads, which no supervisor can follow, and work that is not saved.
+/// The registry with a plug-in that was dropped on a window, and words for it, with a reason to distrust its file where there is one.
+/// It runs in processes of its own, as by `--plugin-process`: the window has threads, which no supervisor can follow, and work that is
+/// not saved.
 ///
-/// Errors: it cannot be loaded; two filters of one name.
+/// Errors: it is loaded already, or cannot be loaded; two filters of one name.
 #[cfg(feature = "editor")]
 pub fn with_dropped(registry: &Registry, path: &Path) -> Result<(Registry, String)> {
-    let (mut more, words) = add(registry, &PluginFile::read(path)?, None, true)?;
+    let file = PluginFile::read(path)?;
+    refuse_loaded(registry, &file)?;
+    let (mut more, words) = add(registry, &file, None, true)?;
     let others = registry.told_plugins().filter(|told| told.starts_with(TOLD));
     more.tell_plugins(others.map_or_else(|| format!("{TOLD}{words}"), |others| format!("{others}; {words}")));
-    Ok((more, words))
+    Ok((more, [Some(words), file.warning()].into_iter().flatten().collect::<Vec<_>>().join("; ")))
+}
+
+/// Errors: the file is loaded already, as it is now or as it was.
+#[cfg(feature = "editor")]
+fn refuse_loaded(registry: &Registry, file: &PluginFile) -> Result<()> {
+    let own = whole(file.path());
+    let of_filters = registry.filters().filter_map(|filter| filter.plugin());
+    let mut loaded = registry.iter().filter_map(|node| node.plugin).chain(of_filters);
+    let Some(known) = loaded.find(|known| whole(&known.path) == own) else { return Ok(()) };
+    let error = Error::usage("the plug-in is loaded already").in_file(file.path());
+    Err(match known.fingerprint_text() == file.fingerprint() {
+        true => error,
+        false => {
+            error.got("a file that has changed since").expected("another window, which loads it as it is")
+        }
+    })
+}
+
+/// The absolute path of a file, which links lead to as well.
+fn whole(path: &Path) -> PathBuf {
+    std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf())
 }
 
 /// True if a library was not loaded yet; it counts as loaded from then on.
 fn is_new(loaded: &mut Vec<PathBuf>, path: &Path) -> bool {
-    let whole = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let whole = whole(path);
     let is_new = !loaded.contains(&whole);
     loaded.push(whole);
     is_new
@@ -134,6 +161,13 @@ fn admit_foreign_code() -> Result<()> {
     Ok(())
 }
 
+/// Warns of a file that every user may change.
+fn warn_of(file: &PluginFile) {
+    if let Some(warning) = file.warning() {
+        say(&shown(&Error::usage(warning), None, Level::WARNING));
+    }
+}
+
 /// The registry with what one more plug-in offers, and what is said of it.
 fn add(
     registry: &Registry,
@@ -142,9 +176,6 @@ fn add(
     apart: bool,
 ) -> Result<(Registry, String)> {
     refuse_another(file, fingerprint)?;
-    if let Some(warning) = file.warning() {
-        say(&shown(&Error::usage(warning), None, Level::WARNING));
-    }
     let contents = match apart {
         true => voltet_plugins::load_apart(file, own_program()?)?,
         false => voltet_plugins::load_file(file)?,
@@ -166,4 +197,51 @@ fn describe(contents: &Contents, nodes: &[&Node]) -> String {
     let filters = contents.filters.iter().map(|filter| filter.declaration().name);
     let names: Vec<&str> = filters.chain(nodes.iter().map(|node| node.name)).collect();
     format!("{plugin} with {}", names.join(", "))
+}
+
+#[cfg(all(test, feature = "editor"))]
+mod tests {
+    use super::*;
+    use crate::core::field::fingerprint;
+    use std::time::SystemTime;
+
+    #[test]
+    fn a_plug_in_that_is_loaded_is_said_to_be_however_its_path_is_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("filter.so");
+        let (name, version, modified) = ("own".to_string(), "1".to_string(), None::<SystemTime>);
+        let loaded = Plugin {
+            name,
+            version,
+            path: path.clone(),
+            bytes: 3,
+            fingerprint: fingerprint(b"old"),
+            modified,
+        };
+        let of_plugin = Node {
+            name: "of-plug-in",
+            summary: "A node.",
+            plugin: Some(Box::leak(Box::new(loaded))),
+            ..Node::BLANK
+        };
+        let mut registry = Registry::new();
+        registry.add(Box::leak(Box::new(of_plugin))).unwrap();
+        let found = |content: &str, path: &Path| {
+            std::fs::write(path, content).unwrap();
+            with_dropped(&registry, path).map(drop).unwrap_err().to_string()
+        };
+        let other_way = folder.path().join(".").join("filter.so");
+        assert!(
+            found("old", &other_way).starts_with("the plug-in is loaded already ("),
+            "{}",
+            found("old", &other_way)
+        );
+        let changed = found("new", &path);
+        assert!(
+            changed.starts_with("the plug-in is loaded already: found a file that has changed"),
+            "{changed}"
+        );
+        let other = found("old", &folder.path().join("other.so"));
+        assert!(!other.contains("already"), "{other}");
+    }
 }
