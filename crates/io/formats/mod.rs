@@ -217,7 +217,7 @@ impl TableOfContents {
         Ok(TableOfContents { path: path.to_owned(), dataset: open(path, request)? })
     }
 
-    /// As [`inspect`].
+    /// As [`inspect()`].
     pub fn inspect(&self, association: Option<Association>, progress: &dyn Progress) -> Result<Summary> {
         // A thread of the pool need not wait for another one at each of a hundred thousand small arrays.
         let summarize = || inspect::summarize(&self.dataset, association, progress);
