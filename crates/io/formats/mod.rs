@@ -55,7 +55,7 @@ mod hdf5_heaps;
 mod hdf5_views;
 mod hdf5_virtual;
 #[cfg(test)]
-mod heads;
+mod heads_tests;
 mod hexahedra;
 mod hyper_tree;
 mod inspect;
