@@ -146,6 +146,8 @@ def test_what_is_no_mesh_and_what_is_stated_twice():
         (lambda: voltet.render(3), "this is no mesh: found a builtins.int; expected a voltet.Grid, a PyVista"),
         (lambda: voltet.render(np.zeros((3, 3))), r"an array is no volume: found shape \(3, 3\)"),
         (lambda: voltet.render(values, cmap="no such map"), "the colour map is not known: found 'no such map'"),
+        (lambda: voltet.render(values, cmap="Virdis"), "the colour map is not known: found 'Virdis'; expected 'viridis', the nearest name, or one of"),
+        (lambda: voltet.render(values, cmap="spectal_r"), "found 'spectal_r'; expected '.*', the nearest name, or one of"),
         (lambda: voltet.render(values, cmap="Reds", clim=("5 %", 1.0)), "relative to the data"),
         (lambda: voltet.render(values, cmap="Reds", opacity="peaks"), "opacity has no such shape"),
         (lambda: voltet.render(values, cmap="Reds", opacity=[0, 0.2, 1]), "the opacity is no curve: found .0, 0.2, 1.; expected points"),

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ._declared import widget_kinds
-from ._errors import usage
+from ._errors import nearest_or_one_of, usage
 
 #: Points along a colour map of matplotlib.
 _COUNT = 256
@@ -95,6 +95,8 @@ def _of_matplotlib(cmap: Any, places: np.ndarray) -> np.ndarray:
             cmap = LinearSegmentedColormap.from_list("given", [first, second, *rest])
         colors = np.asarray(cmap(places), float)[:, :3]
     except (KeyError, ValueError, TypeError) as error:
-        expected = f"one of {', '.join(names())}, a name or Colormap of matplotlib, or a list of two or more colours"
+        word, known = (cmap, [*names(), *matplotlib.colormaps]) if isinstance(cmap, str) else ("", [])
+        listed = [*names(), "a name or Colormap of matplotlib", "or a list of two or more colours"]
+        expected = nearest_or_one_of(word, known, listed)
         raise usage("the colour map is not known", repr(cmap)[:80], expected) from error
     return np.where(colors <= 0.04045, colors / 12.92, ((colors + 0.055) / 1.055) ** 2.4)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import warnings
 from collections.abc import Iterable, Mapping
+from difflib import get_close_matches
 from operator import index
 from typing import Any
 
@@ -91,6 +92,13 @@ def exception(kind: str, text: str, fields: dict) -> Error:
 def usage(what: str, found: object = None, expected: str | None = None, item: str | None = None) -> UsageError:
     """The exception for a wrong argument, worded as the program words its own."""
     return _worded(UsageError, what, found, expected, item)
+
+
+def nearest_or_one_of(word: str, known: Iterable[str], listed: Iterable[str]) -> str:
+    """What was expected in place of a word: the nearest known one, if one is near, or those listed."""
+    near = get_close_matches(word.lower(), list(known), 1)
+    nearest = f"'{near[0]}', the nearest name, or " if near else ""
+    return f"{nearest}one of {', '.join(listed)}"
 
 
 def argument_type(what: str, found: object = None, expected: str | None = None) -> ArgumentTypeError:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from difflib import get_close_matches
 from inspect import signature
 from math import sqrt
 from typing import Any, NamedTuple
@@ -12,7 +11,7 @@ import numpy as np
 
 from ._colors import colormap_widget
 from ._declared import parameters, ports
-from ._errors import mapping, number, picture_size, sequence, usage, warn
+from ._errors import mapping, nearest_or_one_of, number, picture_size, sequence, usage, warn
 from ._grid import Grid, scalar_name
 from ._picture import Picture
 from ._pipeline import Pipeline
@@ -189,9 +188,7 @@ def _unknown(word: str) -> Exception:
     """The exception for a word that neither a scene nor the node `renderer` has."""
     own = [name for name in signature(scene).parameters if name not in ("grid", "renderer")]
     known = list(dict.fromkeys([*own, *parameters("renderer")]))
-    near = get_close_matches(word.lower(), known, 1)
-    nearest = f"'{near[0]}', the nearest name, or " if near else ""
-    return usage(f"unknown word '{word}'", None, f"{nearest}one of {', '.join(known)}")
+    return usage(f"unknown word '{word}'", None, nearest_or_one_of(word, known, known))
 
 
 def _surface(pipeline: Pipeline, name: str, given: Mapping[str, Any]) -> str:
