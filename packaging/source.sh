@@ -2,7 +2,7 @@
 # Makes voltet-VERSION.tar.gz of the commit that is checked out, and prints its sha256: packaging/source.sh VERSION [FOLDER]
 # The same commit gives the same bytes: times are the commit's, and the compressed stream names neither file nor time.
 set -euo pipefail
-version=${1:?"the version, such as 0.2.0"}
+version=${1:?"the version, such as 0.3.0"}
 folder=$(realpath "${2:-.}")
 cd "$(dirname "$0")/.."
 stated=$(sed -n '/^\[workspace.package\]/,/^$/s/^version = "\(.*\)"/\1/p' Cargo.toml)

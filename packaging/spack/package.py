@@ -11,14 +11,14 @@ class Voltet(CargoPackage):
 
     homepage = "https://github.com/voltet/voltet"
     git = "https://github.com/voltet/voltet.git"
-    url = "https://github.com/voltet/voltet/archive/refs/tags/v0.2.0.tar.gz"
+    url = "https://github.com/voltet/voltet/archive/refs/tags/v0.3.0.tar.gz"
 
     maintainers("voltet")
 
     license("MIT OR Apache-2.0", checked_by="voltet")
 
     version("main", branch="main")
-    version("0.2.0", tag="v0.2.0")
+    version("0.3.0", tag="v0.3.0")
 
     # The system's Vulkan loader is opened at run time; without one the processor draws.
     variant("gpu", default=True, description="Draws on graphics devices by Vulkan, too")
