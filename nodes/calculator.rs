@@ -14,7 +14,6 @@ use voltet_graph::{
     PortType, RunContext, SourceSpan, Value,
 };
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "calculator",
     summary: "Computes an array from others by an expression, and makes it the scalar that is drawn.",
@@ -93,7 +92,6 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-/// A unit.
 const UNIT: Parameter = Parameter {
     name: "",
     parameter_type: ParameterType::Text,

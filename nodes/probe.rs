@@ -20,7 +20,6 @@ use voltet_graph::{
     TransferFunctionSpec, Value,
 };
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "probe",
     summary: "Places a Gaussian widget on the data of a region: their mean, deviations and correlation there.",
@@ -89,7 +88,6 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     Ok(vec![Value::TransferFunction(Arc::new(look))])
 }
 
-/// The probe of the volume at the input.
 fn of_volume(call: &mut RunContext) -> Result<ProbeResult> {
     let (p, volume) = (call.parameters, call.volume("volume")?);
     let own = placed(p, &volume.grid)?;
@@ -107,7 +105,6 @@ fn of_volume(call: &mut RunContext) -> Result<ProbeResult> {
     Ok(found)
 }
 
-/// The probe of a volume.
 fn probed(p: &Parameters, volume: &Volume, progress: &dyn Progress) -> Result<ProbeResult> {
     let names = fields(p)?;
     let values = values(volume, names.as_deref()).map_err(|error| p.locate("fields", error))?;

@@ -20,7 +20,6 @@ use voltet_graph::{
 };
 use voltet_io::formats::{BLOCK, blocks_named};
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "threshold",
     summary: "Keeps the cells in which an array has values of a range or a list, or those of a part of space or of blocks.",
@@ -291,7 +290,6 @@ fn cells_as_points(p: &Parameters, volume: &Volume) -> Result<Volume> {
     Ok(Volume { grid: Arc::new(grid), gradient: None, gradient_magnitude: None, ..volume.clone() })
 }
 
-/// The values of the array at the points.
 fn point_values<'a>(p: &Parameters, volume: &'a Volume) -> Result<&'a [f64]> {
     let name = p.text("array")?;
     if volume.grid.origin.arrays_of_cells.iter().any(|own| own == name) {

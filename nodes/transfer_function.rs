@@ -13,7 +13,6 @@ use voltet_graph::{
     Range, RunContext, TransferFunctionSpec, Value,
 };
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "transfer-function",
     summary: "Turns the scalar and its gradient magnitude into colour and extinction, by a list of widgets.",
@@ -211,7 +210,6 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     Ok(vec![Value::TransferFunction(Arc::new(look))])
 }
 
-/// The transfer function that the parameters state.
 fn look(p: &Parameters, widgets: &relative::Widgets, files: &dyn LoadFiles) -> Result<TransferFunctionSpec> {
     let model = match p.text("model")? {
         "constant-emitter" => OpticalModel::ConstantEmitter { cutoff: p.number("cutoff")? },

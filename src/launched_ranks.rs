@@ -114,7 +114,6 @@ fn run_tasks(launched: [usize; 2], tasks: &Receiver<MpiTask>) {
     tasks.iter().for_each(|task| task(&started));
 }
 
-/// MPI, started on this thread.
 fn started(launched: [usize; 2]) -> Result<(MpiRanks, Universe)> {
     let (universe, _) = mpi::initialize_with_threading(mpi::Threading::Funneled)
         .ok_or_else(|| Error::run("MPI does not start: it was started before"))?;

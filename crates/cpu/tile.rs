@@ -68,13 +68,11 @@ impl Area {
         [self.to[0] - self.from[0], self.to[1] - self.from[1]]
     }
 
-    /// Number of its tiles.
     pub fn tile_count(&self) -> usize {
         let [columns, rows] = self.size();
         columns * rows
     }
 
-    /// True if a tile lies in it.
     pub fn holds(&self, tile: [usize; 2]) -> bool {
         (0..2).all(|k| self.from[k] <= tile[k] && tile[k] < self.to[k])
     }

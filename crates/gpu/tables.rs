@@ -87,7 +87,6 @@ impl Tables {
         Ok(self)
     }
 
-    /// The buffer of that name.
     pub fn named(&self, name: &str) -> Result<&wgpu::Buffer> {
         let found = self.buffers.iter().find(|(known, _)| *known == name);
         found

@@ -93,13 +93,11 @@ pub(crate) fn gradient_filter<A: AddressSpace>(
     Ok((declaration, read))
 }
 
-/// The gradient filter of a library at an address.
 pub(crate) fn library_gradient_filter(address: usize) -> CheckResult<LibraryItem> {
     let (declaration, read) = gradient_filter(Process, address)?;
     Ok(LibraryItem { declaration, check: read.item.check, function: EntryPoint::Gradient(read.gradient) })
 }
 
-/// The reader at an address.
 pub(crate) fn reader(address: usize) -> CheckResult<LibraryItem> {
     let (read, _) = Process.sized::<interface::Reader>(address)?;
     let declaration = declaration(Process, "reader", &read.item, || {
@@ -123,7 +121,6 @@ pub(crate) fn reader(address: usize) -> CheckResult<LibraryItem> {
     Ok(LibraryItem { declaration, check: read.item.check, function })
 }
 
-/// The grid filter at an address.
 pub(crate) fn grid_filter(address: usize) -> CheckResult<LibraryItem> {
     let (read, _) = Process.sized::<interface::GridFilter>(address)?;
     let declaration = declaration(Process, "grid filter", &read.item, || {
@@ -134,7 +131,6 @@ pub(crate) fn grid_filter(address: usize) -> CheckResult<LibraryItem> {
     Ok(LibraryItem { declaration, check: read.item.check, function: EntryPoint::GridFilter(read.filter) })
 }
 
-/// The image filter at an address.
 pub(crate) fn image_filter(address: usize) -> CheckResult<LibraryItem> {
     let (read, _) = Process.sized::<interface::ImageFilter>(address)?;
     let declaration = declaration(Process, "image filter", &read.item, || {

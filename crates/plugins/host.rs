@@ -19,7 +19,6 @@ use voltet_core::{Error, Result};
 /// Largest number of different texts of fall-backs.
 const MAX_FALLBACKS: usize = 32;
 
-/// Reports of one call.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Reports {
     /// Error message of the plug-in.

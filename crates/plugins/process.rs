@@ -180,7 +180,6 @@ fn failed(what: String, got: Option<String>, expected: Option<String>, path: &Pa
 /// Interval between two calls of `may_go_on`.
 const INTERVAL: Duration = Duration::from_millis(10);
 
-/// Ends of a request.
 enum End {
     /// With replies, complete or not.
     Replied(Vec<Reply>),

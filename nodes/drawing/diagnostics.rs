@@ -183,7 +183,6 @@ fn beside_values(scene: &Scene) -> Option<String> {
 struct PictureStatistics {
     /// The largest opacity or channel of any pixel.
     max: f32,
-    /// The largest opacity.
     opacity: f32,
     /// Pixels that hold anything.
     shown: usize,

@@ -81,7 +81,6 @@ pub(super) trait SeveralVolumes {
     }
 }
 
-/// Steps of a series.
 pub(super) struct SeriesSteps<'a, 'c> {
     pub call: &'a RunContext<'c>,
     pub demand: &'a Demand,

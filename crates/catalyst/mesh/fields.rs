@@ -71,7 +71,6 @@ fn fields<'a>(domain: &Node<'a>, topology: &str) -> Result<Vec<Node<'a>>> {
     Ok(own)
 }
 
-/// Names of the fields of a topology.
 pub(super) fn names(domain: &Node, topology: &str) -> Result<Vec<String>> {
     Ok(fields(domain, topology)?.iter().map(|field| field.name().to_string()).collect())
 }
@@ -207,7 +206,6 @@ fn whole_values(numbers: &Numbers) -> Result<Vec<i64>> {
     numbers.to_f64().into_iter().enumerate().map(each).collect()
 }
 
-/// The components of a field's values.
 fn components<'a>(field: &Node<'a>) -> Result<Vec<Numbers<'a>>> {
     let node = field.require("values")?;
     let children = node.children();
@@ -249,7 +247,6 @@ pub(super) fn same_lengths(arrays: &[Numbers]) -> Result<()> {
     }
 }
 
-/// The values of a field.
 fn array(field: &Node, count: usize, each: &str, loan: &Loan) -> Result<Array> {
     let components = components(field)?;
     check_counts(&components, count, each)?;

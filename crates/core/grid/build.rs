@@ -339,7 +339,6 @@ struct CellCounts {
     without_owner: u64,
     /// Ghosts that another part of the grid draws.
     neighbours: u64,
-    /// Cells that are drawn.
     drawn: u64,
     not_volume: u64,
     pub not_finite: u64,

@@ -427,13 +427,11 @@ pub struct Polyhedron {
     pub faces: Vec<Vec<u32>>,
 }
 
-/// One cell.
 pub(super) struct Cell<'a> {
     /// Number in the file.
     pub number: usize,
     /// VTK type code.
     pub code: u8,
-    /// Its points.
     pub corners: &'a [u32],
 }
 
@@ -488,13 +486,11 @@ pub struct HangingPoint {
 }
 
 impl HangingPoint {
-    /// The numbers of all points.
     pub(super) fn numbers(&self) -> [u32; 5] {
         let [a, b, c, d] = self.corners;
         [self.point, a, b, c, d]
     }
 
-    /// Copy by other numbers of the points.
     pub(super) fn renumbered(&self, number: impl Fn(u32) -> u32) -> HangingPoint {
         HangingPoint { point: number(self.point), corners: self.corners.map(number), ..*self }
     }

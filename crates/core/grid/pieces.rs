@@ -52,7 +52,6 @@ pub(super) fn prepare(piece: &mut RawGrid, index: usize) -> Result<()> {
 
 /// A piece, whole or a part of it, on its way into a grid.
 pub(super) struct JoinedPiece {
-    /// Its number.
     pub piece: usize,
     pub grid: RawGrid,
     /// Numbers of its points in the piece, ascending; `None`: all are there.

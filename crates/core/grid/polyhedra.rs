@@ -42,7 +42,6 @@ impl Defect {
     }
 }
 
-/// Split of a polyhedron.
 #[derive(Debug)]
 enum Split {
     /// Not at all: left out, or not drawn for another reason.

@@ -101,7 +101,6 @@ impl SharedPoints {
         self.of_piece(piece).is_empty()
     }
 
-    /// The shared points of a piece, by their numbers there.
     pub(super) fn of_piece(&self, piece: usize) -> &[SharedPoint] {
         self.of_pieces.get(piece).map_or(&[], Vec::as_slice)
     }
@@ -247,7 +246,6 @@ pub(super) struct PointNumbers {
     pub numbers: Vec<u32>,
     /// The number, or nowhere (`u32::MAX`) where another point's position and values stand for these.
     pub targets: Vec<u32>,
-    /// Number of points.
     pub count: usize,
 }
 

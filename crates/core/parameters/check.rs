@@ -21,7 +21,6 @@ pub struct Parameters {
     variants: Option<(&'static str, Arc<[Variant]>)>,
 }
 
-/// A declaration with its value.
 #[derive(Debug, Clone)]
 struct Entry {
     declared: Parameter,

@@ -54,7 +54,6 @@ pub(crate) struct RayPacket<'a> {
     pub(super) active: u32,
     pub(super) entering: u32,
     pub(super) slices: usize,
-    /// Segments so far.
     pub segments: u64,
     /// True if a ray left by an unexpected face.
     pub is_mistracked: bool,
@@ -68,7 +67,6 @@ pub(super) struct PendingEntry {
 }
 
 impl<'a> RayPacket<'a> {
-    /// Packet without rays.
     pub fn new(caster: &'a RayCaster, hits: &'a BoundaryHits, distance_origin: f64) -> RayPacket<'a> {
         RayPacket {
             caster,

@@ -195,7 +195,6 @@ impl<'a, 'b, L: Lanes, const CUT: bool, const N: usize> PacketTraversal<'a, 'b, 
         array!(|k| words[k].to_bits())
     }
 
-    /// Gathers the opposite vertex.
     #[inline(always)]
     pub fn opposite_vertex(&self, number: L::U) -> OppositeVertex<L, N> {
         let pixel = L::F::splat(self.points.pixel);

@@ -99,7 +99,6 @@ impl OpticalDepths {
     }
 }
 
-/// Pixels of a tile.
 #[expect(clippy::large_enum_variant, reason = "a worker has one, on its stack")]
 pub(crate) enum TilePixels {
     OneColor([f32; 3], OpticalDepths),
@@ -308,7 +307,6 @@ impl Fragment {
 #[derive(Default)]
 pub(crate) struct UnboundedFragmentLists {
     pixels: [Vec<Fragment>; TILE],
-    /// Transmittance of each pixel.
     pub transmittance: [f64; TILE],
 }
 
@@ -321,7 +319,6 @@ impl UnboundedFragmentLists {
         self.pixels[column].push(fragment);
     }
 
-    /// The fragments of each pixel.
     pub fn pixels(&self) -> &[Vec<Fragment>; TILE] {
         &self.pixels
     }

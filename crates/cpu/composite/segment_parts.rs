@@ -65,7 +65,6 @@ struct CutFragment {
 struct Part {
     /// Index of the segment in its batch.
     of: usize,
-    /// Its depths.
     depths: [f32; 2],
     /// Shares of the segment at which it begins and ends.
     shares: [f32; 2],
@@ -383,7 +382,6 @@ struct CutRow<'a, 'f> {
     frame: &'a FrameContext<'f>,
     batch: &'a mut Batch,
     count: usize,
-    /// Pixel of each lane.
     pixels: [usize; TILE],
     rays: &'a Rays,
 }

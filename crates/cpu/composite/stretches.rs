@@ -21,7 +21,6 @@ pub(crate) struct TileStretches {
 }
 
 impl TileStretches {
-    /// The stretches of a pixel.
     pub fn of_pixel(&self, pixel: usize) -> &[Supersegment] {
         let start = pixel.checked_sub(1).map_or(0, |before| self.ends[before]);
         &self.stretches[start..self.ends[pixel]]

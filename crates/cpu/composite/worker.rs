@@ -54,7 +54,6 @@ pub(crate) struct Worker<'a> {
     pub progress: &'a dyn Progress,
 }
 
-/// State of a worker.
 struct WorkerState {
     scratch: Scratch,
     lists: FragmentLists,

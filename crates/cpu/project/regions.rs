@@ -129,7 +129,6 @@ struct BinKernel<'a> {
     cells: &'a [u32],
     area: Area,
     side: usize,
-    /// Columns of regions.
     columns: usize,
     /// Numbers of the cells, region by region.
     lists: &'a mut [Vec<u32>],

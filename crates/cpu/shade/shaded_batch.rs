@@ -12,7 +12,6 @@ pub(crate) const STEPS: [usize; 3] = [2, 4, 8];
 /// Kinds of fragments that the closed forms leave to slower kernels.
 pub(crate) const KINDS: usize = STEPS.len() + 3;
 
-/// Results of a batch.
 pub(crate) struct ShadedBatch {
     /// Optical depth, or with silhouettes and light the opacity (filled when there is one colour).
     pub depth: Box<Column>,

@@ -42,7 +42,6 @@ pub(crate) struct Passes<'a> {
     keeps_states: bool,
 }
 
-/// The counts, from their bytes.
 pub(crate) fn counts_of(bytes: &[u8]) -> [u32; counters::ALL] {
     std::array::from_fn(|k| bytemuck::pod_read_unaligned(&bytes[4 * k..4 * k + 4]))
 }

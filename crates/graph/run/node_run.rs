@@ -31,7 +31,6 @@ struct FeedingNode {
     demand: Demand,
 }
 
-/// One run of a node by a session.
 pub(super) struct NodeRun<'a> {
     pub graph: &'a Graph,
     /// Index of the node in the graph.
@@ -49,7 +48,6 @@ pub(super) struct NodeRun<'a> {
 }
 
 impl<'a> NodeRun<'a> {
-    /// The node.
     fn node(&self) -> &'a GraphNode {
         &self.graph.nodes[self.place]
     }

@@ -234,7 +234,6 @@ impl SharedOutputs {
         state.cache.add(entry, is_to_come);
     }
 
-    /// Drops the former runs that fit.
     pub(super) fn drop_runs(&self, fits: impl Fn(&Entry) -> bool) {
         self.lock().cache.entries.retain(|entry| !fits(entry));
     }

@@ -13,7 +13,6 @@ use std::io::Cursor;
 use voltet_core::picture_parts::LayerValues;
 use voltet_core::{Error, Result};
 
-/// The declaration.
 pub(super) const FORMAT: PictureFormat = PictureFormat {
     name: "exr",
     endings: &["exr"],

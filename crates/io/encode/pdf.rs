@@ -13,7 +13,6 @@ use voltet_core::picture::Picture;
 use voltet_core::picture_parts::{PathStep, Shape, ShapeForm};
 use voltet_core::{Error, Result};
 
-/// The declaration.
 pub(super) const FORMAT: PictureFormat = PictureFormat {
     name: "pdf",
     endings: &["pdf"],

@@ -22,7 +22,6 @@ use std::sync::Arc;
 use voltet_core::grid::code;
 use voltet_core::{Error, Result};
 
-/// The declaration.
 pub(super) const FORMAT: Format =
     Format { files: "input of Abaqus (.inp)", matches, open, has_solution: false };
 
@@ -78,7 +77,6 @@ struct ElementLines {
     set: String,
 }
 
-/// Lines of a set of elements.
 struct SetLines {
     part: usize,
     name: Arc<str>,
@@ -455,7 +453,6 @@ fn node(line: &[u8], nodes: &mut Vec<(u64, DVec3)>) -> Result<()> {
 /// Mark behind the numbers of a line; the place of the line follows.
 const LINE: u64 = u64::MAX;
 
-/// Numbers of the lines of a piece.
 fn element_numbers(piece: &TextPiece) -> Result<Vec<u64>> {
     let mut all = Vec::with_capacity(piece.bytes.len() / 6);
     for line in piece.lines() {

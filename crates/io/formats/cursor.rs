@@ -98,7 +98,6 @@ impl Cursor {
         self.last_line
     }
 
-    /// Bytes that are left.
     pub fn left(&self) -> u64 {
         self.end.saturating_sub(self.position())
     }
@@ -170,7 +169,6 @@ impl Cursor {
         }
     }
 
-    /// Skips white space.
     pub fn skip_space(&mut self) -> Result<()> {
         loop {
             while let Some(byte) = self.window.get(self.at).filter(|byte| is_space(**byte)) {

@@ -134,14 +134,12 @@ impl OpenFile {
         Hdf5File::from_storage_with_options(storage, options)
     }
 
-    /// Number of the file.
     fn number(&self) -> usize {
         Arc::as_ptr(&self.source).addr()
     }
 }
 
 impl File {
-    /// Opens a file.
     pub fn open(source: Arc<Source>) -> Result<Arc<File>> {
         let files = Arc::<Files>::default();
         let open = OpenFile::open(source.clone(), &files)?;
@@ -190,7 +188,6 @@ impl File {
         all.find(|open| std::ptr::addr_eq(open.file.storage(), storage)).cloned()
     }
 
-    /// The file of a number.
     pub fn numbered(&self, number: usize) -> Option<OpenFile> {
         self.files.open().iter().find(|open| open.number() == number).cloned()
     }

@@ -260,10 +260,8 @@ fn sums_of(
     all_or_first(numbers.into_par_iter().map(of_piece))
 }
 
-/// Bounds of points.
 type Bounds = Option<[DVec3; 2]>;
 
-/// Contents of some pieces.
 #[derive(Default)]
 struct PieceSums {
     pieces: Vec<RawGrid>,
@@ -383,7 +381,6 @@ impl DrawnParts {
     }
 }
 
-/// Counts a piece's cells.
 fn count_cells(cells: &Cells, piece: &Piece, by_type: &mut BTreeMap<u8, u64>) {
     let mut add = |code: u8, count: u64| *by_type.entry(code).or_default() += count;
     match cells {
@@ -435,7 +432,6 @@ fn add_points<'a>(bounds: &mut Bounds, points: impl Iterator<Item = &'a DVec3>) 
     }
 }
 
-/// An array, and its range over all values.
 type WithRange = (ArraySummary, Option<[f64; 2]>);
 
 fn widen(range: &mut Option<[f64; 2]>, value: f64) {
@@ -444,7 +440,6 @@ fn widen(range: &mut Option<[f64; 2]>, value: f64) {
 }
 
 impl ArraySummary {
-    /// True if they are of one array.
     fn is_same(&self, other: &ArraySummary) -> bool {
         self.head == other.head && self.number_type == other.number_type
     }

@@ -24,7 +24,6 @@ type Stamp = Option<(u64, SystemTime)>;
 /// Files with named ones that are remembered.
 const MAX_FILES: usize = 64;
 
-/// The files that a path names, and the stamps of the path and of these.
 type Named = (Vec<PathBuf>, Vec<Stamp>);
 
 static KNOWN: LazyLock<Mutex<HashMap<PathBuf, Named>>> = LazyLock::new(Mutex::default);

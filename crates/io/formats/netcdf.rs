@@ -17,7 +17,6 @@ pub(super) fn is_netcdf(head: &[u8]) -> bool {
     matches!(head, [b'C', b'D', b'F', 1 | 2 | 5, ..])
 }
 
-/// An open file.
 pub(super) struct NetcdfFile {
     pub source: Arc<Source>,
     variables: HashMap<String, Variable>,
@@ -25,19 +24,16 @@ pub(super) struct NetcdfFile {
     record_len: u64,
 }
 
-/// A variable of a file.
 pub(super) struct Variable {
     /// Numbers along each axis; the first of a variable with records counts these.
     pub shape: Vec<u64>,
     number_type: NumberType,
     has_records: bool,
     begin: u64,
-    /// Attributes of text.
     attributes: Vec<(String, String)>,
 }
 
 impl Variable {
-    /// An attribute of text.
     pub fn attribute(&self, name: &str) -> Option<&str> {
         self.attributes.iter().find(|attribute| attribute.0 == name).map(|attribute| attribute.1.as_str())
     }
@@ -108,12 +104,10 @@ impl NetcdfFile {
         Ok(NetcdfFile { source, variables, record_len })
     }
 
-    /// Names of all variables.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.variables.keys().map(String::as_str)
     }
 
-    /// The variable of that name, if there is one.
     pub fn variable(&self, name: &str) -> Option<&Variable> {
         self.variables.get(name)
     }
@@ -185,7 +179,6 @@ fn record_len(variables: &[(String, Variable)]) -> Option<u64> {
     }
 }
 
-/// The header as it is read.
 struct Header {
     cursor: Cursor,
     version: u8,
@@ -223,7 +216,6 @@ impl Header {
         (0..count).map(|_| element(self)).collect()
     }
 
-    /// The attributes of text.
     fn attributes(&mut self) -> Result<Vec<(String, String)>> {
         let attributes = self.list(ATTRIBUTES, |header| {
             let (name, code) = (header.name()?, header.number(4)?);

@@ -79,7 +79,6 @@ impl PieceBorders {
     }
 }
 
-/// Sizes of all pieces.
 pub(super) fn sizes(dataset: &Dataset) -> Vec<PieceSize> {
     let size = |piece: &Piece| PieceSize { points: piece.point_count, cells: piece.cell_count };
     dataset.pieces.iter().map(size).collect()
@@ -185,7 +184,6 @@ fn shared_keys(own: NumberedKeys, share: &Share, progress: &dyn Progress) -> Res
 /// Keys of points of pieces, with the pieces' numbers.
 type NumberedKeys = Vec<(usize, PointKeys)>;
 
-/// The pieces of this process.
 struct OwnPieces<'a> {
     dataset: &'a Dataset,
     request: &'a Request,
@@ -255,7 +253,6 @@ impl OwnPieces<'_> {
         Ok(found)
     }
 
-    /// Keys of positions and values.
     fn keys_of_places(&mut self, pieces: &[NumberedPiece], share: &Share) -> Result<NumberedKeys> {
         let bare = request_of(self.request, Vec::new(), true);
         let mut own = Vec::new();
@@ -374,7 +371,6 @@ fn request_of(request: &Request, point_arrays: Vec<String>, without_scalar: bool
     Request { without_scalar, point_arrays, cell_arrays: Vec::new(), ..request.clone() }
 }
 
-/// Reads some pieces and builds their grid.
 pub(super) fn read(
     dataset: &Dataset,
     request: &Request,
@@ -444,7 +440,6 @@ pub(super) fn read(
     grid::build_part(parts, &Options { without_tetrahedra: is_unsplit, ..request.options }, progress)
 }
 
-/// A piece of a part that is read.
 enum ReadPiece {
     /// It was kept.
     Whole(Box<RawGrid>),

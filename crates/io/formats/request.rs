@@ -129,7 +129,6 @@ impl std::fmt::Debug for SelectedArrays {
     }
 }
 
-/// A format of files.
 pub(super) struct Format {
     /// Name of the format's files in messages.
     pub files: &'static str,

@@ -49,7 +49,6 @@ fn entries(source: &Source) -> Result<Vec<Entry>> {
     Ok(entries)
 }
 
-/// A step of a series.
 pub(super) struct SeriesStep {
     /// The file of its data.
     pub path: PathBuf,
@@ -57,7 +56,6 @@ pub(super) struct SeriesStep {
     pub times: Vec<f64>,
 }
 
-/// The step that a request means.
 pub(super) fn step(source: &Source, request: &Request) -> Result<SeriesStep> {
     let entries = entries(source)?;
     let times: Vec<f64> = entries.iter().map(|entry| entry.time).collect();

@@ -9,7 +9,6 @@ use std::path::Path;
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 
-/// Bytes of a piece.
 const PIECE: u64 = 1 << 18;
 /// Pieces of a thread that are parsed while those before them are taken.
 const PIECES_OF_THREAD: usize = 4;
@@ -35,7 +34,6 @@ pub(super) fn has_mark(head: &[u8], mark: &str) -> bool {
     head.windows(mark.len()).any(|window| window == mark.as_bytes())
 }
 
-/// Number of line ends.
 pub(super) fn line_ends(bytes: &[u8]) -> usize {
     let of_part = |part: &[u8]| part.iter().map(|&byte| u8::from(byte == b'\n')).sum::<u8>();
     bytes.chunks(255).map(|part| usize::from(of_part(part))).sum()
@@ -103,12 +101,10 @@ impl TextRange {
         TextRange { source: source.clone(), start: bytes.start, end: bytes.end.min(source.len()) }
     }
 
-    /// Number of bytes.
     pub fn len(&self) -> u64 {
         self.end.saturating_sub(self.start)
     }
 
-    /// Path of the file.
     pub fn path(&self) -> &Path {
         self.source.path()
     }
@@ -123,7 +119,6 @@ impl TextRange {
         TextRange { end: self.end.min(end), ..self.clone() }
     }
 
-    /// An error with the line of the end.
     pub fn locate_end(&self, error: Error) -> Error {
         self.locate(error, self.end)
     }
@@ -317,7 +312,6 @@ impl TextRange {
         Ok(has_enough)
     }
 
-    /// Number of words.
     pub fn word_count(&self) -> Result<u64> {
         let mut count = 0;
         let of_piece = |piece: &TextPiece| {

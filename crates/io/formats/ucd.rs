@@ -18,7 +18,6 @@ use voltet_core::grid::{Association, code};
 use voltet_core::reading::FileArray;
 use voltet_core::{Error, Result};
 
-/// The declaration.
 pub(super) const FORMAT: Format =
     Format { files: "AVS UCD (.inp, .ucd) as text", matches, open, has_solution: false };
 
@@ -131,7 +130,6 @@ fn skip_lines(cursor: &mut Cursor, count: u64, what: &str) -> Result<TextRange> 
     Ok(start.range_to(cursor))
 }
 
-/// A cell of the file.
 struct UcdCell {
     tag: u64,
     material: i64,
@@ -140,7 +138,6 @@ struct UcdCell {
     node_count: usize,
 }
 
-/// Words of a line that are read one by one.
 struct LineWords<'a>(&'a [u8]);
 
 impl LineWords<'_> {

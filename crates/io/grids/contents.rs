@@ -13,9 +13,7 @@ pub struct Contents<'a> {
     precision: Precision,
     pub(super) points: Numbers<'a>,
     pub(super) cells: WrittenCells<'a>,
-    /// One tuple a point.
     pub(super) point_arrays: Vec<Column<'a>>,
-    /// One tuple a cell.
     pub(super) cell_arrays: Vec<Column<'a>>,
 }
 
@@ -25,9 +23,7 @@ pub(super) struct WrittenCells<'a> {
     pub types: Cow<'a, [u8]>,
     /// One more than cells, the first 0.
     pub offsets: Cow<'a, [u64]>,
-    /// Numbers of points.
     pub connectivity: Cow<'a, [u32]>,
-    /// Faces of the polyhedra.
     pub polyhedra: Cow<'a, [Polyhedron]>,
 }
 
@@ -185,7 +181,6 @@ impl<'a> Contents<'a> {
         self.point_arrays.iter().any(|array| array.name == name)
     }
 
-    /// The time that the values are of.
     pub(super) fn time(&self) -> Option<f64> {
         self.grid.origin.time.filter(|time| time.is_finite())
     }

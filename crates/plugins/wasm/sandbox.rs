@@ -122,7 +122,6 @@ impl RunningModule {
         Guest::new(self.memory, &self.store)
     }
 
-    /// The address of the entry.
     pub fn entry(&mut self) -> CheckResult<u32> {
         let entry = self.instance.get_global(&mut self.store, ENTRY);
         let entry = entry.ok_or_else(|| format!("it does not export the symbol '{ENTRY}'"))?;

@@ -13,7 +13,6 @@
 use crate::grid::cell_types::{CellType, code};
 use crate::grid::split;
 
-/// The reference cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum ReferenceCell {
     Tetrahedron,

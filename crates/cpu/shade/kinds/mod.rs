@@ -180,7 +180,6 @@ impl LaneWidget {
         }
     }
 
-    /// Traits that follow from the kind.
     #[inline]
     pub(super) fn traits(&self) -> KindTraits {
         use KernelTier as Tier;

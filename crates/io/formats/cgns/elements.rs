@@ -168,7 +168,6 @@ fn known(section: &Section, kind: i64) -> Result<&'static ElementType> {
     })
 }
 
-/// Number of a point from that of a node.
 fn point(section: &Section, node: u32) -> Result<u32> {
     node.checked_sub(1).ok_or_else(|| section.wrong("a node number is wrong").got(0).expected("at least 1"))
 }

@@ -24,7 +24,6 @@ pub(super) const ROOT: &str = "CGNSLibraryVersion";
 /// Characters of a name in an array of names.
 const NAME_LEN: usize = 32;
 
-/// A node of the tree.
 struct Node {
     name: String,
     label: String,
@@ -203,7 +202,6 @@ impl Sizes {
     }
 }
 
-/// The grid of a zone.
 fn piece(
     zone: &Node,
     step: Option<usize>,

@@ -50,7 +50,6 @@ pub(super) struct StepFile {
     pub start: OnceLock<Place>,
 }
 
-/// A variable of a case.
 pub(super) struct CaseVariable {
     pub name: String,
     pub association: Association,
@@ -58,7 +57,6 @@ pub(super) struct CaseVariable {
     pub pattern: FilePattern,
 }
 
-/// Contents of a case file.
 pub(super) struct CaseFile {
     folder: PathBuf,
     pub geometry: FilePattern,
@@ -86,7 +84,6 @@ const KINDS: [(&str, Association, usize); 10] = [
 ];
 
 impl CaseFile {
-    /// Reads it.
     pub fn read(source: &Arc<Source>) -> Result<CaseFile> {
         let mut case = CaseFile {
             folder: source.path().parent().unwrap_or(Path::new("")).to_owned(),
@@ -256,7 +253,6 @@ impl CaseFile {
 }
 
 impl TimeSet {
-    /// Number in the name of the file of a step.
     fn file_number(&self, step: usize) -> Result<u64> {
         let counted =
             (step as u64).checked_mul(self.increment).and_then(|steps| self.start.checked_add(steps));

@@ -19,7 +19,6 @@ use std::sync::Arc;
 use voltet_core::grid::Association;
 use voltet_core::{Error, Result, counted};
 
-/// The declaration.
 pub(super) const FORMAT: Format = Format {
     files: "a case of EnSight Gold (.case)",
     matches: |head, _, _| is_case(head),

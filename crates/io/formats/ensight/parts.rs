@@ -40,11 +40,9 @@ pub(super) struct GoldElements {
     pub count: u64,
     /// Number of nodes, 0 for polyhedra and polygons, and type code of VTK, 0 for what is no volume.
     kind: (usize, u8),
-    /// Place of the connectivity.
     place: Place,
 }
 
-/// One part.
 pub(super) struct GoldPart {
     pub number: u64,
     pub name: String,
@@ -471,7 +469,6 @@ impl GoldGeometry {
     }
 }
 
-/// Head of a part behind its name.
 fn part_head(file: &mut GoldFile, number: u64, name: String, has_ids: bool) -> Result<GoldPart> {
     let line = file.required("coordinates or block")?;
     let mut words = line.split_ascii_whitespace();

@@ -32,7 +32,6 @@ const QUADRATIC_QUAD: u8 = 23;
 const BIQUADRATIC_QUAD: u8 = 28;
 const BIQUADRATIC_TRIANGLE: u8 = 34;
 
-/// Elements of a block.
 #[derive(Clone)]
 pub(super) enum BlockKind {
     Shape(ElementShape),
@@ -197,7 +196,6 @@ impl Mesh {
         Ok(Cells::Mixed(cells))
     }
 
-    /// Nodes of all faces.
     fn read_faces(&self, point_count: usize, meter: &Meter) -> Result<Vec<Vec<u32>>> {
         let mut faces = Vec::new();
         for FaceBlock { counts, nodes } in &self.faces {
@@ -213,7 +211,6 @@ impl Mesh {
     }
 }
 
-/// Adds elements of one type.
 fn add_alike(
     ElementShape { code, nodes }: &ElementShape,
     connectivity: &Stored,

@@ -116,7 +116,6 @@ fn open(source: &Arc<Source>, variables: Variables, request: &Request) -> Result
     dataset(files.into_iter().map(read).collect::<Result<_>>()?, request)
 }
 
-/// An element block of a file.
 struct ElementBlock {
     /// Its number in all files of a mesh.
     id: i64,
@@ -194,7 +193,6 @@ fn element_blocks(variables: &Variables) -> Result<Vec<ElementBlock>> {
     (0..count).map(block).collect()
 }
 
-/// The face blocks of a file.
 fn face_blocks(variables: &Variables) -> Result<Vec<FaceBlock>> {
     let blocks = 1..=variables.greatest_of("fbconn").min(MAX_BLOCKS);
     let block = |number: usize| {

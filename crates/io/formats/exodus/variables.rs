@@ -44,7 +44,6 @@ impl Variables {
         }
     }
 
-    /// True if there is a variable of that name.
     pub fn has(&self, name: &str) -> bool {
         match self {
             Variables::Classic(file) => file.variable(name).is_some(),
@@ -73,7 +72,6 @@ impl Variables {
         })
     }
 
-    /// An attribute of text of a variable.
     pub fn attribute(&self, variable: &str, name: &str) -> Result<Option<String>> {
         Ok(match self {
             Variables::Classic(file) => {

@@ -293,7 +293,6 @@ impl CaseMeshes {
         Ok(CaseMeshes { meshes, blocks, is_selected, warning })
     }
 
-    /// True if a mesh of the region is read.
     fn reads(&self, region: usize) -> bool {
         let mut own = self.meshes.iter().filter(|mesh| mesh.1 == region);
         own.any(|mesh| mesh.3.is_empty() || self.is_selected[mesh.3.clone()].contains(&true))

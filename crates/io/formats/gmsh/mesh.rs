@@ -71,7 +71,6 @@ impl Volumes {
         Volumes { connectivity, tags, kinds: Vec::new(), blocks: Vec::new() }
     }
 
-    /// Adds elements of a block.
     fn add(&mut self, run: &ElementRun, block: usize, nodes: &Tags) -> Result<()> {
         let (first, corner) = self.kinds.last().map_or((0, 0), |&(_, end, corner_end)| (end, corner_end));
         let end = first + run.count();
@@ -116,7 +115,6 @@ impl Volumes {
         }
     }
 
-    /// All cells.
     fn into_set(self) -> CellSet {
         let (mut types, mut offsets, mut corner) = (Vec::new(), vec![0], 0);
         for (kind, end, corner_end) in self.kinds {
@@ -171,7 +169,6 @@ impl MeshFile {
         format!("Gmsh {}, {encoding}", self.version)
     }
 
-    /// Number of nodes.
     pub fn node_count(&self) -> Result<u64> {
         let mut cursor = self.cursor(&self.nodes, self.version >= 4.0);
         if self.version >= 4.0 {
@@ -261,7 +258,6 @@ impl MeshFile {
         Ok(volumes)
     }
 
-    /// Points and cells.
     pub fn read_geometry(&self) -> Result<(Vec<DVec3>, Cells)> {
         let points = self.read_nodes()?;
         let cells = self.read_volumes()?;

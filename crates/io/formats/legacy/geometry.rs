@@ -31,7 +31,6 @@ struct CellList {
 }
 
 impl LegacyGeometry {
-    /// Reads what follows a keyword.
     pub fn read(&mut self, keyword: &str, scanner: &mut Scanner) -> Result<()> {
         match keyword {
             "POINTS" => {

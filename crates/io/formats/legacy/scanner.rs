@@ -105,7 +105,6 @@ impl Scanner {
         })
     }
 
-    /// The type of colours.
     pub fn color_type(&self) -> NumberType {
         if self.is_binary() { NumberType::U8 } else { NumberType::F32 }
     }

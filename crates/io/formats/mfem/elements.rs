@@ -2,17 +2,14 @@
 
 use super::shapes::{MfemShape, SHAPES};
 
-/// Elements of a mesh.
 #[derive(Default)]
 pub(super) struct MfemElements {
-    /// Numbers of their types.
     pub types: Vec<u8>,
     pub attributes: Vec<i32>,
     /// Vertices of all, from 0.
     pub vertices: Vec<u32>,
 }
 
-/// One element.
 pub(super) struct MfemElement<'a> {
     /// Number of its type.
     pub number: usize,

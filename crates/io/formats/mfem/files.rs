@@ -28,9 +28,7 @@ pub(super) enum FieldReason {
     BesideMesh,
 }
 
-/// Files of a result.
 pub(super) struct MfemFiles {
-    /// The mesh of each process.
     pub meshes: Vec<PathBuf>,
     /// Names of fields, and the file of each process.
     pub fields: Vec<(String, Vec<PathBuf>)>,

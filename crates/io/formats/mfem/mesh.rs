@@ -118,7 +118,6 @@ impl MfemMesh {
         Ok(())
     }
 
-    /// The nodes of the order that fields have.
     pub fn nodes(&self, order: u32) -> Result<MfemNodes> {
         MfemNodes::new(&self.elements, self.vertex_count, order).map_err(|error| error.in_file(&self.path))
     }
@@ -200,7 +199,6 @@ fn rows(
     Ok(count)
 }
 
-/// Sets of attributes by their names.
 fn attribute_sets(cursor: &mut Cursor, word: &str) -> Result<Vec<(String, Vec<i32>)>> {
     keyword(cursor, word)?;
     let count: u64 = cursor.number(NumberType::U64, "the number of sets")?;

@@ -36,7 +36,6 @@ use voltet_core::grid::{Association, Cells};
 use voltet_core::reading::FileArray;
 use voltet_core::{Error, Result, counted};
 
-/// The declaration.
 pub(super) const FORMAT: Format =
     Format { files: "a mesh of MFEM (.mesh, .mfem_root)", matches, open, has_solution: true };
 

@@ -24,7 +24,6 @@ use std::sync::Arc;
 use voltet_core::grid::code;
 use voltet_core::{Error, Result};
 
-/// The declaration.
 pub(super) const FORMAT: Format =
     Format { files: "bulk data of Nastran (.bdf, .nas, .dat)", matches, open, has_solution: false };
 
@@ -150,7 +149,6 @@ fn name_of(line: &str) -> Cow<'_, str> {
     }
 }
 
-/// Adds the fields of a line of this name.
 fn add_fields(line: &str, name: &str, fields: &mut Fields) {
     let (width, count) = field_width(name);
     if let Some((_, rest)) = line.split_once(',') {
@@ -261,7 +259,6 @@ impl BulkEntry {
         self.fields.get(place)
     }
 
-    /// The point of a GRID.
     fn point(&self) -> Result<SystemPoint> {
         let system = if self.field(1).is_empty() { 0 } else { self.integer(1, "the system")? };
         Ok(SystemPoint { system, position: self.vector(2)?, place: self.place })
@@ -298,7 +295,6 @@ impl BulkEntry {
     }
 }
 
-/// An element of the file.
 struct BulkElement {
     tag: u64,
     code: u8,
@@ -306,15 +302,12 @@ struct BulkElement {
     nodes: Vec<u64>,
 }
 
-/// An entry that places nodes.
 enum PlacingEntry {
     Node(u64, SystemPoint),
-    /// Systems with their numbers.
     Systems(Vec<(u64, SystemEntry)>),
     Nothing,
 }
 
-/// The systems of an entry.
 fn systems(entry: &BulkEntry) -> Result<Vec<(u64, SystemEntry)>> {
     let kind = entry.name.chars().last().unwrap_or('R');
     let define = |first: usize, points: DefiningPoints| {
@@ -351,11 +344,9 @@ fn placing(entry: &BulkEntry) -> Result<PlacingEntry> {
 /// Entries that define systems of coordinates: by three nodes, or by three points; rectangular, cylindrical, spherical.
 const SYSTEMS: [&str; 6] = ["CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S"];
 
-/// A point in the coordinates of a system.
 struct SystemPoint {
     system: u64,
     position: DVec3,
-    /// Place of its entry.
     place: EntryPlace,
 }
 
@@ -363,7 +354,6 @@ struct SystemPoint {
 struct SystemEntry {
     /// Last letter of the entry's name.
     kind: char,
-    /// Place of its entry.
     place: EntryPlace,
     points: DefiningPoints,
 }
@@ -401,7 +391,6 @@ impl CoordinateSystem {
     }
 }
 
-/// The systems of all files by their numbers.
 struct SystemEntries<'a> {
     parts: &'a [TextRange],
     entries: HashMap<u64, SystemEntry>,
@@ -564,7 +553,6 @@ impl TaggedMesh for NastranMesh {
     }
 }
 
-/// The element of an entry.
 fn element(entry: &BulkEntry) -> Result<BulkElement> {
     let Some((_, corners, codes, order)) = ELEMENTS.iter().find(|element| element.0 == entry.name) else {
         return Err(Error::run("an entry is no element").got(&entry.name));

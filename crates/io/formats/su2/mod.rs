@@ -20,7 +20,6 @@ use std::sync::Arc;
 use voltet_core::grid::{CellType, code};
 use voltet_core::{Error, Result};
 
-/// The declaration.
 pub(super) const FORMAT: Format = Format { files: "a mesh of SU2 (.su2)", matches, open, has_solution: true };
 
 fn matches(head: &[u8], path: &Path, _: &Request) -> bool {
@@ -125,7 +124,6 @@ fn number(word: &[u8]) -> Result<f64> {
     numbers::parse(NumberType::F64, word)
 }
 
-/// An element with a volume.
 struct Su2Element {
     code: u8,
     nodes: [u64; 8],
@@ -142,7 +140,6 @@ struct Su2Elements {
 }
 
 impl Su2Elements {
-    /// Adds the element of a line, if it has one.
     fn add(&mut self, line: &[u8]) -> Result<()> {
         let mut words = words(line);
         let Some(first) = words.next() else { return Ok(()) };
@@ -183,7 +180,6 @@ impl Su2Elements {
 /// Numbers of points are below this.
 const MAX_POINT: f64 = (1_u64 << PART_SHIFT) as f64;
 
-/// Number of a point among those of all zones.
 fn tag(zone: usize, point: u64) -> u64 {
     (zone as u64) << PART_SHIFT | point
 }

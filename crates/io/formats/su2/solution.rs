@@ -19,7 +19,6 @@ use voltet_core::{Error, Result};
 const MAGIC: [u8; 4] = 535_532_u32.to_le_bytes();
 /// Bytes of the counts before the names.
 const HEAD: u64 = 20;
-/// Bytes of a name.
 const NAME: u64 = 33;
 /// Number of columns that SU2 counts in 16 bits.
 const MAX_COLUMNS: u64 = 0xffff;
@@ -31,7 +30,6 @@ const PLACES: [&str; 4] = ["PointID", "x", "y", "z"];
 /// A table of the variables of all points.
 pub(super) struct Solution {
     source: Arc<Source>,
-    /// Names of the columns.
     columns: Vec<String>,
     /// Columns of each array.
     arrays: Vec<Vec<usize>>,
@@ -39,7 +37,6 @@ pub(super) struct Solution {
     point_count: u64,
 }
 
-/// Rows of the table.
 enum Rows {
     Text(TextRange),
     /// From this place on.
@@ -71,7 +68,6 @@ impl Solution {
         self.source.len()
     }
 
-    /// Path of the file.
     pub fn path(&self) -> &Path {
         self.source.path()
     }

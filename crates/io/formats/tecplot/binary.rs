@@ -18,7 +18,6 @@ use std::sync::Arc;
 use voltet_core::grid::{CellSet, Cells, code};
 use voltet_core::{Error, Result, counted};
 
-/// The declaration.
 pub(super) const FORMAT: Format = Format {
     files: "binary Tecplot data (.plt)",
     matches: |head, _, _| head.starts_with(MAGIC),
@@ -44,7 +43,6 @@ const END_OF_HEAD: f32 = 357.0;
 const POLYGONS: i64 = 6;
 const POLYHEDRA: i64 = 7;
 
-/// One zone.
 struct BinaryZone {
     head: ZoneHead,
     /// The place of each variable that the zone holds, with the distance of two values where others lie between.
@@ -64,7 +62,6 @@ struct BinaryZone {
     connectivity: u64,
 }
 
-/// Zones of a file.
 struct BinaryFile {
     source: Arc<Source>,
     order: ByteOrder,
@@ -480,7 +477,6 @@ impl BinaryFile {
 }
 
 impl BinaryFile {
-    /// A variable in a zone.
     fn stored(&self, zone: usize, variable: usize) -> Stored {
         let (own, name) = (&self.zones[zone].head, &self.variables[variable]);
         let mut holder = &self.zones[zone];
@@ -514,14 +510,12 @@ impl BinaryFile {
         Stored { number_type, order: self.order, ..stored }
     }
 
-    /// Words from a place on.
     fn words(&self, name: &str, place: u64, component_count: u64, tuple_count: u64) -> Stored {
         let encoding = Encoding::Bytes(place);
         let stored = Stored::of_f64(&self.source, name, component_count as usize, tuple_count, encoding);
         Stored { number_type: NumberType::I32, order: self.order, ..stored }
     }
 
-    /// Cells of a zone.
     fn cells(&self, zone: usize, meter: &Meter) -> Result<Cells> {
         let own = &self.zones[zone].head;
         let mut holder = &self.zones[zone];

@@ -16,7 +16,6 @@ use std::sync::Arc;
 use voltet_core::grid::{Cells, code};
 use voltet_core::{Error, Result};
 
-/// The declaration.
 pub(super) const FORMAT: Format =
     Format { files: "Tecplot data as text (.dat, .tec)", matches, open, has_solution: false };
 
@@ -50,7 +49,6 @@ struct TextZone {
     faces: [u64; 2],
 }
 
-/// Zones of a file.
 struct TecplotFile {
     source: Arc<Source>,
     variables: Vec<String>,
@@ -276,7 +274,6 @@ impl TecplotFile {
         Ok(TextZone { head: zone, is_block, data, has_repeats, connectivity, faces })
     }
 
-    /// Values of a variable in a zone.
     fn values(&self, zone: usize, variable: usize) -> Result<Vec<f64>> {
         let mut own = &self.zones[zone];
         while let Some(other) = own.head.shared[variable] {
@@ -310,7 +307,6 @@ impl TecplotFile {
         Ok(values)
     }
 
-    /// Points and cells of a zone.
     fn read_zone(&self, zone: usize) -> Result<(Vec<DVec3>, Cells)> {
         let [x, y, z] = self.axes.map(|axis| self.values(zone, axis));
         let points = x?.into_iter().zip(y?).zip(z?).map(|((x, y), z)| DVec3::new(x, y, z)).collect();

@@ -8,7 +8,6 @@ use crate::formats::source::Source;
 use voltet_core::grid::{Association, Cells};
 use voltet_core::{Error, Result};
 
-/// Cells of a zone.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum ZoneKind {
     Tetrahedra,
@@ -40,7 +39,6 @@ impl ZoneKind {
     }
 }
 
-/// Head of a zone.
 pub(super) struct ZoneHead {
     pub name: String,
     pub kind: ZoneKind,
@@ -63,7 +61,6 @@ impl ZoneHead {
         self.shared[variable].is_none() && !self.passive[variable]
     }
 
-    /// Number of values of a variable.
     pub fn len(&self, variable: usize) -> u64 {
         if self.at_cells[variable] { self.cell_count } else { self.node_count }
     }

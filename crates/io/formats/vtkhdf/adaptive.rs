@@ -87,7 +87,6 @@ pub(super) fn add_patches(
     amr::add(dataset, patches, !selected.contains(&false))
 }
 
-/// The levels, each with its patches at the step.
 fn levels(group: &Group, step: &GridStep) -> Result<Vec<Level>> {
     let mut levels = Vec::new();
     while let Some(level) = group.group(&format!("Level{}", levels.len()))? {

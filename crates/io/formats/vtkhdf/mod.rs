@@ -173,7 +173,6 @@ fn named_blocks(group: &Group) -> Result<Vec<(String, Group)>> {
     Ok(blocks.into_iter().map(named).collect())
 }
 
-/// A grid, its step and the arrays on it.
 struct StepGrid<'a> {
     group: &'a Group,
     step: GridStep,
@@ -324,7 +323,6 @@ impl Faces {
     }
 }
 
-/// The only piece of a structured grid.
 fn structured(source: &StepGrid, dimensions: [u64; 3], geometry: Geometry) -> Result<Vec<Piece>> {
     let (point_count, cell_count) = structured_counts(dimensions)?;
     let mut arrays = Vec::new();

@@ -25,7 +25,6 @@ use std::sync::Arc;
 use voltet_core::grid::Association;
 use voltet_core::{Error, Result};
 
-/// The declaration.
 pub(super) const FORMAT: Format = Format {
     files: "an XDMF file (.xdmf, .xmf)",
     matches: |head, path, _| matches(head, path),
@@ -386,7 +385,6 @@ impl<'a> Reader<'a> {
         Ok((points.tuple_count.unwrap_or(0), cell_count, Geometry::Unstructured { points, cells }))
     }
 
-    /// Points of a geometry that lists them.
     fn points(&self, geometry: &'a Element, form: &str) -> Result<Stored> {
         match form {
             "XYZ" => {

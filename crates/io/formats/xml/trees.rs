@@ -31,7 +31,6 @@ pub(super) struct Tree {
     leaves: Vec<Leaf>,
     /// Files of trees within.
     files: Vec<PathBuf>,
-    /// Number of adaptive grids.
     adaptive_count: usize,
 }
 
@@ -46,7 +45,6 @@ struct Leaf {
 }
 
 impl Tree {
-    /// The tree of a file.
     pub fn read(path: &Path, root: &Element) -> Result<Tree> {
         let mut tree = Tree::default();
         tree.add(path, root, "")?;
@@ -109,7 +107,6 @@ impl Tree {
         Ok(())
     }
 
-    /// Adds a block of pieces.
     fn add_pieces(&mut self, by: &Path, element: &Element, name: &str) -> Result<()> {
         let block = self.add_block(name.to_owned());
         element.children.iter().for_each(|child| self.add_leaf(by, child, block));

@@ -28,7 +28,6 @@ pub(super) struct Attempt {
     pub exhaustive: Option<ExhaustiveComparison>,
 }
 
-/// The pictures of a plan.
 pub(super) fn tasks_of(plan: &Plan) -> Vec<Task<'_>> {
     match &plan.frames {
         None => vec![Task { plan, frame: None }],
