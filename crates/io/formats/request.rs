@@ -157,9 +157,10 @@ pub enum Component {
 }
 
 impl Component {
-    /// Parses the suffix of `NAME:suffix` for an array of so many components, which may have names.
+    /// Parses the suffix of `NAME:suffix` for an array of so many components, which may have names: capitals or
+    /// not.
     pub fn parse(name: &str, suffix: &str, component_count: usize, names: &[String]) -> Result<Component> {
-        if let Some(index) = names.iter().position(|name| name == suffix) {
+        if let Some(index) = names.iter().position(|name| name.eq_ignore_ascii_case(suffix)) {
             return Ok(Component::Index(index));
         }
         match suffix.parse::<usize>() {

@@ -1,4 +1,7 @@
-//! Vectors that a file holds as three variables: `disp_x`, `disp_y` and `disp_z` are the vector `disp`, as in VTK's reader.
+//! Vectors that a file holds as three variables: `disp_x`, `disp_y` and `disp_z` are the vector `disp`, as in VTK's readers.
+
+use super::contents::Stored;
+use voltet_core::Result;
 
 /// An array that variables make up: its name, their places, and the names of its components.
 #[derive(Debug, PartialEq, Eq)]
@@ -8,46 +11,65 @@ pub(super) struct Joined {
     pub components: Vec<String>,
 }
 
-/// The arrays of variables with these names: a vector of each three that follow one another and end in x, y and z; others by
-/// themselves. Some writers list a variable again: a further one of a name has its number among these.
+impl Joined {
+    /// The array, of the variables that `variable` gives by their places.
+    pub fn stored(&self, variable: impl Fn(usize) -> Result<Stored>) -> Result<Stored> {
+        match self.places[..] {
+            [x, y, z] => {
+                let axes = [variable(x)?, variable(y)?, variable(z)?];
+                let number_type = axes[0].number_type;
+                Ok(Stored { number_type, ..Stored::joined(&self.name, axes) })
+            }
+            _ => Ok(Stored { name: self.name.clone(), ..variable(self.places[0])? }),
+        }
+    }
+}
+
+/// The arrays of variables with these names: a vector of each three that end in x, y and z, or in X, Y and Z, in the place of the first;
+/// others by themselves. Some writers list a variable again: a further one of a name has its number among these.
 pub(super) fn joined(names: &[String]) -> Vec<Joined> {
     let mut arrays: Vec<Joined> = Vec::new();
-    let mut place = 0;
-    while place < names.len() {
-        let vector = names.get(place..place + 3).and_then(stem);
+    let mut is_taken = vec![false; names.len()];
+    for (place, own) in names.iter().enumerate() {
+        if is_taken[place] {
+            continue;
+        }
         // A scalar may have the vector's name.
-        match vector.filter(|stem| !names.contains(stem) && !arrays.iter().any(|array| array.name == *stem)) {
-            Some(name) => {
+        let is_free = |stem: &str| {
+            names.iter().all(|name| name != stem) && arrays.iter().all(|array| array.name != stem)
+        };
+        match vector(place, names).filter(|(stem, _)| is_free(stem)) {
+            Some((name, places)) => {
+                places.iter().for_each(|&place| is_taken[place] = true);
                 let components = ["x", "y", "z"].map(str::to_owned).to_vec();
-                arrays.push(Joined { name, places: vec![place, place + 1, place + 2], components });
-                place += 3;
+                arrays.push(Joined { name, places, components });
             }
             None => {
-                let own = &names[place];
                 let name = match names[..place].iter().filter(|name| *name == own).count() {
                     0 => own.clone(),
                     before => format!("{own} ({})", before + 1),
                 };
                 arrays.push(Joined { name, places: vec![place], components: Vec::new() });
-                place += 1;
             }
         }
     }
     arrays
 }
 
-/// The name of the vector that three variables are the components of.
-fn stem(names: &[String]) -> Option<String> {
-    let split = |name: &String| {
-        let (place, last) = name.char_indices().next_back()?;
-        Some((name[..place].to_owned(), last.to_ascii_lowercase()))
+/// Name of the vector whose first component is a variable, and the places of all three.
+fn vector(first: usize, names: &[String]) -> Option<(String, Vec<usize>)> {
+    let (start, axes) = match names[first].strip_suffix('x') {
+        Some(start) => (start, ['x', 'y', 'z']),
+        None => (names[first].strip_suffix('X')?, ['X', 'Y', 'Z']),
     };
-    let parts: Option<Vec<(String, char)>> = names.iter().map(split).collect();
-    let [(first, 'x'), (second, 'y'), (third, 'z')] = &parts?[..] else { return None };
-    let stem = first.trim_end_matches(['_', ' ', '.', '-']);
+    let stem = start.trim_end_matches(['_', ' ', '.', '-']);
     // A row of a tensor ends in two letters of axes: `stress_xx`.
-    let is_tensor = stem.len() == first.len() && stem.ends_with(['x', 'y', 'z', 'X', 'Y', 'Z']);
-    (first == second && second == third && !stem.is_empty() && !is_tensor).then(|| stem.to_owned())
+    let is_tensor = stem.len() == start.len() && stem.ends_with(axes);
+    if stem.is_empty() || is_tensor {
+        return None;
+    }
+    let place = |axis: char| names.iter().position(|name| name.strip_suffix(axis) == Some(start));
+    Some((stem.to_owned(), vec![first, place(axes[1])?, place(axes[2])?]))
 }
 
 #[cfg(test)]
@@ -66,6 +88,10 @@ mod tests {
         assert_eq!(of("x y z"), "x y z");
         assert_eq!(of("id map id id"), "id map id (2) id (3)");
         assert_eq!(of("disp_x disp_y"), "disp_x disp_y");
+        assert_eq!(of("u_x u_y u_z u_x u_y u_z"), "u u_x (2) u_y (2) u_z (2)");
+        assert_eq!(of("VelocityX VelocityXRMS VelocityY VelocityZ"), "Velocity VelocityXRMS");
+        assert_eq!(of("Velocity_X Velocity_Y Velocity_Z"), "Velocity");
+        assert_eq!(of("_x _y _z u_X u_y u_z"), "_x _y _z u_X u_y u_z");
         assert_eq!(joined(&names("p v_x v_y v_z"))[1].places, [1, 2, 3]);
     }
 }

@@ -11,11 +11,10 @@ use super::blocks;
 use super::contents::{CellBlocks, Dataset, ExternalFormat, Geometry, Meter, Piece, PieceArray, Stored};
 use super::hdf5;
 use super::netcdf;
-use super::numbers::NumberType;
 use super::request::{Format, Request, list};
 use super::source::Source;
 use super::units;
-use super::vectors;
+use super::vectors::{Joined, joined};
 use cells::{BlockElements, BlockKind, FaceBlock, Mesh};
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap};
@@ -422,24 +421,14 @@ impl Selection<'_> {
                     .at_item(name)),
             }
         };
-        for vectors::Joined { name, places, components } in vectors::joined(&self.part.of_nodes) {
-            let stated = match places.first().filter(|_| !is_one) {
+        for array in joined(&self.part.of_nodes) {
+            let stated = match array.places.first().filter(|_| !is_one) {
                 Some(place) => variables.attribute(&format!("vals_nod_var{}", place + 1), "units")?,
                 None => None,
             };
-            let parts: Vec<Stored> = places.into_iter().map(of_node).collect::<Result<_>>()?;
-            let number_type = parts.first().map_or(NumberType::F64, |part| part.number_type);
-            // A vector, or one variable by itself.
-            let stored = match <[Stored; 3]>::try_from(parts) {
-                Ok(axes) => vec![Stored { number_type, ..Stored::joined(&name, axes) }],
-                Err(parts) => parts,
-            };
             let unit = stated.and_then(|text| units::stated(&text));
-            arrays.extend(stored.into_iter().map(|stored| PieceArray {
-                component_names: components.clone(),
-                unit: unit.clone(),
-                ..PieceArray::new(Association::Point, stored)
-            }));
+            let own = PieceArray::new(Association::Point, array.stored(of_node)?);
+            arrays.push(PieceArray { component_names: array.components, unit, ..own });
         }
         Ok(arrays)
     }
@@ -449,7 +438,7 @@ impl Selection<'_> {
         let variables = &self.part.variables;
         let Some(step) = self.step else { return Vec::new() };
         let mut arrays = Vec::new();
-        for vectors::Joined { name, places, components } in vectors::joined(&self.part.of_elements) {
+        for Joined { name, places, components } in joined(&self.part.of_elements) {
             let variable =
                 |own: &ReadBlock, place: usize| format!("vals_elem_var{}eb{}", place + 1, own.place + 1);
             let is_there = |own: &ReadBlock| places.iter().all(|&place| variables.has(&variable(own, place)));
