@@ -68,10 +68,7 @@ pub(super) fn step(source: &Source, request: &Request) -> Result<SeriesStep> {
 
 /// The files that a series names, of every step or of that asked for; none for other files.
 pub(super) fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf> {
-    let Ok(source) = Source::open(path) else { return Vec::new() };
-    if !source.head(HEAD).is_ok_and(|head| is_series(&head, path)) {
-        return Vec::new();
-    }
+    let Some(source) = Source::open_if(path, |head| is_series(head, path)) else { return Vec::new() };
     let Ok(entries) = entries(&source) else { return Vec::new() };
     let times: Vec<f64> = entries.iter().map(|entry| entry.time).collect();
     let step = request.and_then(|request| request.step_index(&times).ok());

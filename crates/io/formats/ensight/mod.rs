@@ -12,7 +12,7 @@ use super::blocks::selected;
 use super::contents::{CellBlocks, Compute, Dataset, Encoding, Geometry, Piece, PieceArray, Stored};
 use super::lazy::geometry;
 use super::request::{Format, Request, list};
-use super::source::{HEAD, Source};
+use super::source::Source;
 use glam::{DMat3, DVec3};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -129,10 +129,7 @@ fn part_geometry(grid: &Arc<GoldGeometry>, place: usize, source: &Arc<Source>) -
 
 /// The files that a case names, of every step or of that asked for; none for other files.
 pub(super) fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf> {
-    let Ok(source) = Source::open(path) else { return Vec::new() };
-    if !source.head(HEAD).is_ok_and(|head| is_case(&head)) {
-        return Vec::new();
-    }
+    let Some(source) = Source::open_if(path, is_case) else { return Vec::new() };
     let Ok(case) = &CaseFile::read(&source) else { return Vec::new() };
     let times = case.times();
     let asked = request.filter(|_| !times.is_empty()).and_then(|request| request.step_index(&times).ok());

@@ -25,7 +25,7 @@ use super::cursor::Cursor;
 use super::lazy::{GatheredCells, geometry};
 use super::numbers::NumberType;
 use super::request::{Format, Request};
-use super::source::{HEAD, Source};
+use super::source::Source;
 use super::unsupported;
 use super::xml::open_named;
 use glam::DVec3;
@@ -308,10 +308,7 @@ fn piece(part: MfemPart, attributes: &[i32], is_selected: &[bool], order: u32) -
 
 /// The files that reading a path opens besides; none for other formats.
 pub(super) fn files_named(path: &Path, request: &Request) -> Vec<PathBuf> {
-    let Ok(source) = Source::open(path) else { return Vec::new() };
-    if !source.head(HEAD).is_ok_and(|head| matches(&head, path, request)) {
-        return Vec::new();
-    }
+    let Some(source) = Source::open_if(path, |head| matches(head, path, request)) else { return Vec::new() };
     let Ok(files) = MfemFiles::of_source(&source, request) else { return Vec::new() };
     let fields = files.fields.into_iter().flat_map(|field| field.1);
     let named = files.meshes.into_iter().chain(fields);

@@ -13,7 +13,7 @@ use super::contents::{
     CellBlocks, Dataset, Geometry, Piece, PieceArray, Stored, StoredCells, structured_counts,
 };
 use super::request::{Format, Request, list};
-use super::source::{HEAD, Source, text_of};
+use super::source::{Source, text_of};
 use super::text::has_mark;
 use super::xml::header::{self, Element};
 use cells::Topology;
@@ -52,10 +52,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
 
 /// The files that the data items of a file lie in, for the step of a request, or of all steps; none for other files.
 pub(super) fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf> {
-    let Ok(source) = Source::open(path) else { return Vec::new() };
-    if !source.head(HEAD).is_ok_and(|head| matches(text_of(&head), path)) {
-        return Vec::new();
-    }
+    let Some(source) = Source::open_if(path, |head| matches(text_of(head), path)) else { return Vec::new() };
     let Ok((root, _)) = header::read_as(&source, "Xdmf") else { return Vec::new() };
     let mut reader = Reader::new(&source, &root);
     // What cannot be read is an error of the reading itself.
