@@ -11,7 +11,7 @@ use super::contents::{
     CellBlocks, Dataset, Geometry, Piece, PieceArray, Stored, StoredCells, structured_counts,
 };
 use super::hdf5::{Array, Extent, Group};
-use super::request::{Request, list};
+use super::request::Request;
 use super::units;
 use super::vectors::joined;
 use elements::Section;
@@ -111,10 +111,7 @@ pub(super) fn open(root: &Group, request: &Request) -> Result<Dataset> {
             flat.push(dataset.blocks[block].as_str());
         }
     }
-    if !flat.is_empty() {
-        let names = list(flat);
-        dataset.warnings.push(format!("Zones without cells of three dimensions are left out: {names}."));
-    }
+    dataset.warnings.extend(blocks::left_out("Zones without cells of three dimensions", flat));
     dataset.file_bytes = root.file_bytes();
     Ok(dataset)
 }

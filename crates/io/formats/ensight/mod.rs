@@ -8,10 +8,10 @@ mod parts;
 
 use self::case::{CaseFile, StepFile};
 use self::parts::{BlockForm, GoldBlock, GoldGeometry, GoldPart};
-use super::blocks::selected;
+use super::blocks::{left_out, selected};
 use super::contents::{CellBlocks, Compute, Dataset, Encoding, Geometry, Piece, PieceArray, Stored};
 use super::lazy::geometry;
-use super::request::{Format, Request, list};
+use super::request::{Format, Request};
 use super::source::Source;
 use glam::{DMat3, DVec3};
 use std::path::{Path, PathBuf};
@@ -58,14 +58,11 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
         ..Dataset::default()
     };
     let flat: Vec<String> = grid.parts.iter().filter(|part| part.is_flat()).map(name).collect();
-    if !flat.is_empty() {
-        let names = list(flat.iter().map(String::as_str));
-        dataset.warnings.push(format!("Parts without cells of three dimensions are left out: {names}."));
-    }
-    if !case.left_out.is_empty() {
-        let names = list(case.left_out.iter().map(String::as_str));
-        dataset.warnings.push(format!("Variables of complex numbers or of particles are left out: {names}."));
-    }
+    let mut warn = |what: &str, names: &[String]| {
+        dataset.warnings.extend(left_out(what, names.iter().map(String::as_str)));
+    };
+    warn("Parts without cells of three dimensions", &flat);
+    warn("Variables of complex numbers or of particles", &case.left_out);
     // Each file is looked through for the step once.
     let files = case.variables.iter().map(|variable| case.file(&variable.pattern, time).map(Arc::new));
     let files: Vec<Arc<StepFile>> = files.collect::<Result<_>>()?;

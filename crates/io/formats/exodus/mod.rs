@@ -23,7 +23,7 @@ use std::sync::Arc;
 use variables::Variables;
 use voltet_core::grid::Association;
 use voltet_core::reading::GridHead;
-use voltet_core::{Error, Result, agreeing, counted};
+use voltet_core::{Error, Result, counted};
 
 /// The declaration of files in netCDF's own form; those in HDF5 are told by [`ROOT`].
 pub(super) const FORMAT: Format = Format {
@@ -251,12 +251,8 @@ fn dataset(parts: Vec<ProcessFile>, request: &Request) -> Result<Dataset> {
         dataset.file_bytes += part.variables.source().len();
     }
     let IncompleteBlocks { unread, with_more_nodes } = incomplete;
-    if !unread.is_empty() {
-        let (blocks, are) =
-            (agreeing(&unread.len(), "A block", "Blocks"), agreeing(&unread.len(), "is", "are"));
-        let names = list(unread.iter().map(String::as_str));
-        dataset.warnings.push(format!("{blocks} of elements that are not read {are} left out: {names}."));
-    }
+    let unread = unread.iter().map(String::as_str);
+    dataset.warnings.extend(blocks::blocks_left_out("of elements that are not read", unread));
     if !with_more_nodes.is_empty() {
         let names = list(with_more_nodes.iter().map(String::as_str));
         let what = "Nodes in faces and in the middle of elements, which VTK's cells lack, are left out";

@@ -1,9 +1,9 @@
 //! Zones of Tecplot data as both forms have them, and the data set that they are.
 
-use crate::formats::blocks::selected;
+use crate::formats::blocks::{left_out, selected};
 use crate::formats::contents::{Dataset, Piece, PieceArray, Stored};
 use crate::formats::lazy::GatheredCells;
-use crate::formats::request::{Request, list};
+use crate::formats::request::Request;
 use crate::formats::source::Source;
 use voltet_core::grid::{Association, Cells};
 use voltet_core::{Error, Result};
@@ -186,7 +186,6 @@ pub(super) fn dataset(
     };
     let is_flat = |zone: &ZoneHead| matches!(zone.kind, ZoneKind::Flat(_)) && zone.cell_count > 0;
     let flat = zones.iter().filter(|zone| is_flat(zone) && is_of_time(zone)).map(|zone| &*zone.name);
-    let flat: Vec<&str> = flat.collect();
     let blocks: Vec<String> = if volumes.len() > 1 { volumes.iter().map(name).collect() } else { Vec::new() };
     let mut is_selected = selected(&blocks, request)?;
     is_selected.resize(volumes.len(), true);
@@ -199,10 +198,7 @@ pub(super) fn dataset(
         file_bytes: source.len(),
         ..Dataset::default()
     };
-    if !flat.is_empty() {
-        let names = list(flat);
-        dataset.warnings.push(format!("Zones without cells of three dimensions are left out: {names}."));
-    }
+    dataset.warnings.extend(left_out("Zones without cells of three dimensions", flat));
     for (block, &zone) in volumes.iter().enumerate().filter(|(block, _)| is_selected[*block]) {
         check_axes(zones[zone], axes)?;
         dataset.pieces.push(piece(zone, block));

@@ -12,7 +12,7 @@ use super::blocks;
 use super::contents::{
     CellBlocks, Dataset, Geometry, Piece, PieceArray, Stored, StoredCells, structured_counts,
 };
-use super::request::{Format, Request, list};
+use super::request::{Format, Request};
 use super::source::{Source, text_of};
 use super::text::has_mark;
 use super::xml::header::{self, Element};
@@ -118,10 +118,8 @@ impl<'a> Reader<'a> {
                 self.dataset.pieces.extend(piece);
             }
         }
-        if !self.flat.is_empty() {
-            let names = list(self.flat.iter().map(String::as_str));
-            self.dataset.warnings.push(format!("Grids that lie in a plane are left out: {names}."));
-        }
+        let flat = self.flat.iter().map(String::as_str);
+        self.dataset.warnings.extend(blocks::left_out("Grids that lie in a plane", flat));
         if names.len() > 1 {
             self.dataset.blocks = names;
         }
