@@ -67,6 +67,7 @@ mod mfem;
 mod named_files;
 mod nastran;
 mod netcdf;
+mod node_orders;
 mod numbers;
 mod outline;
 mod parts;

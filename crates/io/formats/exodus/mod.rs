@@ -366,7 +366,7 @@ impl Selection<'_> {
             };
             Ok(match &own.kind {
                 BlockKind::Shape(shape) => BlockElements::Alike {
-                    shape: shape.clone(),
+                    shape: *shape,
                     connectivity: part("connect", own.block.node_count)?,
                 },
                 BlockKind::Polygons => BlockElements::Polygons {

@@ -10,6 +10,7 @@ mod deck;
 use self::deck::Deck;
 use super::contents::Dataset;
 use super::named_files;
+use super::node_orders::{HEXAHEDRON, IN_ORDER, WEDGE};
 use super::numbers::{self, NumberType};
 use super::request::{Format, Request};
 use super::source::Source;
@@ -62,16 +63,11 @@ fn is_entry(line: &str) -> bool {
 }
 
 /// Elements: corners, their code and that with nodes on edges, and the order of these.
-const ELEMENTS: [(&str, usize, [u8; 2], &[usize]); 4] = [
-    ("CTETRA", 4, [code::TETRA, code::QUADRATIC_TETRA], &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]),
-    ("CPYRAM", 5, [code::PYRAMID, code::QUADRATIC_PYRAMID], &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]),
-    ("CPENTA", 6, [code::WEDGE, code::QUADRATIC_WEDGE], &[0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11]),
-    (
-        "CHEXA",
-        8,
-        [code::HEXAHEDRON, code::QUADRATIC_HEXAHEDRON],
-        &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 16, 17, 18, 19, 12, 13, 14, 15],
-    ),
+const ELEMENTS: [(&str, usize, [u8; 2], &[u8]); 4] = [
+    ("CTETRA", 4, [code::TETRA, code::QUADRATIC_TETRA], IN_ORDER.split_at(10).0),
+    ("CPYRAM", 5, [code::PYRAMID, code::QUADRATIC_PYRAMID], IN_ORDER.split_at(13).0),
+    ("CPENTA", 6, [code::WEDGE, code::QUADRATIC_WEDGE], WEDGE.split_at(15).0),
+    ("CHEXA", 8, [code::HEXAHEDRON, code::QUADRATIC_HEXAHEDRON], HEXAHEDRON.split_at(20).0),
 ];
 
 /// Parts of the files, in the order of their entries.
@@ -559,8 +555,8 @@ fn element(entry: &BulkEntry) -> Result<BulkElement> {
     };
     // The nodes of some edges alone are further ones of the linear cell.
     let is_there = |place: &usize| place < corners || !["", "0"].contains(&entry.field(2 + place));
-    let places = order.iter().filter(|place| is_there(place));
-    let nodes = places.map(|&place| entry.integer(2 + place, "a node")).collect::<Result<Vec<_>>>()?;
+    let places = order.iter().map(|&place| usize::from(place)).filter(is_there);
+    let nodes = places.map(|place| entry.integer(2 + place, "a node")).collect::<Result<Vec<_>>>()?;
     let is_quadratic = nodes.len() == order.len();
     Ok(BulkElement {
         tag: entry.integer(0, "the number")?,
