@@ -108,7 +108,6 @@ fn axis(name: &str) -> Option<usize> {
 /// Beginning of the names of arrays of the input `other`.
 const OTHER: &str = "other.";
 
-/// Calculation that the parameters state.
 struct Calculation {
     expression: Expression,
     name: String,
@@ -372,7 +371,6 @@ fn arrays(
     Ok(arrays)
 }
 
-/// The gradients of each component of a point array.
 fn gradients_of(
     call: &mut RunContext,
     grid: &Grid,

@@ -330,7 +330,6 @@ fn add_quantities<'a>(p: &Parameters, volume: &'a Volume, contents: &mut Content
     Ok(())
 }
 
-/// Adds the arrays of points and cells.
 fn add_arrays<'a>(p: &Parameters, grid: &'a Grid, contents: &mut Contents<'a>) -> Result<()> {
     let asked = |parameter: &str| -> Result<Option<Vec<String>>> {
         p.optional(parameter).is_some().then(|| names(p, parameter)).transpose()

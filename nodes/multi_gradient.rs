@@ -53,7 +53,6 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-/// Options set by the parameters.
 struct MultiGradientOptions {
     fields: Vec<String>,
     /// One a field.

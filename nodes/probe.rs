@@ -52,7 +52,6 @@ fn demand(asking: &mut DemandContext) -> Result<()> {
     asking.ask("volume", &if of_step { demand_of(asking.parameters)? } else { Demand::default() })
 }
 
-/// Demand on a volume that is probed.
 fn demand_of(p: &Parameters) -> Result<Demand> {
     let names = fields(p)?;
     let mask = p.table("mask")?.map(|mask| mask.text("array").map(str::to_string)).transpose()?;

@@ -106,7 +106,6 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-/// Condition that the parameters state.
 enum Condition {
     Range([f64; 2]),
     Values(Vec<f64>),
@@ -320,7 +319,6 @@ fn named_blocks(p: &Parameters, grid: &Grid, names: &[String]) -> Result<Vec<boo
     blocks_named(&grid.origin.blocks, names).map_err(|error| p.locate("blocks", error))
 }
 
-/// The number of each cell's block.
 fn block_numbers<'a>(p: &Parameters, grid: &'a Grid) -> Result<&'a [f64]> {
     let none =
         || p.error("blocks", "the data have no blocks").expected("a file with blocks, or no names of blocks");

@@ -117,7 +117,6 @@ const LINEAR_BELOW: Parameter = Parameter {
     help: "",
 };
 
-/// Scales of s and g.
 pub(crate) fn axes(p: &Parameters) -> Result<[AxisScale; 2]> {
     let axis = |scale: &str, linear_below: &str| match (p.text(scale)?, p.optional_number(linear_below)) {
         ("symlog", Some(linear_below)) => Ok(AxisScale::SymLog { linear_below }),

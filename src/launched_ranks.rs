@@ -13,7 +13,6 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Mutex, PoisonError};
 use std::thread::JoinHandle;
 
-/// Work on the thread of MPI.
 type MpiTask = Box<dyn FnOnce(&Result<(MpiRanks, Universe)>) + Send>;
 
 /// The processes of a launcher, which tells each its number before MPI has started. MPI ends with it.

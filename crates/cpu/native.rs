@@ -250,7 +250,6 @@ impl NativeVolume {
         })
     }
 
-    /// Draws a scene's cells.
     fn draw_projected(
         &self,
         projected: ProjectedScene,

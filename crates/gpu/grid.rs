@@ -25,7 +25,6 @@ pub(crate) struct BindingLimits {
     pub buffers: u32,
 }
 
-/// Sizes of the buffers that a scene needs.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct BufferSizes {
     pub points: u64,

@@ -30,7 +30,6 @@ pub(crate) enum Task {
     Inspect(FileStep),
     Read(ReadTask),
     Grid(GridTask),
-    /// Filtering of a picture.
     Image(ImageTask),
 }
 
@@ -73,7 +72,6 @@ impl Outcome {
 }
 
 impl Task {
-    /// Stage of the progress reports.
     pub fn stage(&self) -> &'static str {
         match self {
             Task::Check(_) => "check",
@@ -150,7 +148,6 @@ pub(crate) struct Tables {
 }
 
 impl Tables {
-    /// Tables of rows with their names.
     fn rows(&self) -> [(&'static str, &Option<Rows64>); 3] {
         [
             ("the neighbours of points", &self.neighbours),
@@ -475,7 +472,6 @@ impl GridTask {
     }
 }
 
-/// Filtering of a picture.
 pub(crate) struct ImageTask {
     pub picture: Arc<Picture>,
     pub values: ParameterValues,

@@ -8,7 +8,6 @@ use voltet_core::parameters::{DefaultValue, Parameter, ParameterType, Range, Var
 const MAX_EXTENSIONS: u32 = 16;
 const MAX_MAGIC_BYTES: u32 = 64;
 
-/// Declaration of one item of a plug-in.
 #[derive(Clone)]
 pub(crate) struct Declaration {
     pub schema: VariantSchema,
@@ -313,7 +312,6 @@ fn range<A: AddressSpace>(read: &interface::Parameter<A>) -> CheckResult<Range> 
     Ok(Range { min, max, above_min, below_max, infinite: false })
 }
 
-/// The words of a choice with their meanings.
 fn words<A: AddressSpace>(
     space: A,
     read: &interface::Parameter<A>,

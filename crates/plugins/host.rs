@@ -21,7 +21,6 @@ const MAX_FALLBACKS: usize = 32;
 
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Reports {
-    /// Error message of the plug-in.
     pub error: Option<String>,
     /// Reason for which the host refused what it was handed.
     pub refusal: Option<ValidationError>,
@@ -55,7 +54,6 @@ impl State {
         self.cancelled.store(true, Ordering::Relaxed);
     }
 
-    /// True if the plug-in is to stop.
     pub fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
     }

@@ -79,7 +79,6 @@ wire!(variants of DefaultValue {
 });
 
 impl Reply {
-    /// Reply to a request that failed.
     fn from_error(error: &Error) -> Reply {
         Reply::Failed(error.what.clone(), error.got.clone(), error.expected.clone())
     }

@@ -179,7 +179,6 @@ fn beside_values(scene: &Scene) -> Option<String> {
     ))
 }
 
-/// Statistics of a picture's pixels.
 struct PictureStatistics {
     /// The largest opacity or channel of any pixel.
     max: f32,

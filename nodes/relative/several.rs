@@ -86,7 +86,6 @@ pub(super) struct SeriesSteps<'a, 'c> {
     pub demand: &'a Demand,
     pub steps: &'a [usize],
     pub view: &'a VolumeView<'a>,
-    /// Number of steps that were read.
     pub read: u64,
 }
 

@@ -6,7 +6,6 @@ use glam::DVec3;
 use voltet_core::grid::{CellSet, Cells, Polyhedron, code};
 use voltet_core::{Error, Result, SharedSlice, counted};
 
-/// Points and cells of a topology.
 pub(super) struct Topology {
     pub points: SharedSlice<DVec3>,
     pub cells: Cells,

@@ -236,7 +236,6 @@ fn check_counts(components: &[Numbers], count: usize, each: &str) -> Result<()> 
     }
 }
 
-/// Refuses arrays of different lengths.
 pub(super) fn same_lengths(arrays: &[Numbers]) -> Result<()> {
     match arrays.iter().find(|own| own.count != arrays[0].count) {
         Some(own) => {

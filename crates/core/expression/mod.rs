@@ -73,7 +73,6 @@ enum Law {
     Raised,
 }
 
-/// Functions of one argument.
 const OF_ONE: &[(&str, Unary, Law)] = &[
     ("abs", f64::abs, Law::Power(1.0)),
     ("sqrt", f64::sqrt, Law::Power(0.5)),
@@ -94,7 +93,6 @@ const OF_ONE: &[(&str, Unary, Law)] = &[
     ("ceil", f64::ceil, Law::Power(1.0)),
 ];
 
-/// Functions of two arguments.
 const OF_TWO: &[(&str, Binary, Law)] = &[
     ("min", least, Law::Alike),
     ("max", greatest, Law::Alike),

@@ -91,7 +91,6 @@ impl SharedPoints {
         SharedPoints { of_pieces: lists, count: ranks.len(), firsts }
     }
 
-    /// Number of shared points.
     pub(super) fn count(&self) -> usize {
         self.count
     }

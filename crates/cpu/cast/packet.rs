@@ -30,7 +30,6 @@ pub(crate) fn pixel_of(packet: usize, ray: usize) -> usize {
     row * TILE + column
 }
 
-/// Packet of rays side by side.
 pub(crate) struct RayPacket<'a> {
     pub(super) caster: &'a RayCaster,
     hits: &'a BoundaryHits,
@@ -115,7 +114,6 @@ impl<'a> RayPacket<'a> {
         }
     }
 
-    /// True if any ray is active.
     pub fn is_active(&self) -> bool {
         self.active != 0
     }

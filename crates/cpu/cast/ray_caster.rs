@@ -414,7 +414,6 @@ impl Default for BoundaryHits {
 }
 
 impl BoundaryHits {
-    /// Finds the hits of a tile's rays.
     pub fn find(&mut self, caster: &RayCaster, lanes: LaneSet, rect: TileRect) {
         self.unsorted.clear();
         self.exit_checksum = [0; PIXELS];

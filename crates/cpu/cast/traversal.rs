@@ -11,7 +11,6 @@ use voltet_simd::{
     Float, Kernel, LaneSet, Lanes, Mask, PrefetchedGather, Unsigned, array, dispatch, inlined, mask_of,
 };
 
-/// Configuration of a traversal.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PacketConfig {
     pub lanes: LaneSet,

@@ -276,7 +276,6 @@ impl Sink for UnboundedFragmentLists {
     }
 }
 
-/// A shaded segment.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Fragment {
     /// Premultiplied colour and opacity.
@@ -303,7 +302,6 @@ impl Fragment {
     }
 }
 
-/// Fragment lists of one row of pixels.
 #[derive(Default)]
 pub(crate) struct UnboundedFragmentLists {
     pixels: [Vec<Fragment>; TILE],

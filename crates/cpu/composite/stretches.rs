@@ -58,7 +58,6 @@ pub(crate) struct StretchRecorder {
     joins: bool,
 }
 
-/// Segments of a row, slice by slice.
 #[derive(Clone, Copy)]
 pub(crate) struct RowSegments<'a> {
     /// Lengths, where those of no length are none; otherwise none are those that enter at infinity.

@@ -131,7 +131,6 @@ pub(super) const BLOCK: usize = 32;
 /// Blocks that one thread takes at a time: enough that handing them out costs nothing.
 pub(super) const BLOCKS_AT_ONCE: usize = 256;
 
-/// Values of a block's cells.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block {
     /// Minimum and maximum of s, and of g (0 where the volume has none).

@@ -72,7 +72,6 @@ impl Regions {
     }
 }
 
-/// Input of the binning.
 struct RegionBinner<'a> {
     input: &'a Input<'a>,
     lanes: LaneSet,

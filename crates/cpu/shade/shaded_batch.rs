@@ -60,7 +60,6 @@ impl ShadedBatch {
         }
     }
 
-    /// Empties the queues.
     pub fn clear(&mut self) {
         let ShadedBatch { quadrature_queues, thick_pieces, optically_thick, fallback_queue, .. } = self;
         quadrature_queues

@@ -16,13 +16,11 @@ use voltet_optics::engine::Stage;
 use voltet_shaders::{CompositorProgram, FramePass, GridArray, PlacementRecord, ViewRecord, cells_read};
 use wgpu::{Buffer, BufferUsages, CommandEncoder, SubmissionIndex};
 
-/// Passes of the compositor.
 enum Last {
     Tiles(BoundPass),
     Raster(Box<Raster>),
 }
 
-/// The passes over one window.
 pub(crate) struct Passes<'a> {
     device: &'a Device,
     points: BoundPass,

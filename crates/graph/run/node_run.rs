@@ -22,9 +22,7 @@ use voltet_core::parameters::Parameters;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 
-/// A node upstream of an input.
 struct FeedingNode {
-    /// Its index in the graph.
     place: usize,
     /// Its parameters at each step; those alone where it reads no series.
     parameters: Vec<Parameters>,
@@ -42,7 +40,6 @@ pub(super) struct NodeRun<'a> {
     pub observer: &'a dyn Observer,
     /// Runs of the nodes that give parts of a grid, where one is read in parts.
     pub part_runs: Option<&'a PartRuns<'a>>,
-    /// The part that the node runs for.
     pub part: Option<&'a GridPart>,
     pub ranks: &'a dyn Ranks,
 }

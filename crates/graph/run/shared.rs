@@ -89,7 +89,6 @@ pub(super) enum Claim<'a> {
     },
 }
 
-/// Claim on a node's work.
 pub(super) struct WorkClaim<'a> {
     shared: &'a SharedOutputs,
     number: u64,
@@ -146,7 +145,6 @@ impl Share {
         state.of_sessions.push((self.number, needed));
     }
 
-    /// Drops all outputs.
     pub(super) fn forget(&self) {
         let mut state = self.shared.lock();
         state.of_sessions.retain(|(number, _)| *number != self.number);

@@ -65,7 +65,6 @@ fn exr(
     Ok(file.into_inner())
 }
 
-/// The named texts of an OpenEXR file.
 fn embedded_texts(file: &mut dyn PictureFile) -> Result<Vec<(String, String)>> {
     let damaged = |error| Error::usage("the picture cannot be read as OpenEXR").got(error);
     let meta = MetaData::read_from_buffered(file, false).map_err(damaged)?;

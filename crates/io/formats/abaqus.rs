@@ -38,7 +38,6 @@ fn is_first_keyword(line: &str) -> bool {
     ["*heading", "*node", "*part", "*element", "*preprint"].iter().any(|word| line.starts_with(word))
 }
 
-/// Solid elements by their number of nodes.
 const SOLIDS: [(usize, u8); 8] = [
     (4, code::TETRA),
     (5, code::PYRAMID),
@@ -68,7 +67,6 @@ struct NodeLines {
     lines: TextRange,
 }
 
-/// Lines of solid elements of one type.
 struct ElementLines {
     part: usize,
     lines: TextRange,

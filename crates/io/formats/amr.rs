@@ -105,7 +105,6 @@ const DUPLICATE_CELL: u8 = 1;
 const REFINED_CELL: u8 = 8;
 const HIDDEN_CELL: u8 = 32;
 
-/// Use of the flags of cells.
 #[derive(Clone, Copy)]
 struct FlagOptions {
     /// True if all patches of the file are read.

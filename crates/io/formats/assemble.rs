@@ -25,7 +25,6 @@ const CELL_FLAGS: u64 = 63;
 /// Point flag that leaves out the cells of a point (vtkDataSetAttributes::HIDDENPOINT).
 const HIDDEN_POINT: u64 = 2;
 
-/// Reads what is requested and builds the grid.
 pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Progress) -> Result<Grid> {
     let meter = Meter::new(progress, dataset.file_bytes);
     let pieces = pieces_with_cells(dataset);
@@ -307,12 +306,10 @@ pub struct SkippedArray {
     pub value_count: u64,
 }
 
-/// Arrays that the selection skips.
 pub(super) fn unread(dataset: &Dataset, choices: &[ArraySelection]) -> Result<SkippedArray> {
     unread_of(dataset, dataset.pieces.iter(), choices)
 }
 
-/// Arrays of some pieces that the selection skips.
 pub(super) fn unread_of<'a>(
     dataset: &Dataset,
     pieces: impl Iterator<Item = &'a Piece>,
@@ -333,7 +330,6 @@ pub(super) fn unread_of<'a>(
     Ok(SkippedArray { arrays, value_count })
 }
 
-/// A request with the arrays that it means.
 pub(super) struct PieceRequest<'a> {
     pub request: &'a Request,
     /// The scalar, and the arrays that the request names.
@@ -537,7 +533,6 @@ fn degrees(piece: &Piece, cells: &Cells, meter: &Meter) -> Result<Option<Vec<[u8
     }
 }
 
-/// The positions of a piece's points.
 pub(super) fn load_points(piece: &Piece, meter: &Meter) -> Result<Vec<DVec3>> {
     match &piece.geometry {
         Geometry::Unstructured { points, .. } | Geometry::Curvilinear { points, .. } => {

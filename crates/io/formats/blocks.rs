@@ -111,7 +111,6 @@ pub(super) fn number_cells(dataset: &mut Dataset, request: &Request, source: &Ar
     Ok(())
 }
 
-/// The numbers of the blocks of a piece's cells.
 fn block_array(piece: &Piece, source: &Arc<Source>) -> PieceArray {
     let runs = match piece.blocks.clone() {
         CellBlocks::One(block) => vec![(block, piece.cell_count)],

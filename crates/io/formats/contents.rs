@@ -123,7 +123,6 @@ pub(super) struct PieceArray {
 /// Reads the values of an array on faces at the boundary, with warnings about those that are not read.
 pub(super) type ComputeBoundary = Arc<dyn Fn(&Meter) -> Result<(BoundaryValues, Vec<String>)> + Send + Sync>;
 
-/// Points and cells.
 pub(super) enum Geometry {
     /// Points and cells of any type.
     Unstructured { points: Stored, cells: Box<StoredCells> },
@@ -151,7 +150,6 @@ pub(super) enum StoredCells {
     Converted(Convert),
 }
 
-/// Faces of polyhedra as a file stores them.
 pub(super) enum StoredFaces {
     /// There are none.
     None,
@@ -213,7 +211,6 @@ impl Piece {
         Piece { blocks, ..self }
     }
 
-    /// The arrays of points or of cells.
     pub fn arrays_of(&self, association: Association) -> impl Iterator<Item = &PieceArray> {
         self.arrays.iter().filter(move |array| array.association == association)
     }

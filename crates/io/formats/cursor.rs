@@ -21,14 +21,12 @@ const FEW: u64 = 64;
 /// Numbers of text that one task changes.
 const PART: usize = 1 << 14;
 
-/// A place in a file and its line.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Place {
     at: u64,
     line: usize,
 }
 
-/// A position in a file.
 pub(super) struct Cursor {
     source: Arc<Source>,
     /// Bytes from `start` on.
@@ -83,7 +81,6 @@ impl Cursor {
         Place { at: self.position(), line: self.line }
     }
 
-    /// Bytes before the position.
     pub fn position(&self) -> u64 {
         self.start + self.at as u64
     }

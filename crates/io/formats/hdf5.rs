@@ -132,12 +132,10 @@ impl Group {
         names.iter().map(|name| self.required_array(name)).collect()
     }
 
-    /// The name of this group in that above it.
     pub fn name(&self) -> &str {
         self.path.rsplit('/').next().unwrap_or("")
     }
 
-    /// The names of groups and arrays.
     pub fn names(&self) -> Result<Vec<String>> {
         let (groups, arrays) = self.member_names(&mut *self.file.opened()?)?;
         Ok(groups.into_iter().chain(arrays).collect())
@@ -465,7 +463,6 @@ impl Array {
         Ok(bytes)
     }
 
-    /// All numbers of a small array.
     pub fn numbers<T: super::numbers::Target>(&self) -> Result<Vec<T>> {
         let meter = super::contents::Meter::new(&voltet_core::progress::NoProgress, 1);
         self.stored(&self.path, 1)?.load(&meter)

@@ -254,7 +254,6 @@ const FILTERS: [(&str, &str); 7] = [
     ("32026", "Blosc2"),
 ];
 
-/// The error about an object.
 pub(super) fn damaged(path: &str, mut error: &hdf5_reader::error::Error) -> Error {
     use hdf5_reader::error::Error as Failure;
     let failed = Error::run("the HDF5 object cannot be read").got(error).at_item(path);

@@ -402,7 +402,6 @@ fn count_cells(cells: &Cells, piece: &Piece, by_type: &mut BTreeMap<u8, u64>) {
     }
 }
 
-/// Counts a piece's cells by block and type.
 fn count_blocks(
     cells: &Cells,
     piece: &Piece,

@@ -53,7 +53,6 @@ impl LatticeBox {
     }
 }
 
-/// Boxes with their points.
 pub(super) struct Lattice {
     axes: [Axis; 3],
     pub boxes: Vec<LatticeBox>,

@@ -194,7 +194,6 @@ impl GatheredCells {
         tetrahedra(corners)
     }
 
-    /// Adds the cells of another.
     fn append(&mut self, other: GatheredCells) {
         let (begin, first) = (self.0.connectivity.len() as u64, self.0.types.len() as u32);
         self.0.connectivity.extend_from_slice(&other.0.connectivity);

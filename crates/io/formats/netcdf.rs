@@ -12,7 +12,6 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 
-/// True if a file begins as one of these.
 pub(super) fn is_netcdf(head: &[u8]) -> bool {
     matches!(head, [b'C', b'D', b'F', 1 | 2 | 5, ..])
 }
@@ -75,7 +74,6 @@ fn damaged(what: &str) -> Error {
 }
 
 impl NetcdfFile {
-    /// Reads the header.
     pub fn open(source: Arc<Source>) -> Result<NetcdfFile> {
         let mut header = Header { cursor: Cursor::new(&source), version: 1 };
         header.cursor.binary = Some(ByteOrder::Big);

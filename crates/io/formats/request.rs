@@ -176,7 +176,6 @@ impl Component {
     }
 }
 
-/// An array that a request means.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct ArraySelection {
     pub name: String,

@@ -44,7 +44,6 @@ pub(super) type VisitValues<'a> = &'a mut dyn FnMut(u64, &[f64]) -> Result<()>;
 
 /// A mesh that is read in passes.
 pub(super) trait TaggedMesh: Send + Sync + 'static {
-    /// Hands out the nodes.
     fn each_node(&self, visit: VisitNode) -> Result<()>;
 
     fn count_nodes(&self) -> Result<u64> {

@@ -29,7 +29,6 @@ pub(super) fn is_space(byte: u8) -> bool {
     (byte == b' ') | (byte == b'\n') | (byte == b'\t') | (byte == b'\r') | (byte == b'\x0c')
 }
 
-/// True if a mark stands in the head of a file.
 pub(super) fn has_mark(head: &[u8], mark: &str) -> bool {
     head.windows(mark.len()).any(|window| window == mark.as_bytes())
 }
@@ -55,7 +54,6 @@ pub(super) fn next_word(bytes: &[u8], is_between: impl Fn(u8) -> bool) -> (&[u8]
     word.split_at(word.iter().position(|&byte| is_between(byte)).unwrap_or(word.len()))
 }
 
-/// A part of a file of text.
 #[derive(Clone)]
 pub(super) struct TextRange {
     source: Arc<Source>,

@@ -74,7 +74,6 @@ pub fn convert(arguments: &Convert, registry: &Registry) -> Outcome {
     Ok(DONE)
 }
 
-/// A file to be written.
 struct Output {
     path: PathBuf,
     /// Number of its time step; `None` where the file is no series.

@@ -173,7 +173,6 @@ pub(super) fn pieces(shape: ReferenceCell, m: Orders) -> Vec<LatticeCell> {
     out
 }
 
-/// Nodes of one type of cell.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Nodes {
     pub shape: ReferenceCell,

@@ -85,7 +85,6 @@ pub(crate) enum OrderRequirement {
     Bits64,
 }
 
-/// Traits of a widget that follow from its kind.
 pub(crate) struct KindTraits {
     /// Kernel tier that integrates it first.
     pub tier: KernelTier,

@@ -79,7 +79,6 @@ pub(super) fn of_version_3_0(kind: i64) -> i64 {
     }
 }
 
-/// A run of elements.
 pub(super) struct Section {
     /// Number of the element type.
     pub kind: i64,

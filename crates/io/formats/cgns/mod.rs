@@ -44,7 +44,6 @@ impl Node {
         self.group.groups()?.into_iter().filter(|group| group.name() != " link").map(Node::new).collect()
     }
 
-    /// The numbers or characters of the node.
     fn data(&self) -> Result<Array> {
         self.group.required_array(" data")
     }
@@ -67,7 +66,6 @@ fn labelled<'a>(nodes: &'a [Node], label: &str) -> Option<&'a Node> {
     nodes.iter().find(|node| node.label == label)
 }
 
-/// The first child of a name.
 fn named<'a>(nodes: &'a [Node], name: &str) -> Option<&'a Node> {
     nodes.iter().find(|node| node.name == name)
 }

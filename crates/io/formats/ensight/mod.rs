@@ -99,7 +99,6 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     Ok(dataset)
 }
 
-/// Points and cells of a part.
 fn part_geometry(grid: &Arc<GoldGeometry>, place: usize, source: &Arc<Source>) -> Result<Geometry> {
     let (part, of) = (&grid.parts[place], grid.clone());
     match part.block {

@@ -72,7 +72,6 @@ pub(super) enum BlockForm {
 }
 
 impl GoldPart {
-    /// Number of volume elements.
     pub fn cell_count(&self) -> u64 {
         match self.block {
             Some(GoldBlock { dimensions, .. }) => {
@@ -98,7 +97,6 @@ impl GoldPart {
     }
 }
 
-/// A file of geometry or of a variable.
 struct GoldFile {
     cursor: Cursor,
     source: Arc<Source>,
@@ -243,7 +241,6 @@ impl GoldFile {
     }
 }
 
-/// Geometry of a case at a time.
 pub(super) struct GoldGeometry {
     source: Arc<Source>,
     binary: Option<ByteOrder>,
@@ -251,7 +248,6 @@ pub(super) struct GoldGeometry {
 }
 
 impl GoldGeometry {
-    /// Finds the parts.
     pub fn open(file: &StepFile) -> Result<GoldGeometry> {
         GoldGeometry::of_file(file).map_err(|error| error.in_file(&file.path))
     }

@@ -124,7 +124,6 @@ struct ElementBlock {
     node_count: u64,
 }
 
-/// Table of contents of one file.
 struct ProcessFile {
     variables: Arc<Variables>,
     node_count: u64,

@@ -10,7 +10,6 @@ use std::sync::Arc;
 use voltet_core::progress::NoProgress;
 use voltet_core::{Error, Result};
 
-/// An open file.
 pub(super) enum Variables {
     Classic(netcdf::NetcdfFile),
     Hdf5 { root: hdf5::Group, names: HashSet<String> },

@@ -340,7 +340,6 @@ fn outward((points, is_outward): Side) -> Vec<u32> {
     if is_outward { points.to_vec() } else { points.iter().rev().copied().collect() }
 }
 
-/// At most eight corners of a cell.
 struct CellCorners([u32; 8], usize);
 
 impl CellCorners {

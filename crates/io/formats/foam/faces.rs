@@ -83,7 +83,6 @@ impl FoamFile {
     }
 }
 
-/// Faces of a piece of text.
 struct PlainFaces {
     /// Place in the file.
     start: u64,

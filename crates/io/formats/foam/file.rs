@@ -336,7 +336,6 @@ impl FoamFile {
         self.numbers(self.scalar, count)
     }
 
-    /// Names of zones with their cells.
     pub fn zones(&mut self) -> Result<Vec<(String, Vec<u32>)>> {
         let (count, _) = self.list_head()?;
         let mut zones = Vec::new();

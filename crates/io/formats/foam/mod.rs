@@ -360,7 +360,6 @@ const NO_ZONE: &str = "no zone";
 /// Name of the block of a case's own mesh beside those of regions.
 const OWN_REGION: &str = "region0";
 
-/// Name of the block of a zone in a region.
 fn in_region(region: &str, zone: &str) -> String {
     if region.is_empty() { zone.to_owned() } else { format!("{region}/{zone}") }
 }

@@ -10,7 +10,6 @@ use std::collections::HashMap;
 use voltet_core::grid::code;
 use voltet_core::{Error, Result};
 
-/// A type of volume elements.
 pub(super) struct GmshElement {
     /// Number of the type.
     pub number: u64,
@@ -102,7 +101,6 @@ pub(super) fn each(
     }
 }
 
-/// Dimension and tag of an entity.
 pub(super) fn entity_head(cursor: &mut Cursor, is_4_0: bool) -> Result<(i64, i64)> {
     let first = cursor.number(NumberType::I32, "the dimension or tag of an entity")?;
     let second = cursor.number(NumberType::I32, "the dimension or tag of an entity")?;

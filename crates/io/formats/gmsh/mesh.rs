@@ -14,7 +14,6 @@ use voltet_core::grid::{CellSet, Cells, code};
 use voltet_core::parallel::all_or_first;
 use voltet_core::{Error, Result};
 
-/// A part of the file.
 #[derive(Clone, Default)]
 pub(super) struct MeshSection {
     pub start: u64,
@@ -22,7 +21,6 @@ pub(super) struct MeshSection {
     pub line: usize,
 }
 
-/// Table of contents of a file.
 pub(super) struct MeshFile {
     pub source: Arc<Source>,
     pub version: f64,
@@ -296,7 +294,6 @@ fn number_corners(run: &ElementRun, nodes: &Tags, corners: &mut [u32], tags: &mu
     all_or_first(parts).map(drop)
 }
 
-/// Tags and positions of nodes.
 #[derive(Default)]
 struct Nodes {
     tags: Vec<u64>,

@@ -20,7 +20,6 @@ pub(super) struct MfemElement<'a> {
 }
 
 impl MfemElements {
-    /// The elements in the order of the file.
     pub fn iter(&self) -> impl Iterator<Item = MfemElement<'_>> {
         self.types.iter().scan(0, |end, &own| {
             let (number, begin) = (usize::from(own), *end);

@@ -12,7 +12,6 @@ use voltet_core::{Error, Result, counted};
 /// Ending of root files.
 const ROOT: &str = "mfem_root";
 
-/// True for the name of a root file.
 pub(super) fn is_root(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(ROOT))
 }

@@ -37,7 +37,6 @@ pub(super) struct MfemMesh {
     /// Vertices that elements name, ascending, where there are others, which do not count.
     named: Option<Vec<u32>>,
     pub coordinates: Coordinates,
-    /// Named sets of attributes.
     pub sets: Vec<(String, Vec<i32>)>,
 }
 

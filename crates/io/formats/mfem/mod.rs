@@ -58,7 +58,6 @@ struct MfemPart {
 }
 
 impl MfemPart {
-    /// Names and spaces of the nodes and of the fields.
     fn spaces(&self) -> Vec<(String, FieldSpace)> {
         let nodes = match &self.mesh.coordinates {
             Coordinates::OfNodes(nodes) => Some((nodes.name.clone(), nodes.space)),

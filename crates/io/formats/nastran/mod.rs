@@ -191,7 +191,6 @@ fn each_entry<R: Send>(
     })
 }
 
-/// Results of the entries of a piece.
 struct Entries<R> {
     /// Place and text of a line that goes on with an entry before the piece.
     continued: Option<(u64, String)>,
@@ -407,7 +406,6 @@ impl SystemEntries<'_> {
         Ok(())
     }
 
-    /// Nodes that define systems.
     fn nodes(&self) -> HashSet<u64> {
         let of_entry = |entry: &SystemEntry| match entry.points {
             DefiningPoints::Nodes(nodes) => nodes.to_vec(),

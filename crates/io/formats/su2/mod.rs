@@ -29,7 +29,6 @@ fn matches(head: &[u8], path: &Path, _: &Request) -> bool {
     is_named || [&b"NDIME="[..], b"NZONE="].iter().any(|key| first.starts_with(key))
 }
 
-/// Points and elements of one zone.
 struct Zone {
     name: String,
     elements: (TextRange, u64),

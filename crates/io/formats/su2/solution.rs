@@ -31,7 +31,6 @@ const PLACES: [&str; 4] = ["PointID", "x", "y", "z"];
 pub(super) struct Solution {
     source: Arc<Source>,
     columns: Vec<String>,
-    /// Columns of each array.
     arrays: Vec<Vec<usize>>,
     rows: Rows,
     point_count: u64,
@@ -63,7 +62,6 @@ impl Solution {
         Ok((Solution { source, columns, arrays, rows, point_count }, heads))
     }
 
-    /// Size of the file.
     pub fn bytes(&self) -> u64 {
         self.source.len()
     }

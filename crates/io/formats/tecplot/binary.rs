@@ -58,7 +58,6 @@ struct BinaryZone {
     has_neighbours: bool,
     /// True if words of unknown number about neighbours follow.
     has_tail: bool,
-    /// Place of the cells.
     connectivity: u64,
 }
 
@@ -78,7 +77,6 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     dataset(&source, format, &heads, file.axes, request, |zone, block| file.piece(zone, block))
 }
 
-/// A position in the file.
 struct BinaryCursor {
     cursor: Cursor,
     source: Arc<Source>,

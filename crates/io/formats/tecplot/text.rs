@@ -56,7 +56,6 @@ struct TecplotFile {
     zones: Vec<TextZone>,
 }
 
-/// Keys of a head with their values.
 type Entries = Vec<(String, Vec<String>)>;
 
 fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {

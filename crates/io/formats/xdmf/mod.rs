@@ -65,7 +65,6 @@ pub(super) fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf
     files
 }
 
-/// A reading of one file.
 struct Reader<'a> {
     items: Items<'a>,
     dataset: Dataset,

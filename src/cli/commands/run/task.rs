@@ -21,7 +21,6 @@ pub(super) struct Task<'a> {
 
 /// A picture that was drawn, or was not.
 pub(super) struct Attempt {
-    /// The pipeline of a frame.
     pub document: Option<Document>,
     /// `None`: it was there already.
     pub outcome: Result<Option<RunReport>>,
