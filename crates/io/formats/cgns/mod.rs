@@ -70,7 +70,7 @@ fn named<'a>(nodes: &'a [Node], name: &str) -> Option<&'a Node> {
     nodes.iter().find(|node| node.name == name)
 }
 
-/// What holds for all zones of a base.
+/// Context of the zones of a base.
 struct Base {
     /// The step that is read, where the base has some.
     step: Option<usize>,

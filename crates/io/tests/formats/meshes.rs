@@ -1,5 +1,6 @@
 //! Meshes as text of UCD, SU2, Abaqus and Nastran: by meshio, and as manuals write them.
 
+use super::refusals::{refused, says};
 use glam::DVec3;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -93,7 +94,7 @@ fn ucd_has_vectors_materials_and_gaps() {
         ("3 9\n2 0.25\n", "", ["ends early", "a row of values", "a.inp"]),
     ] {
         let found = message(from, to);
-        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+        says(&found, &words);
     }
 }
 
@@ -142,8 +143,7 @@ fn nastran_has_three_forms_of_fields() {
         ("2,7,2,3,4,5", "2,7,2,3,4,6", ["element 2", "does not exist", "found 6"]),
     ] {
         let path = file(&folder, "a.bdf", text.replacen(from, to, 1).as_bytes());
-        let found = read(&path, &mesh(), &NoProgress).unwrap_err().to_string();
-        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+        refused(&path, &mesh(), &words);
     }
 }
 
@@ -320,7 +320,7 @@ fn files_that_are_included_again_and_again_are_limited_by_their_bytes() {
         let found = read(&path, &mesh(), &NoProgress).unwrap_err().to_string();
         let place = format!("{name}:{}", mesh_of.lines().count() + 8);
         let words = ["too many others", &name.replacen('a', "'b", 1), "bytes of files", &place];
-        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+        says(&found, &words);
     }
 }
 
@@ -369,8 +369,7 @@ fn abaqus_has_parts_instances_and_sets() {
         ("1, 1, 1\n", "1, 1000000000000, 1\n", ["more elements than the file", "step", "a.inp:17"]),
     ] {
         let path = file(&folder, "a.inp", text.replacen(from, to, 1).as_bytes());
-        let found = read(&path, &mesh(), &NoProgress).unwrap_err().to_string();
-        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+        refused(&path, &mesh(), &words);
     }
 }
 
@@ -490,7 +489,6 @@ fn nastran_has_systems_of_coordinates_as_pynastran_has() {
     ] {
         assert!(SYSTEMS.contains(from), "{from}");
         let path = file(&folder, "a.bdf", SYSTEMS.replacen(from, to, 1).as_bytes());
-        let found = read(&path, &mesh(), &NoProgress).unwrap_err().to_string();
-        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+        refused(&path, &mesh(), &words);
     }
 }
