@@ -7,7 +7,6 @@
 use super::extent;
 use super::parts::{Cells, RawGrid};
 use super::point_keys::{Keys, PointKeys, boxes_of_others};
-use crate::SharedSlice;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -305,7 +304,7 @@ pub fn values_part_points(pieces: &[RawGrid]) -> bool {
     let without_arrays = |piece: &RawGrid| RawGrid {
         block: piece.block,
         global_ids: piece.global_ids.clone(),
-        ..RawGrid::new(piece.points.clone(), Cells::Tetrahedra(SharedSlice::default()))
+        ..RawGrid::new(piece.points.clone(), Cells::default())
     };
     // By global ids alone values do not count.
     pieces.len() > 1

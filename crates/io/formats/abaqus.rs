@@ -95,6 +95,7 @@ struct Instance {
 }
 
 /// Parts of the file; the lines outside parts are part 0.
+#[derive(Default)]
 struct AbaqusMesh {
     nodes: Vec<NodeLines>,
     elements: Vec<ElementLines>,
@@ -194,12 +195,7 @@ impl Scan {
             set_lines: Vec::new(),
             range_sum: 0,
             ended: [0; 2],
-            mesh: AbaqusMesh {
-                nodes: Vec::new(),
-                elements: Vec::new(),
-                instances: Vec::new(),
-                sets: HashMap::new(),
-            },
+            mesh: AbaqusMesh::default(),
         }
     }
 

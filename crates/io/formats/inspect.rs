@@ -16,7 +16,7 @@ use voltet_core::grid::{self, Association, CellType, Cells, RawGrid, code, is_dr
 use voltet_core::parallel::all_or_first;
 use voltet_core::progress::Progress;
 use voltet_core::reading::FileArray;
-use voltet_core::{Result, SharedSlice};
+use voltet_core::Result;
 
 /// Contents of a file.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -290,7 +290,7 @@ impl PieceSums {
     ) -> Result<()> {
         self.counts = [piece.point_count, piece.cell_count];
         let cells = match piece.cell_count {
-            0 => Cells::Tetrahedra(SharedSlice::default()),
+            0 => Cells::default(),
             _ => cells::load(piece, meter)?,
         };
         if piece.cell_count > 0 {

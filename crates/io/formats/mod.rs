@@ -470,14 +470,9 @@ fn open_external(source: &Arc<Source>, request: &Request, chosen: &SelectedArray
     Ok(Dataset {
         format: head.format,
         pieces: vec![piece],
-        has_blocks: false,
-        blocks: Vec::new(),
-        time: None,
-        global_ids: None,
         time_steps: head.times,
-        notes: Vec::new(),
         active_scalars: head.scalar,
-        warnings: Vec::new(),
         file_bytes: source.len(),
+        ..Dataset::default()
     })
 }

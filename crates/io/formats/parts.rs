@@ -27,7 +27,7 @@ use voltet_core::grid::{
 };
 use voltet_core::parallel::all_or_first;
 use voltet_core::progress::{Progress, refuse_beyond_memory};
-use voltet_core::{Error, Result, SharedSlice, counted};
+use voltet_core::{Error, Result, counted};
 use voltet_graph::MEAN_LAYERS;
 
 /// Size of a piece of a file.
@@ -241,7 +241,7 @@ impl OwnPieces<'_> {
                 false => {
                     let ids = piece.array(Association::Point, ids);
                     let ids = ids.map(|ids| ids.load(own.meter)).transpose()?;
-                    Ok(RawGrid { global_ids: ids, ..RawGrid::new(SharedSlice::default(), no_cells()) })
+                    Ok(RawGrid { global_ids: ids, ..RawGrid::default() })
                 }
             };
             let keys = self.with(numbered, read, |raw| {
@@ -257,7 +257,7 @@ impl OwnPieces<'_> {
         let bare = request_of(self.request, Vec::new(), true);
         let mut own = Vec::new();
         for &numbered @ (index, piece) in pieces {
-            let read = |own: &Self| own.load(piece, no_cells(), &bare);
+            let read = |own: &Self| own.load(piece, Cells::default(), &bare);
             own.push(self.with(numbered, read, |raw| Ok((index, raw.block, extent::bounds(&raw.points))))?);
         }
         let mut boxes = vec![(0, None); self.dataset.pieces.len()];
@@ -275,7 +275,7 @@ impl OwnPieces<'_> {
         let wanted = request_of(request, names.map(|(name, _)| name.clone()).collect(), !with_scalar);
         let mut found = Vec::new();
         for &numbered @ (index, piece) in pieces.iter().filter(|piece| !others[piece.0].is_empty()) {
-            let read = |own: &Self| own.load(piece, no_cells(), &wanted);
+            let read = |own: &Self| own.load(piece, Cells::default(), &wanted);
             let keys = self.with(numbered, read, |raw| Ok(PointKeys::of_places(raw, &others[index])))?;
             found.push((index, keys));
         }
@@ -360,10 +360,6 @@ fn forget(piece: &Piece) {
 
 fn has_ghost_flags(piece: &Piece) -> bool {
     piece.arrays.iter().any(|array| [GHOST_TYPE, GHOST_LEVELS].contains(&array.stored.name.as_str()))
-}
-
-fn no_cells() -> Cells {
-    Cells::Tetrahedra(SharedSlice::default())
 }
 
 /// The request with these arrays on points and none on cells.

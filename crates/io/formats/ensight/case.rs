@@ -26,6 +26,7 @@ struct FileSet {
 }
 
 /// A file, or one for each step of a time set where its name has asterisks; with a file set, files of several steps.
+#[derive(Default)]
 pub(super) struct FilePattern {
     time_set: Option<u64>,
     file_set: Option<u64>,
@@ -57,6 +58,7 @@ pub(super) struct CaseVariable {
     pub pattern: FilePattern,
 }
 
+#[derive(Default)]
 pub(super) struct CaseFile {
     folder: PathBuf,
     pub geometry: FilePattern,
@@ -85,15 +87,8 @@ const KINDS: [(&str, Association, usize); 10] = [
 
 impl CaseFile {
     pub fn read(source: &Arc<Source>) -> Result<CaseFile> {
-        let mut case = CaseFile {
-            folder: source.path().parent().unwrap_or(Path::new("")).to_owned(),
-            geometry: FilePattern::new(&[], ""),
-            variables: Vec::new(),
-            left_out: Vec::new(),
-            time_sets: Vec::new(),
-            file_sets: Vec::new(),
-            is_of_files: false,
-        };
+        let folder = source.path().parent().unwrap_or(Path::new("")).to_owned();
+        let mut case = CaseFile { folder, ..CaseFile::default() };
         let mut cursor = Cursor::new(source);
         // Key of the line before, which a line of numbers alone goes on with.
         let mut last = String::new();

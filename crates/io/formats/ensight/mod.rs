@@ -87,14 +87,8 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
             let component_names = names.iter().map(|name| (*name).to_owned()).collect();
             arrays.push(PieceArray { component_names, ..PieceArray::new(association, stored) });
         }
-        dataset.pieces.push(Piece {
-            point_count: counts[0],
-            cell_count: counts[1],
-            arrays,
-            geometry: part_geometry(&grid, place, &source)?,
-            blocks: CellBlocks::One(block),
-            is_old_order: false,
-        });
+        let geometry = part_geometry(&grid, place, &source)?;
+        dataset.pieces.push(Piece::new(counts, geometry, arrays).with_blocks(CellBlocks::One(block)));
     }
     Ok(dataset)
 }

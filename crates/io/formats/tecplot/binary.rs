@@ -290,19 +290,10 @@ impl BinaryCursor {
             let error = self.cursor.error("variables at cells stand side by side with those at nodes");
             return Err(error.expected("all values of a variable in one run"));
         }
-        let none = vec![false; self.variable_count];
-        let head = ZoneHead {
-            name,
-            kind,
-            node_count,
-            cell_count,
-            at_cells,
-            shared: vec![None; self.variable_count],
-            passive: none,
-            shared_cells: None,
-            // A zone of no strand is of all times.
-            time: (strand != -1 && time.is_finite()).then_some(time),
-        };
+        let mut head = ZoneHead::new(name, kind, [node_count, cell_count], self.variable_count);
+        head.at_cells = at_cells;
+        // A zone of no strand is of all times.
+        head.time = (strand != -1 && time.is_finite()).then_some(time);
         Ok(BinaryZone {
             head,
             values: Vec::new(),

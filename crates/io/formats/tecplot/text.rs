@@ -172,23 +172,14 @@ impl TecplotFile {
             let error = cursor.error("the zone does not fit the file").got(node_count.max(cell_count));
             return Err(error.expected("numbers of nodes and cells that the file holds"));
         }
-        let none = vec![false; self.variables.len()];
-        let mut zone = ZoneHead {
-            name: value(&["T"]).to_owned(),
-            kind,
-            node_count,
-            cell_count,
-            at_cells: none.clone(),
-            shared: vec![None; self.variables.len()],
-            passive: none,
-            shared_cells: None,
-            time: match value(&["SOLUTIONTIME"]) {
-                "" => None,
-                word => Some(numbers::parse(NumberType::F64, word.as_bytes()).map_err(|_| {
-                    let error = cursor.error("SOLUTIONTIME of a zone is damaged");
-                    error.got(format_args!("'{word}'")).expected("a number")
-                })?),
-            },
+        let counts = [node_count, cell_count];
+        let mut zone = ZoneHead::new(value(&["T"]).to_owned(), kind, counts, self.variables.len());
+        zone.time = match value(&["SOLUTIONTIME"]) {
+            "" => None,
+            word => Some(numbers::parse(NumberType::F64, word.as_bytes()).map_err(|_| {
+                let error = cursor.error("SOLUTIONTIME of a zone is damaged");
+                error.got(format_args!("'{word}'")).expected("a number")
+            })?),
         };
         // Of a zone that says neither, VTK and VisIt take each node's variables to stand side by side.
         // Those of faces are always blocks.

@@ -56,6 +56,18 @@ pub(super) struct ZoneHead {
 }
 
 impl ZoneHead {
+    /// A zone of a file of so many variables, which holds all of them at its nodes.
+    pub fn new(
+        name: String,
+        kind: ZoneKind,
+        [node_count, cell_count]: [u64; 2],
+        variable_count: usize,
+    ) -> Self {
+        let (at_cells, passive) = (vec![false; variable_count], vec![false; variable_count]);
+        let (shared, shared_cells, time) = (vec![None; variable_count], None, None);
+        ZoneHead { name, kind, node_count, cell_count, at_cells, shared, passive, shared_cells, time }
+    }
+
     /// True if the zone itself holds numbers of a variable.
     pub fn holds(&self, variable: usize) -> bool {
         self.shared[variable].is_none() && !self.passive[variable]
