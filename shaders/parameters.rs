@@ -65,7 +65,8 @@ impl Parameters {
     ) -> Result<Parameters> {
         let fields = transfer_function.fields();
         if axes.len() != 2 + fields.len() {
-            return Err(Error::usage("the axes do not fit the values of the transfer function")
+            let error = Error::usage("the axes do not fit the values of the transfer function");
+            return Err(error
                 .got(axes.len())
                 .expected(format!("{}: s, g and one a field", 2 + fields.len())));
         }

@@ -122,9 +122,8 @@ impl Convex {
             };
         }
         if corners.len() < 3 {
-            return Err(Error::usage("a region has too few corners")
-                .got(corners.len())
-                .expected("a convex polygon of at least 3 corners"));
+            let error = Error::usage("a region has too few corners").got(corners.len());
+            return Err(error.expected("a convex polygon of at least 3 corners"));
         }
         if corners.iter().flatten().any(|c| c.is_infinite()) {
             return Err(Error::usage("a region that is no rectangle has an infinite corner")

@@ -354,9 +354,8 @@ impl FrameInputs<'_> {
                 return Ok(None);
             }
             if device.is_software && self.sorted && counts[counters::LONGEST] > LONGEST_SOFTWARE {
-                return Err(Error::run(LONG_TILE)
-                    .got(counts[counters::LONGEST])
-                    .expected(format!("at most {LONGEST_SOFTWARE}, or engine = \"cpu\"")));
+                let error = Error::run(LONG_TILE).got(counts[counters::LONGEST]);
+                return Err(error.expected(format!("at most {LONGEST_SOFTWARE}, or engine = \"cpu\"")));
             }
             if needed > capacity {
                 // Some room for the next frame.

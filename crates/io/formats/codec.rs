@@ -71,9 +71,8 @@ impl Codec {
             Codec::Lzma => xz::decompress(from, to).map_err(|error| damaged(&error))?,
         };
         if count != to.len() {
-            return Err(Error::run("a compressed block has the wrong size")
-                .got(counted(count, "byte"))
-                .expected(counted(to.len(), "byte")));
+            let error = Error::run("a compressed block has the wrong size").got(counted(count, "byte"));
+            return Err(error.expected(counted(to.len(), "byte")));
         }
         Ok(())
     }
