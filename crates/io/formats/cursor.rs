@@ -158,6 +158,24 @@ impl Cursor {
         Ok(Some(line.strip_suffix(b"\r").unwrap_or(line)))
     }
 
+    /// Passes over so many lines that `is_row` tells from others, and gives their range. Errors: the file ends before.
+    pub fn skip_rows(
+        &mut self,
+        count: u64,
+        is_row: impl Fn(&[u8]) -> bool,
+        expected: &str,
+    ) -> Result<TextRange> {
+        let start = self.clone();
+        let mut passed = 0;
+        while passed < count {
+            let Some(line) = self.line()? else {
+                return Err(self.error("the file ends early").got(passed).expected(expected));
+            };
+            passed += u64::from(is_row(line));
+        }
+        Ok(start.range_to(self))
+    }
+
     /// The next line as text without white space round it; an error at the end.
     pub fn text_line(&mut self, what: &str) -> Result<String> {
         match self.line()? {

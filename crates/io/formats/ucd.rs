@@ -80,8 +80,9 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     }
     let [node_count, cell_count, of_nodes, of_cells, _] = counts;
     cursor.line()?;
-    let nodes = skip_lines(&mut cursor, node_count, "a node")?;
-    let cells = skip_lines(&mut cursor, cell_count, "a cell")?;
+    let is_row = |line: &[u8]| !is_blank(line);
+    let nodes = cursor.skip_rows(node_count, is_row, "a node")?;
+    let cells = cursor.skip_rows(cell_count, is_row, "a cell")?;
     let (mut arrays, mut heads, mut units) = (Vec::new(), Vec::new(), Vec::new());
     for (association, width, row_count) in
         [(Association::Point, of_nodes, node_count), (Association::Cell, of_cells, cell_count)]
@@ -93,7 +94,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
                 let error = cursor.error("the rows of values do not fit the file");
                 return Err(error.got(format_args!("{row_count} rows of {width} values")));
             }
-            let rows = skip_lines(&mut cursor, row_count, "a row of values")?;
+            let rows = cursor.skip_rows(row_count, is_row, "a row of values")?;
             let mut first = 0;
             for (head, unit) in found {
                 units.push(unit);
@@ -115,19 +116,6 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
 /// True for a line without words, which counts for nothing.
 fn is_blank(line: &[u8]) -> bool {
     line.iter().all(|&byte| is_space(byte))
-}
-
-/// Passes over so many lines that have words.
-fn skip_lines(cursor: &mut Cursor, count: u64, what: &str) -> Result<TextRange> {
-    let start = cursor.clone();
-    let mut left = count;
-    while left > 0 {
-        let Some(line) = cursor.line()? else {
-            return Err(cursor.error("the file ends early").expected(what));
-        };
-        left -= u64::from(!is_blank(line));
-    }
-    Ok(start.range_to(cursor))
 }
 
 struct UcdCell {

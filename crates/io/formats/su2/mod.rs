@@ -66,9 +66,8 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
             "IZONE" => zone_name = format!("zone {value}"),
             "NELEM" | "NPOIN" => {
                 let count = count()?;
-                let start = cursor.clone();
-                skip_rows(&mut cursor, count)?;
-                let part = start.range_to(&cursor);
+                let has_words = |line: &[u8]| words(line).next().is_some();
+                let part = cursor.skip_rows(count, has_words, &format!("{count} rows of numbers"))?;
                 let is_new = zones.last().is_none_or(|zone| zone.name != zone_name);
                 if is_new {
                     zones.push(Zone { name: zone_name.clone(), elements: empty(), points: empty() });
@@ -94,23 +93,6 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     let mut dataset = dataset(&source, "SU2, with a solution".to_owned(), mesh, arrays, request)?;
     dataset.file_bytes += bytes;
     Ok(dataset)
-}
-
-/// Passes over so many lines that have numbers.
-fn skip_rows(cursor: &mut Cursor, count: u64) -> Result<()> {
-    let mut left = count;
-    while left > 0
-        && let Some(line) = cursor.line()?
-    {
-        left -= u64::from(words(line).next().is_some());
-    }
-    match left {
-        0 => Ok(()),
-        _ => {
-            let error = cursor.error("the file ends early").got(count - left);
-            Err(error.expected(format_args!("{count} rows of numbers")))
-        }
-    }
 }
 
 /// Words of a line before its comment.
