@@ -347,7 +347,7 @@ impl BinaryCursor {
                 let Some(other) = self.shared(before)? else { continue };
                 zone.head
                     .share(variable, other, &before[other].head)
-                    .map_err(|error| self.in_place(error))?;
+                    .map_err(|error| self.cursor.locate(error))?;
             }
         }
         zone.head.shared_cells = self.shared(before)?;
@@ -428,10 +428,6 @@ impl BinaryCursor {
             }
             number => Ok(number),
         }
-    }
-
-    fn in_place(&self, error: Error) -> Error {
-        error.at_item(format!("byte {}", self.cursor.position()))
     }
 }
 
