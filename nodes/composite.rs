@@ -61,8 +61,9 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     let transfer_function = drawing::for_data(call, &look, &cells.volume, revision)?;
     if transfer_function != projected.transfer_function {
         let what = "the cells were culled for another transfer function than the one to draw";
-        let error = Error::usage(what);
-        return Err(error.expected("the same transfer_function at the nodes of type cull and composite"));
+        return Err(
+            Error::usage(what).expected("the same transfer_function at the nodes of type cull and composite")
+        );
     }
     drawing::note_bands(call, &cells.volume, &transfer_function)?;
     let scene = Scene {

@@ -467,8 +467,9 @@ fn check_wave(widget: &Widget, wave: &Wave, extent: &SegmentExtent) -> Result<()
         wave.step().iter().enumerate().map(|(a, step)| (step * extent.spans.values[a]).abs()).sum();
     let by_width = bands / wave.band_width;
     let refuse = |why: &str, found: f64, most: f64| {
-        let error = Error::run(why).got(format!("{found:e} bands over one segment"));
-        Err(error.expected(format!("at most {most:e}, or an engine of 64 bits")))
+        Err(Error::run(why)
+            .got(format!("{found:e} bands over one segment"))
+            .expected(format!("at most {most:e}, or an engine of 64 bits")))
     };
     if bands > MAX_BANDS {
         return refuse("a wave has more bands than 32 bits tell apart", bands, MAX_BANDS);

@@ -65,8 +65,7 @@ impl Parameters {
     ) -> Result<Parameters> {
         let fields = transfer_function.fields();
         if axes.len() != 2 + fields.len() {
-            let error = Error::usage("the axes do not fit the values of the transfer function");
-            return Err(error
+            return Err(Error::usage("the axes do not fit the values of the transfer function")
                 .got(axes.len())
                 .expected(format!("{}: s, g and one a field", 2 + fields.len())));
         }

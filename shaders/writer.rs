@@ -111,8 +111,9 @@ pub(crate) fn finite(what: &str, x: f64) -> Result<f32> {
     if stored.is_finite() {
         return Ok(stored);
     }
-    let error = Error::run(format!("{what} leaves the range of 32 bits")).got(x);
-    Err(error.expected(format!("at most {:.1e} in the units of the scene", f32::MAX)))
+    Err(Error::run(format!("{what} leaves the range of 32 bits"))
+        .got(x)
+        .expected(format!("at most {:.1e} in the units of the scene", f32::MAX)))
 }
 
 /// Checks that several numbers are finite.

@@ -132,8 +132,9 @@ unsafe fn lent<T>(values: *const T, count: usize, what: &str) -> Result<&'static
         return Err(null(what).got(format!("a null pointer for {}", counted(count, "number"))));
     }
     if !values.is_aligned() {
-        let error = Error::usage(format!("{what} are at an odd address")).got(format!("{values:p}"));
-        return Err(error.expected(format!("a multiple of {}", align_of::<T>())));
+        return Err(Error::usage(format!("{what} are at an odd address"))
+            .got(format!("{values:p}"))
+            .expected(format!("a multiple of {}", align_of::<T>())));
     }
     if count > isize::MAX as usize / size_of::<T>() {
         return Err(Error::usage(format!("the count of {what} is out of range")).got(count));
@@ -172,8 +173,9 @@ unsafe fn add_arrays(piece: &mut RawGrid, source: &GridSource, keep: &Arc<dyn Se
         // SAFETY: so many structs of the first one's size stand there.
         let array: GivenArray = unsafe { read(source.arrays.byte_add(number * stride)) }?;
         if array.size != stride {
-            let error = Error::usage(format!("array {number} has another size than the first"));
-            return Err(error.got(array.size).expected(stride));
+            return Err(Error::usage(format!("array {number} has another size than the first"))
+                .got(array.size)
+                .expected(stride));
         }
         // SAFETY: the caller's promise.
         let name = unsafe { text(array.name, &format!("the name of array {number}")) }?;

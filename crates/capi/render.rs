@@ -89,8 +89,9 @@ impl Target {
             let fits = stride.checked_mul(height).is_some_and(|bytes| bytes <= isize::MAX as usize);
             if stride < min || !stride.is_multiple_of(unit) || !fits {
                 let multiple = if unit > 1 { format!(", a multiple of {unit}") } else { String::new() };
-                let error = Error::usage(format!("{name} is out of range")).got(counted(given, "byte"));
-                return Err(error.expected(format!("0, or at least {min} bytes from row to row{multiple}")));
+                return Err(Error::usage(format!("{name} is out of range"))
+                    .got(counted(given, "byte"))
+                    .expected(format!("0, or at least {min} bytes from row to row{multiple}")));
             }
             Ok(stride)
         };

@@ -141,8 +141,11 @@ pub(crate) unsafe fn stated_size<T: Sized0>(from: *const T) -> Result<usize> {
     // SAFETY: the caller's promise; structs of C may stand anywhere.
     let size = unsafe { from.cast::<usize>().read_unaligned() };
     if !(size_of::<T>()..=MAX_SIZE).contains(&size) {
-        let error = Error::usage(format!("the size of a {} is wrong", T::NAME)).got(size);
-        return Err(error.expected(format!("size = sizeof({}), {} here", T::NAME, size_of::<T>())));
+        return Err(Error::usage(format!("the size of a {} is wrong", T::NAME)).got(size).expected(format!(
+            "size = sizeof({}), {} here",
+            T::NAME,
+            size_of::<T>()
+        )));
     }
     Ok(size)
 }

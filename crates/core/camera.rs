@@ -80,13 +80,15 @@ impl Camera {
         let view = self.target - self.eye;
         let forward = unit_vector(view);
         if forward == DVec3::ZERO {
-            let error = Error::usage("the camera's eye and target are the same point").got(self.eye);
-            return Err(error.expected("a target apart from the eye"));
+            return Err(Error::usage("the camera's eye and target are the same point")
+                .got(self.eye)
+                .expected("a target apart from the eye"));
         }
         let side = forward.cross(unit_vector(self.up));
         if side.length() < 1e-12 {
-            let error = Error::usage("the camera's up is zero or parallel to the view direction");
-            return Err(error.got(self.up).expected("a vector that is not parallel to target − eye"));
+            return Err(Error::usage("the camera's up is zero or parallel to the view direction")
+                .got(self.up)
+                .expected("a vector that is not parallel to target − eye"));
         }
         let right = side.normalize();
         let up = right.cross(forward);

@@ -28,8 +28,9 @@ pub fn flat_picture(
     progress: &dyn Progress,
 ) -> Result<Picture> {
     let Projection::Orthographic { .. } = camera.projection else {
-        let error = Error::usage("rays of a perspective camera are not parallel");
-        return Err(error.expected("height, not fov_y"));
+        return Err(
+            Error::usage("rays of a perspective camera are not parallel").expected("height, not fov_y")
+        );
     };
     camera.check_picture()?;
     let Frame { right, up, forward, pixel } = camera.frame()?;

@@ -72,13 +72,15 @@ impl Surface {
         let of_light = (!self.normals.is_empty()).then_some(("normal", self.normals.len()));
         for (name, given) in of_paint.into_iter().chain(of_light) {
             if given != count {
-                let error = Error::run(format!("a surface has not one {name} a point")).got(given);
-                return Err(error.expected(count));
+                return Err(Error::run(format!("a surface has not one {name} a point"))
+                    .got(given)
+                    .expected(count));
             }
         }
         if !(0.0..=1.0).contains(&self.opacity) {
-            let error = Error::run("a surface's opacity is out of range").got(self.opacity);
-            return Err(error.expected("from 0 to 1"));
+            return Err(Error::run("a surface's opacity is out of range")
+                .got(self.opacity)
+                .expected("from 0 to 1"));
         }
         let is_color =
             |color: &[f64; 4]| color.iter().all(|c| (0.0..f64::INFINITY).contains(c)) && color[3] <= 1.0;

@@ -204,8 +204,9 @@ pub fn integrator(
         let name = shading.integrator.name();
         let what =
             format!("the integrator '{name}' draws scenes as a whole, since it reads the grid's points");
-        let error = Error::usage(what).got("stages or segments of a scene by themselves");
-        return Err(error.expected("a node of type renderer, or another integrator"));
+        return Err(Error::usage(what)
+            .got("stages or segments of a scene by themselves")
+            .expected("a node of type renderer, or another integrator"));
     }
     let extent = extent(cells, transfer_function, &shading.integrator);
     integrators::new(&shading.integrator, shading.overlap, transfer_function, &extent)

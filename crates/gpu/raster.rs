@@ -291,8 +291,9 @@ fn check_flags(found: DownlevelFlags, device: &str, compositor: &str) -> Result<
     if lacking.is_empty() {
         return Ok(());
     }
-    let error = Error::run(format!("{device} lacks what compositor = \"{compositor}\" draws with"));
-    Err(error.got(format!("no {}", lacking.join(", no "))).expected("compositor = \"tiles\""))
+    Err(Error::run(format!("{device} lacks what compositor = \"{compositor}\" draws with"))
+        .got(format!("no {}", lacking.join(", no ")))
+        .expected("compositor = \"tiles\""))
 }
 
 impl Device {

@@ -25,8 +25,9 @@ pub fn read(path: &Path) -> Result<ColorCurve> {
         let failed = |error: std::io::Error| Error::run("the colour map file cannot be read").got(error);
         let length = std::fs::metadata(path).map_err(failed)?.len();
         if length > LARGEST {
-            let error = Error::run("the colour map file is too large").got(length);
-            return Err(error.expected("16 MiB at most"));
+            return Err(Error::run("the colour map file is too large")
+                .got(length)
+                .expected("16 MiB at most"));
         }
         let text = std::fs::read_to_string(path).map_err(failed)?;
         let maps = if text.trim_start().starts_with('<') { of_xml(&text)? } else { of_json(&text)? };

@@ -182,8 +182,9 @@ impl VolumetricDepthImage {
             let size = |image: &Self| {
                 format!("{} × {} with {} samples", image.size[0], image.size[1], image.samples.len())
             };
-            let error = Error::run("images of parts have different sizes").got(size(other));
-            return Err(error.expected(size(self)));
+            return Err(Error::run("images of parts have different sizes")
+                .got(size(other))
+                .expected(size(self)));
         }
         let resolution = self.resolution.max(other.resolution);
         let pixel_count = self.size[0] * self.size[1];

@@ -141,8 +141,9 @@ impl<'a> RayEventSource<'a> {
         let bands: Vec<Band> = (0..height.div_ceil(BAND)).into_par_iter().map(band).collect::<Result<_>>()?;
         let count = bands.iter().map(|band| band.events.len()).sum::<usize>();
         if u32::try_from(count).is_err() {
-            let error = Error::run("rays meet too many surfaces").got(count);
-            return Err(error.expected("at most 4,294,967,295"));
+            return Err(Error::run("rays meet too many surfaces")
+                .got(count)
+                .expected("at most 4,294,967,295"));
         }
         Ok(RayEvents { width, bands })
     }

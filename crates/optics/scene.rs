@@ -62,8 +62,9 @@ impl Scene {
     /// the exact one, in which nothing has its place.
     pub fn ray_event_source(&self) -> Result<Option<RayEventSource<'_>>> {
         if self.has_events() && self.order != VisibilityOrder::Exact {
-            let error = Error::usage("surfaces and clips have their places in the exact order alone");
-            return Err(error.got(format!("order = \"{}\"", self.order)).expected("order = \"exact\""));
+            return Err(Error::usage("surfaces and clips have their places in the exact order alone")
+                .got(format!("order = \"{}\"", self.order))
+                .expected("order = \"exact\""));
         }
         RayEventSource::new(&self.surfaces, &self.clips, &self.camera)
     }

@@ -513,8 +513,9 @@ fn check_offsets(offsets: &[i64], total: usize) -> Result<()> {
 /// Point numbers in 32 bits.
 fn point_numbers(numbers: &[i64], what: &str) -> Result<Vec<u32>> {
     if let Some(place) = numbers.par_iter().position_first(|&number| u32::try_from(number).is_err()) {
-        let error = Error::usage(format!("{what}[{place}] is no number of a point")).got(numbers[place]);
-        return Err(error.expected(format!("0 to {}", u32::MAX)));
+        return Err(Error::usage(format!("{what}[{place}] is no number of a point"))
+            .got(numbers[place])
+            .expected(format!("0 to {}", u32::MAX)));
     }
     Ok(numbers.par_iter().map(|&number| number as u32).collect())
 }

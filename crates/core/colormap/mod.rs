@@ -111,8 +111,9 @@ impl ColorCurve {
         }
         let is_rising = points.windows(2).all(|pair| pair[0].0 <= pair[1].0) && low < high;
         if !is_rising || !(high - low).is_finite() {
-            let error = Error::run("a colour map's points do not rise");
-            return Err(error.expected("finite x, none less than the last"));
+            return Err(
+                Error::run("a colour map's points do not rise").expected("finite x, none less than the last")
+            );
         }
         if let Some((x, color)) = points.iter().find(|(_, rgb)| rgb.iter().any(|v| !(0.0..=1.0).contains(v)))
         {

@@ -292,8 +292,10 @@ fn add_points(parts: &mut RawGrid, source: &Source) -> Result<()> {
 /// Limits that everything after relies on.
 fn check(parts: &RawGrid, options: &Options) -> Result<()> {
     if !(1..=64).contains(&options.subdivision) {
-        let error = Error::usage("the subdivision of curved cells is out of range").got(options.subdivision);
-        return Err(error.expected("a whole number from 1 to 64").at_item("subdivision"));
+        return Err(Error::usage("the subdivision of curved cells is out of range")
+            .got(options.subdivision)
+            .expected("a whole number from 1 to 64")
+            .at_item("subdivision"));
     }
     parts.check_lengths()
 }

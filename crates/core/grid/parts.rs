@@ -268,13 +268,15 @@ impl RawGrid {
             Cells::Structured(n) => {
                 let product = n.iter().fold(1usize, |product, &n| product.saturating_mul(n));
                 if product != point_count {
-                    let error = Error::run("a structured grid has the wrong number of points");
-                    return Err(error.got(point_count).expected(format!("{} × {} × {}", n[0], n[1], n[2])));
+                    return Err(Error::run("a structured grid has the wrong number of points")
+                        .got(point_count)
+                        .expected(format!("{} × {} × {}", n[0], n[1], n[2])));
                 }
             }
             Cells::Mixed(cells) if cells.offsets.len() != cell_count + 1 => {
-                let error = Error::run("the cells have the wrong number of offsets").got(cells.offsets.len());
-                return Err(error.expected(cell_count + 1));
+                return Err(Error::run("the cells have the wrong number of offsets")
+                    .got(cells.offsets.len())
+                    .expected(cell_count + 1));
             }
             _ => {}
         }
@@ -282,8 +284,10 @@ impl RawGrid {
             if found == accepted {
                 return Ok(());
             }
-            let error = Error::run("an array has the wrong number of values").got(found).expected(accepted);
-            Err(error.at_item(name))
+            Err(Error::run("an array has the wrong number of values")
+                .got(found)
+                .expected(accepted)
+                .at_item(name))
         };
         let count_of = |association| if association == Association::Point { point_count } else { cell_count };
         if let Some(scalar) = &self.scalar {

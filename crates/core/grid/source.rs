@@ -96,8 +96,9 @@ impl Source<'_> {
         }
         let point_count = self.point_count;
         if let Some(&wrong) = cell.corners.iter().find(|&&c| c as usize >= point_count) {
-            let error = Error::run(format!("cell {number} names a point that does not exist")).got(wrong);
-            return Err(error.expected(format!("a point number below {point_count}")));
+            return Err(Error::run(format!("cell {number} names a point that does not exist"))
+                .got(wrong)
+                .expected(format!("a point number below {point_count}")));
         }
         Ok(())
     }

@@ -67,8 +67,9 @@ impl AxisScale {
     pub(super) fn check(self, axis: &str) -> Result<()> {
         match self {
             AxisScale::SymLog { linear_below } if !(linear_below > 0.0 && linear_below.is_finite()) => {
-                let error = Error::usage(format!("the symmetric logarithm of {axis} has no linear part"));
-                Err(error.got(linear_below).expected("a number > 0"))
+                Err(Error::usage(format!("the symmetric logarithm of {axis} has no linear part"))
+                    .got(linear_below)
+                    .expected("a number > 0"))
             }
             _ => Ok(()),
         }

@@ -122,8 +122,9 @@ impl Convex {
             };
         }
         if corners.len() < 3 {
-            let error = Error::usage("a region has too few corners").got(corners.len());
-            return Err(error.expected("a convex polygon of at least 3 corners"));
+            return Err(Error::usage("a region has too few corners")
+                .got(corners.len())
+                .expected("a convex polygon of at least 3 corners"));
         }
         if corners.iter().flatten().any(|c| c.is_infinite()) {
             return Err(Error::usage("a region that is no rectangle has an infinite corner")

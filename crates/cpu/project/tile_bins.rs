@@ -92,8 +92,9 @@ impl TileBins {
 
     fn begin(&mut self, input: &Input<'_>, part_count: usize) -> Result<()> {
         if part_count > MAX_PARTS {
-            let error = Error::run("too many cells for one picture");
-            return Err(error.expected("at most 4 thousand million cells"));
+            return Err(
+                Error::run("too many cells for one picture").expected("at most 4 thousand million cells")
+            );
         }
         self.area = input.area;
         self.attribute_count = input.attributes.len();

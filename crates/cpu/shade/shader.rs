@@ -61,8 +61,9 @@ impl Shader {
     ) -> Result<Shader> {
         let ShaderContext { attributes, length, ordered, leave_out, .. } = scene;
         if length <= 0.0 || !length.is_finite() {
-            let error = Error::run("the grid has no extent").got(length);
-            return Err(error.expected("points that span a volume"));
+            return Err(Error::run("the grid has no extent")
+                .got(length)
+                .expected("points that span a volume"));
         }
         let in_lanes = has_closed_forms(&shading.integrator)
             || shading.integrator.extension::<LaneExtension>().is_some();

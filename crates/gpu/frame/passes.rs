@@ -354,8 +354,9 @@ impl FrameInputs<'_> {
                 return Ok(None);
             }
             if device.is_software && self.sorted && counts[counters::LONGEST] > LONGEST_SOFTWARE {
-                let error = Error::run(LONG_TILE).got(counts[counters::LONGEST]);
-                return Err(error.expected(format!("at most {LONGEST_SOFTWARE}, or engine = \"cpu\"")));
+                return Err(Error::run(LONG_TILE)
+                    .got(counts[counters::LONGEST])
+                    .expected(format!("at most {LONGEST_SOFTWARE}, or engine = \"cpu\"")));
             }
             if needed > capacity {
                 // Some room for the next frame.

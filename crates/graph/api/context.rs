@@ -395,8 +395,9 @@ impl RunContext<'_> {
         self.services.end_parts();
         let others = self.gather(&[f64::from(u8::from(!is_empty))])?;
         if others.iter().flatten().all(|has_cells| *has_cells == 0.0) {
-            let error = Error::run("there is nothing to draw").got("no part in which a cell is left");
-            return Err(error.expected("at least one three-dimensional cell that no threshold leaves out"));
+            return Err(Error::run("there is nothing to draw")
+                .got("no part in which a cell is left")
+                .expected("at least one three-dimensional cell that no threshold leaves out"));
         }
         Ok(())
     }

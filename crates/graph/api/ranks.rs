@@ -56,8 +56,9 @@ pub fn to_bytes(numbers: &[f64]) -> Vec<u8> {
 pub fn from_bytes(bytes: &[u8]) -> Result<Vec<f64>> {
     let (numbers, rest) = bytes.as_chunks::<8>();
     if !rest.is_empty() {
-        let error = Error::run("another process sent a broken message").got(bytes.len());
-        return Err(error.expected("whole numbers"));
+        return Err(Error::run("another process sent a broken message")
+            .got(bytes.len())
+            .expected("whole numbers"));
     }
     Ok(numbers.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect())
 }

@@ -292,8 +292,9 @@ fn check_dimension(cells: &[Cells]) -> Result<()> {
     }
     let found =
         if flat { "a structured grid without thickness".to_owned() } else { grid::describe_counts(&counts) };
-    let error = Error::run("the file holds no three-dimensional cells, so there is no volume to draw");
-    Err(error.got(found).expected("tetrahedra, hexahedra or other cells with a volume"))
+    Err(Error::run("the file holds no three-dimensional cells, so there is no volume to draw")
+        .got(found)
+        .expected("tetrahedra, hexahedra or other cells with a volume"))
 }
 
 /// Arrays that nobody asked for.
@@ -479,8 +480,12 @@ fn decoded(piece: &Piece, choice: &ArraySelection, meter: &Meter) -> Result<Vec<
     };
     let count = stored.component_count;
     if count != choice.component_count {
-        let error = Error::run(format!("the array '{}' differs between the pieces of the file", choice.name));
-        return Err(error.got(counted(count, "component")).expected(choice.component_count));
+        return Err(Error::run(format!(
+            "the array '{}' differs between the pieces of the file",
+            choice.name
+        ))
+        .got(counted(count, "component"))
+        .expected(choice.component_count));
     }
     stored.load(meter)
 }

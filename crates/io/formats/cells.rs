@@ -190,8 +190,10 @@ fn mixed(
 /// Refuses offsets that descend or do not end with the connectivity. `names`: of both arrays.
 fn check_offsets(offsets: &[u64], connectivity_len: usize, [name, connectivity]: [&String; 2]) -> Result<()> {
     let wrong = |number: usize, accepted: String| {
-        let error = Error::run(format!("the offset of cell {number} is wrong")).got(offsets[number + 1]);
-        Err(error.expected(accepted).at_item(name))
+        Err(Error::run(format!("the offset of cell {number} is wrong"))
+            .got(offsets[number + 1])
+            .expected(accepted)
+            .at_item(name))
     };
     if let Some(number) = offsets.windows(2).position(|pair| pair[1] < pair[0]) {
         return wrong(number, format!("at least {}", offsets[number]));
@@ -295,8 +297,10 @@ fn counted(list: &Stored, types: &Stored, meter: &Meter) -> Result<Cells> {
         rest = after;
     }
     if !rest.is_empty() {
-        let error = Error::run("the list of cells holds more numbers than the cells take").got(list.len());
-        return Err(error.expected(list.len() - rest.len()).at_item("CELLS"));
+        return Err(Error::run("the list of cells holds more numbers than the cells take")
+            .got(list.len())
+            .expected(list.len() - rest.len())
+            .at_item("CELLS"));
     }
     if types.contains(&code::POLYHEDRON) {
         return from_streams(types, &cells.offsets, cells.connectivity).map(Cells::Mixed);

@@ -71,8 +71,9 @@ impl Codec {
             Codec::Lzma => xz::decompress(from, to).map_err(|error| damaged(&error))?,
         };
         if count != to.len() {
-            let error = Error::run("a compressed block has the wrong size").got(counted(count, "byte"));
-            return Err(error.expected(counted(to.len(), "byte")));
+            return Err(Error::run("a compressed block has the wrong size")
+                .got(counted(count, "byte"))
+                .expected(counted(to.len(), "byte")));
         }
         Ok(())
     }

@@ -125,8 +125,9 @@ impl Stored {
         match promised {
             Some(promised) if promised != values.len() as u64 => {
                 let tuples = tuples(self.tuple_count.unwrap_or(0), self.component_count);
-                let error = Error::run("the array has the wrong number of values").got(values.len());
-                Err(error.expected(format_args!("{promised} ({tuples})")))
+                Err(Error::run("the array has the wrong number of values")
+                    .got(values.len())
+                    .expected(format_args!("{promised} ({tuples})")))
             }
             _ => {
                 values.par_chunks_mut(PART).for_each(change);

@@ -160,8 +160,9 @@ struct Parts<'a> {
 impl Parts<'_> {
     fn add(&mut self, number: usize, kind: ElementKind, corners: &[u32]) -> Result<()> {
         if let Some(&point) = corners.iter().find(|&&p| p as usize >= self.points.len()) {
-            let error = Error::run(format!("element {number} has a point that does not exist")).got(point);
-            return Err(error.expected(format!("below {}", self.points.len())));
+            return Err(Error::run(format!("element {number} has a point that does not exist"))
+                .got(point)
+                .expected(format!("below {}", self.points.len())));
         }
         match kind {
             ElementKind::Polygon if corners.len() < 3 => self.degenerate += 1,

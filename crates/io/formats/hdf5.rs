@@ -374,8 +374,10 @@ impl Array {
         };
         if part.len() != shape.len() || !part.iter().zip(shape).all(fits) {
             let ends: Vec<u64> = part.iter().map(|axis| axis.0.saturating_add(axis.1)).collect();
-            let error = self.wrong("the dataset is too small").got(format_args!("{shape:?}"));
-            return Err(error.expected(format_args!("at least {ends:?}")));
+            return Err(self
+                .wrong("the dataset is too small")
+                .got(format_args!("{shape:?}"))
+                .expected(format_args!("at least {ends:?}")));
         }
         let count = part.iter().try_fold(1_u64, |product, axis| product.checked_mul(axis.1));
         let count = count.ok_or_else(|| self.wrong("the dataset cannot be that large"))?;

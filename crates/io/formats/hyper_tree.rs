@@ -81,8 +81,9 @@ fn bits_of<'a>(all: &'a [u8], range: &Range<u64>) -> &'a [u8] {
 /// Refuses grids of roots that are damaged or plane, and gives their number of roots.
 pub(super) fn root_count(branch_factor: u64, dimensions: [u64; 3]) -> Result<u64> {
     if !(2..=3).contains(&branch_factor) {
-        let error = Error::run("the branch factor of the hyper tree grid is wrong").got(branch_factor);
-        return Err(error.expected("2 or 3"));
+        return Err(Error::run("the branch factor of the hyper tree grid is wrong")
+            .got(branch_factor)
+            .expected("2 or 3"));
     }
     if dimensions.iter().any(|&n| n < 2) {
         let error = Error::run("the file holds no three-dimensional cells, so there is no volume to draw");

@@ -12,11 +12,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
-use voltet_core::Result;
 use voltet_core::grid::{self, Association, CellType, Cells, RawGrid, code, is_drawn};
 use voltet_core::parallel::all_or_first;
 use voltet_core::progress::Progress;
 use voltet_core::reading::FileArray;
+use voltet_core::Result;
 
 /// Contents of a file.
 #[derive(Debug, Clone, Default, PartialEq)]

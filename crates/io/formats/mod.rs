@@ -346,8 +346,9 @@ fn read_hdf5(root: &hdf5::Group, request: &Request) -> Result<Dataset> {
     unsupported::refuse_hdf5(is_there)?;
     let first: Vec<&str> = names.iter().take(8).map(String::as_str).collect();
     let found = if first.is_empty() { "nothing".to_owned() } else { first.join(", ") };
-    let error = Error::run("the file is HDF5, but of no format that is read");
-    Err(error.got(format_args!("{found} in the root group")).expected(unsupported::HDF5))
+    Err(Error::run("the file is HDF5, but of no format that is read")
+        .got(format_args!("{found} in the root group"))
+        .expected(unsupported::HDF5))
 }
 
 /// File types of the reader, for its help.

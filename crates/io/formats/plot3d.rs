@@ -270,8 +270,9 @@ fn blocks(source: &Arc<Source>, role: &Role) -> Result<(Vec<Block>, String)> {
             "three-dimensional grids, single or double precision, either byte order, with or without record marks",
         ),
     };
-    let error = Error::run("this is no PLOT3D file, or a damaged one");
-    Err(error.got(format!("{found}, which fits no way of writing one")).expected(accepted))
+    Err(Error::run("this is no PLOT3D file, or a damaged one")
+        .got(format!("{found}, which fits no way of writing one"))
+        .expected(accepted))
 }
 
 impl Layout {

@@ -429,8 +429,11 @@ fn quantities(volume: &Volume, transfer_function: &TransferFunction) -> Result<(
         columns.push(&array.values);
     }
     if let Some(wrong) = columns.iter().find(|c| c.len() != count) {
-        let error = Error::run("a point array has not one value for every point");
-        return Err(error.got(format!("{} at {}", counted(wrong.len(), "value"), counted(count, "point"))));
+        return Err(Error::run("a point array has not one value for every point").got(format!(
+            "{} at {}",
+            counted(wrong.len(), "value"),
+            counted(count, "point")
+        )));
     }
     let values = (0..count).flat_map(|p| columns.iter().map(move |c| c[p])).collect();
     Ok((values, columns.len()))

@@ -181,8 +181,9 @@ fn refuse_other_plots(path: &Path) -> Result<()> {
     if is_svg || path.extension().is_none() && files::is_stream(&path.to_string_lossy()) {
         return Ok(());
     }
-    let error = Error::usage("the format of the plot is not known").got(format!("--plot {}", path.display()));
-    Err(error.expected("a path that ends in .svg"))
+    Err(Error::usage("the format of the plot is not known")
+        .got(format!("--plot {}", path.display()))
+        .expected("a path that ends in .svg"))
 }
 
 /// Keys of a `reader` node that reads an array from the file `data`.

@@ -81,8 +81,9 @@ fn refuse_losses(arguments: &Start, output: &Path) -> Result<()> {
         None => return Ok(()),
     };
     let other = name(&output.with_extension("toml").to_string_lossy());
-    let error = Error::usage(what).got(name(&output.to_string_lossy()));
-    Err(error.expected(format!("another path after -o, such as {other}")))
+    Err(Error::usage(what)
+        .got(name(&output.to_string_lossy()))
+        .expected(format!("another path after -o, such as {other}")))
 }
 
 /// The text of the pipeline file, and what was chosen in a sentence.
@@ -343,8 +344,9 @@ fn named_array(arguments: &Start, named: &str, all: &[FileArray]) -> Result<Arra
         true => "a file with an array".into(),
         false => format!("--scalar NAME: {}", names.join(", ")),
     };
-    let error = Error::usage(format!("the file holds no array '{named}'")).expected(expected);
-    Err(error.in_file(&arguments.data))
+    Err(Error::usage(format!("the file holds no array '{named}'"))
+        .expected(expected)
+        .in_file(&arguments.data))
 }
 
 /// The array that is drawn where none is named.

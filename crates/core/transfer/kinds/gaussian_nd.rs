@@ -36,16 +36,19 @@ pub(super) fn properties<'a>(fields: &'a [String], centre: &[f64]) -> Properties
 pub(super) fn check(fields: &[String], centre: &[f64], matrix: &[Vec<f64>]) -> Result<()> {
     let n = fields.len();
     if !(1..=MAX_FIELDS).contains(&n) {
-        let error = Error::usage("a widget over fields has a wrong number of them").got(n);
-        return Err(error.expected(format!("1 to {MAX_FIELDS}")));
+        return Err(Error::usage("a widget over fields has a wrong number of them")
+            .got(n)
+            .expected(format!("1 to {MAX_FIELDS}")));
     }
     if centre.len() != n {
-        let error = Error::usage("the centre does not fit the fields").got(centre.len());
-        return Err(error.expected(format!("{}, one a field", counted(n, "number"))));
+        return Err(Error::usage("the centre does not fit the fields")
+            .got(centre.len())
+            .expected(format!("{}, one a field", counted(n, "number"))));
     }
     if matrix.len() != n || matrix.iter().any(|row| row.len() != n) {
-        let error = Error::usage("the matrix does not fit the fields").got(counted(matrix.len(), "row"));
-        return Err(error.expected(format!("{n} × {n} matrix")));
+        return Err(Error::usage("the matrix does not fit the fields")
+            .got(counted(matrix.len(), "row"))
+            .expected(format!("{n} × {n} matrix")));
     }
     finite("the centre", centre)?;
     matrix.iter().try_for_each(|row| finite("the matrix", row))

@@ -102,13 +102,15 @@ impl Table {
 
 pub(super) fn check(table: &Table) -> Result<()> {
     if table.width == 0 || table.height == 0 || table.texels.len() != table.width * table.height {
-        let error = Error::usage("a table's texels do not fit its size").got(table.texels.len());
-        return Err(error.expected(format!("{} × {}", table.width, table.height)));
+        return Err(Error::usage("a table's texels do not fit its size")
+            .got(table.texels.len())
+            .expected(format!("{} × {}", table.width, table.height)));
     }
     for (name, range) in [("s", table.s), ("g", table.g)] {
         if !(range[0] < range[1] && (range[1] - range[0]).is_finite()) {
-            let error = Error::usage(format!("a table's range of {name} is empty")).got(format!("{range:?}"));
-            return Err(error.expected("[a, b] with a < b"));
+            return Err(Error::usage(format!("a table's range of {name} is empty"))
+                .got(format!("{range:?}"))
+                .expected("[a, b] with a < b"));
         }
     }
     if table.texels.iter().flatten().any(|c| !(*c >= 0.0 && c.is_finite())) {

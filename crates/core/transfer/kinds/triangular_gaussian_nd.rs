@@ -85,8 +85,9 @@ pub(super) fn properties<'a>(fields: &'a [String], magnitude: &'a str, centre: &
 pub(super) fn check(fields: &[String], magnitude: &str, centre: &[f64], matrix: &[Vec<f64>]) -> Result<()> {
     gaussian_nd::check(fields, centre, matrix)?;
     if fields.len() > MAX_FURTHER_FIELDS {
-        let error = Error::usage("a widget over fields and their magnitude has too many of them");
-        return Err(error.got(fields.len()).expected(format!("1 to {MAX_FURTHER_FIELDS}")));
+        return Err(Error::usage("a widget over fields and their magnitude has too many of them")
+            .got(fields.len())
+            .expected(format!("1 to {MAX_FURTHER_FIELDS}")));
     }
     match magnitude {
         "" => Err(Error::usage("the magnitude has no name").expected("the name of a point array")),

@@ -81,8 +81,9 @@ impl LegacyGeometry {
         let dimensions = self.dimensions.unwrap_or([0; 3]);
         let counts = structured_counts(dimensions).map_err(|error| scanner.cursor.locate(error))?;
         let wrong = |what: &str, found: u64, accepted: u64| {
-            let error = Error::run(format!("the number of {what} does not fit DIMENSIONS")).got(found);
-            Err(error.expected(accepted))
+            Err(Error::run(format!("the number of {what} does not fit DIMENSIONS"))
+                .got(found)
+                .expected(accepted))
         };
         if self.points.is_some() && point_count != counts.0 {
             return wrong("points", point_count, counts.0);

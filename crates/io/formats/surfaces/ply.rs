@@ -64,8 +64,9 @@ pub(super) fn read(bytes: &[u8], colors: SurfaceColors<'_>) -> Result<Elements> 
     for (name, element) in &header.elements {
         // Of no bytes each there may be any number.
         if element.properties.is_empty() && element.count > 0 {
-            let error = Error::run(format!("the element '{name}' has no properties"));
-            return Err(error.expected("at least one"));
+            return Err(
+                Error::run(format!("the element '{name}' has no properties")).expected("at least one")
+            );
         }
         let rows = parser.read_payload_for_element(&mut reader, element, &header).map_err(damaged)?;
         let columns = Columns::new(&rows, element);

@@ -384,8 +384,9 @@ impl<'a> Reader<'a> {
             "XYZ" => {
                 let item = self.items.only(geometry)?;
                 if !item.count().is_multiple_of(3) {
-                    let error = Error::run("the points have the wrong number of coordinates");
-                    return Err(error.got(item.count()).expected("a multiple of 3"));
+                    return Err(Error::run("the points have the wrong number of coordinates")
+                        .got(item.count())
+                        .expected("a multiple of 3"));
                 }
                 Ok(item.tuples("Geometry", 3))
             }

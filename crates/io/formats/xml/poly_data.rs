@@ -108,8 +108,9 @@ fn add_piece(
         for corners in cells(context, element, tag, count, meter)? {
             let is_drawn = flags.as_ref().is_none_or(|flags| flags[cell] & NOT_DRAWN == 0);
             if let Some(&point) = corners.iter().find(|&&p| u64::from(p) >= point_count) {
-                let error = Error::run(format!("a cell of <{tag}> has a point that does not exist"));
-                return Err(error.got(point).expected(format!("below {point_count}")));
+                return Err(Error::run(format!("a cell of <{tag}> has a point that does not exist"))
+                    .got(point)
+                    .expected(format!("below {point_count}")));
             }
             let corners: Vec<u32> = corners.iter().map(|p| before as u32 + p).collect();
             match tag == STRIPS {

@@ -181,8 +181,9 @@ fn rectilinear(context: &Context, grid: &Element, element: &Element) -> Result<C
         element.child("Coordinates").ok_or_else(|| Error::run("the piece holds no <Coordinates>"))?;
     let arrays: Vec<&Element> = section.children_of("DataArray").collect();
     let [x, y, z] = arrays[..] else {
-        let error = Error::run("<Coordinates> holds the wrong number of arrays").got(arrays.len());
-        return Err(error.expected(3));
+        return Err(Error::run("<Coordinates> holds the wrong number of arrays")
+            .got(arrays.len())
+            .expected(3));
     };
     let axes = Box::new([
         context.stored(x, Some(dimensions[0]))?,

@@ -100,8 +100,9 @@ fn refuse_several(arguments: &Run, launch: &Launch) -> Result<()> {
         None => Ok(()),
         Some((option, _)) => {
             let found = counted(launch.ranks.count(), "rank");
-            let error = Error::usage(format!("{option} is for one process")).got(found);
-            Err(error.expected("the command without mpirun"))
+            Err(Error::usage(format!("{option} is for one process"))
+                .got(found)
+                .expected("the command without mpirun"))
         }
     }
 }
