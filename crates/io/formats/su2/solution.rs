@@ -11,7 +11,7 @@ use super::super::tagged::VisitValues;
 use super::super::text::{TextRange, is_space};
 use super::super::vectors::{Joined, joined};
 use std::path::Path;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use voltet_core::grid::Association;
 use voltet_core::reading::FileArray;
 use voltet_core::{Error, Result};
@@ -24,8 +24,6 @@ const NAME: u64 = 33;
 const MAX_COLUMNS: u64 = 0xffff;
 /// Rows that are read at once.
 const ROWS: u64 = 1 << 12;
-/// Largest table that stays in memory once it is read, so that its arrays take one pass over the file together.
-const MAX_KEPT_BYTES: u64 = 256 << 20;
 /// Columns that are no quantities: numbers of points, and where these are.
 const PLACES: [&str; 4] = ["PointID", "x", "y", "z"];
 
@@ -36,8 +34,6 @@ pub(super) struct Solution {
     arrays: Vec<Vec<usize>>,
     rows: Rows,
     point_count: u64,
-    /// Values of all columns, point by point, of a table that stays in memory.
-    kept: Mutex<Option<Arc<Vec<f64>>>>,
 }
 
 enum Rows {
@@ -63,7 +59,7 @@ impl Solution {
             heads.push(FileArray { name, association: Association::Point, component_count: places.len() });
             arrays.push(places.iter().map(|&place| quantities[place]).collect());
         }
-        Ok((Solution { source, columns, arrays, rows, point_count, kept: Mutex::default() }, heads))
+        Ok((Solution { source, columns, arrays, rows, point_count }, heads))
     }
 
     pub fn bytes(&self) -> u64 {
@@ -74,7 +70,7 @@ impl Solution {
         self.source.path()
     }
 
-    /// Hands out the values of an array, each with the number of its point. The arrays of a table that stays in memory are read together.
+    /// Hands out the values of an array, each with the number of its point.
     ///
     /// # Errors
     /// Rows that are damaged, of points that do not exist or were there, or not as many as points.
@@ -82,36 +78,6 @@ impl Solution {
         let Some(columns) = self.arrays.get(array) else {
             return Err(Error::run("the file has no such array"));
         };
-        let width = self.columns.len();
-        // A value takes a digit and a mark at least, so that a larger table does not fit the file.
-        let most = self.source.len().saturating_mul(4).min(MAX_KEPT_BYTES);
-        if self.point_count.saturating_mul(8 * width as u64) > most {
-            return self.each_point(columns, visit);
-        }
-        let mut tuple = vec![0.0; columns.len()];
-        self.table()?.chunks(width).zip(0..).try_for_each(|(row, point)| {
-            tuple.iter_mut().zip(columns).for_each(|(value, &column)| *value = row[column]);
-            visit(point, &tuple)
-        })
-    }
-
-    /// Values of all columns, point by point.
-    fn table(&self) -> Result<Arc<Vec<f64>>> {
-        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(table) = &*kept {
-            return Ok(table.clone());
-        }
-        let width = self.columns.len();
-        let mut table = vec![0.0; self.point_count as usize * width];
-        self.each_point(&(0..width).collect::<Vec<_>>(), &mut |point, row| {
-            table[point as usize * width..][..width].copy_from_slice(row);
-            Ok(())
-        })?;
-        Ok(kept.insert(Arc::new(table)).clone())
-    }
-
-    /// Reads the file and hands out the values of some columns, each with the number of its point.
-    fn each_point(&self, columns: &[usize], visit: VisitValues) -> Result<()> {
         let mut is_there = vec![false; self.point_count as usize];
         let mut count = 0_u64;
         let mut take = |point: Option<f64>, tuple: &[f64]| {
@@ -247,29 +213,5 @@ fn checked_count(count: u64) -> Result<()> {
         _ => Err(Error::run("the solution is damaged")
             .got(format_args!("{count} variables"))
             .expected(format_args!("at most {MAX_COLUMNS}"))),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_arrays_of_a_table_take_one_pass_over_the_file() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.csv");
-        std::fs::write(&path, "\"PointID\",\"p\",\"T\"\n1, 2, 3\n0, 4, 5\n").unwrap();
-        let (solution, _) = Solution::open(&path, 2).unwrap();
-        let values = |array: usize| {
-            let mut all = Vec::new();
-            let read = solution.each_tuple(array, &mut |point, tuple| {
-                all.push((point, tuple[0]));
-                Ok(())
-            });
-            read.map(|()| all)
-        };
-        assert_eq!(values(0).unwrap(), [(0, 4.0), (1, 2.0)]);
-        std::fs::OpenOptions::new().write(true).open(&path).unwrap().set_len(0).unwrap();
-        assert_eq!(values(1).unwrap(), [(0, 5.0), (1, 3.0)]);
     }
 }
