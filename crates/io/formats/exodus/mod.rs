@@ -14,7 +14,7 @@ use super::netcdf;
 use super::request::{Format, Request, list};
 use super::source::Source;
 use super::units;
-use super::vectors::{Joined, joined};
+use super::vectors::{Joined, joined, joined_if};
 use cells::{BlockElements, BlockKind, FaceBlock, Mesh};
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap};
@@ -433,15 +433,20 @@ impl Selection<'_> {
         let variables = &self.part.variables;
         let Some(step) = self.step else { return Vec::new() };
         let mut arrays = Vec::new();
-        for Joined { name, places, components } in joined(&self.part.of_elements) {
-            let variable =
-                |own: &ReadBlock, place: usize| format!("vals_elem_var{}eb{}", place + 1, own.place + 1);
-            let is_there = |own: &ReadBlock| places.iter().all(|&place| variables.has(&variable(own, place)));
+        let variable = |block: usize, place: usize| format!("vals_elem_var{}eb{}", place + 1, block + 1);
+        let has = |block: usize, place: usize| variables.has(&variable(block, place));
+        // A block that has some components alone would lose them in a vector.
+        let all_or_none = |places: &[usize; 3]| {
+            (0..self.part.blocks.len())
+                .all(|block| places.iter().all(|&place| has(block, place) == has(block, places[0])))
+        };
+        for Joined { name, places, components } in joined_if(&self.part.of_elements, all_or_none) {
+            let is_there = |own: &ReadBlock| places.iter().all(|&place| has(own.place, place));
             let blocks: Vec<(u64, Option<Vec<String>>)> = read
                 .iter()
                 .map(|own| {
-                    let names =
-                        is_there(own).then(|| places.iter().map(|&place| variable(own, place)).collect());
+                    let names = is_there(own)
+                        .then(|| places.iter().map(|&place| variable(own.place, place)).collect());
                     (own.block.element_count, names)
                 })
                 .collect();
