@@ -16,7 +16,7 @@ use std::path::Path;
 use std::sync::Arc;
 use voltet_core::grid::{Association, code};
 use voltet_core::reading::FileArray;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 
 pub(super) const FORMAT: Format =
     Format { files: "AVS UCD (.inp, .ucd) as text", matches, open, has_solution: false };
@@ -81,8 +81,9 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     let [node_count, cell_count, of_nodes, of_cells, _] = counts;
     cursor.line()?;
     let is_row = |line: &[u8]| !is_blank(line);
-    let nodes = cursor.skip_rows(node_count, is_row, "a node")?;
-    let cells = cursor.skip_rows(cell_count, is_row, "a cell")?;
+    let rows_of = |count: u64, what: &str| format!("{} of {what}", counted(count, "row"));
+    let nodes = cursor.skip_rows(node_count, is_row, &rows_of(node_count, "nodes"))?;
+    let cells = cursor.skip_rows(cell_count, is_row, &rows_of(cell_count, "cells"))?;
     let (mut arrays, mut heads, mut units) = (Vec::new(), Vec::new(), Vec::new());
     for (association, width, row_count) in
         [(Association::Point, of_nodes, node_count), (Association::Cell, of_cells, cell_count)]
@@ -94,7 +95,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
                 let error = cursor.error("the rows of values do not fit the file");
                 return Err(error.got(format_args!("{row_count} rows of {width} values")));
             }
-            let rows = cursor.skip_rows(row_count, is_row, "a row of values")?;
+            let rows = cursor.skip_rows(row_count, is_row, &rows_of(row_count, "values"))?;
             let mut first = 0;
             for (head, unit) in found {
                 units.push(unit);

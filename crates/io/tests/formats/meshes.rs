@@ -91,10 +91,17 @@ fn ucd_has_vectors_materials_and_gaps() {
         ("20 5 7 9", "20 5 7 99", ["element 2", "does not exist", "found 99"]),
         ("2 3 1\n", "2 3 2\n", ["numbers of components", "'2 3 2'", "sum 4"]),
         ("7 10 11 12 400", "7 10 11 12 4OO", ["damaged", "'4OO'", "a.inp:18"]),
-        ("3 9\n2 0.25\n", "", ["ends early", "a row of values", "a.inp"]),
     ] {
         let found = message(from, to);
         says(&found, &words);
+    }
+    let cut = |from: &str| message(&text[text.find(from).unwrap()..], "");
+    for (from, words) in [
+        ("5 0 1 0\n7", "the file ends early: found 2; expected 5 rows of nodes (PATH:5:1)"),
+        ("3 2 tri", "the file ends early: found 1; expected 3 rows of cells (PATH:9:1)"),
+        ("3 9\n", "the file ends early: found 1; expected 3 rows of values (PATH:22:1)"),
+    ] {
+        assert_eq!(cut(from), words.replace("PATH", path.to_str().unwrap()));
     }
 }
 
