@@ -174,6 +174,7 @@ pub(crate) struct Buffers {
     pub types: Option<Vec<u8>>,
     pub offsets: Option<Vec<i64>>,
     pub connectivity: Option<Vec<u32>>,
+    /// One for each array of the head.
     pub arrays: Vec<Option<Vec<f64>>>,
 }
 
@@ -309,6 +310,7 @@ const CHUNK: usize = 1 << 14;
 pub(crate) struct GridContents {
     pub points: Option<Vec<DVec3>>,
     pub cells: Option<Cells>,
+    /// One for each array of the head.
     pub arrays: Vec<Option<Vec<f64>>>,
 }
 

@@ -381,6 +381,7 @@ struct CutRow<'a, 'f> {
     frame: &'a FrameContext<'f>,
     batch: &'a mut Batch,
     count: usize,
+    /// Pixel of each lane.
     pixels: [usize; TILE],
     rays: &'a Rays,
 }

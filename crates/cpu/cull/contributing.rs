@@ -126,6 +126,7 @@ fn test_all(query: &CullQuery, examples: &[AtomicU32]) -> Vec<u32> {
     parts.collect::<Vec<_>>().concat()
 }
 
+/// Cells of a block.
 pub(super) const BLOCK: usize = 32;
 
 /// Blocks that one thread takes at a time: enough that handing them out costs nothing.

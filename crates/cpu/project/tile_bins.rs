@@ -26,6 +26,7 @@ pub(crate) struct TileBins {
     /// Records by tile, in grid order.
     entries: Vec<u32>,
     precise_cells: Vec<PreciseCell>,
+    /// Numbers of precise cells by tile.
     precise_tiles: Vec<Vec<u32>>,
 }
 

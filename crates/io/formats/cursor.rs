@@ -81,6 +81,7 @@ impl Cursor {
         Place { at: self.position(), line: self.line }
     }
 
+    /// Bytes before the position.
     pub fn position(&self) -> u64 {
         self.start + self.at as u64
     }
@@ -95,6 +96,7 @@ impl Cursor {
         self.last_line
     }
 
+    /// Bytes that are left.
     pub fn left(&self) -> u64 {
         self.end.saturating_sub(self.position())
     }

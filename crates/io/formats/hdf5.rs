@@ -463,6 +463,7 @@ impl Array {
         Ok(bytes)
     }
 
+    /// All numbers of a small array.
     pub fn numbers<T: super::numbers::Target>(&self) -> Result<Vec<T>> {
         let meter = super::contents::Meter::new(&voltet_core::progress::NoProgress, 1);
         self.stored(&self.path, 1)?.load(&meter)

@@ -12,11 +12,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
+use voltet_core::Result;
 use voltet_core::grid::{self, Association, CellType, Cells, RawGrid, code, is_drawn};
 use voltet_core::parallel::all_or_first;
 use voltet_core::progress::Progress;
 use voltet_core::reading::FileArray;
-use voltet_core::Result;
 
 /// Contents of a file.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -431,6 +431,7 @@ fn add_points<'a>(bounds: &mut Bounds, points: impl Iterator<Item = &'a DVec3>) 
     }
 }
 
+/// An array, and its range over all values.
 type WithRange = (ArraySummary, Option<[f64; 2]>);
 
 fn widen(range: &mut Option<[f64; 2]>, value: f64) {

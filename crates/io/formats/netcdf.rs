@@ -29,10 +29,12 @@ pub(super) struct Variable {
     number_type: NumberType,
     has_records: bool,
     begin: u64,
+    /// Attributes of text; others are passed over.
     attributes: Vec<(String, String)>,
 }
 
 impl Variable {
+    /// An attribute of text.
     pub fn attribute(&self, name: &str) -> Option<&str> {
         self.attributes.iter().find(|attribute| attribute.0 == name).map(|attribute| attribute.1.as_str())
     }
@@ -214,6 +216,7 @@ impl Header {
         (0..count).map(|_| element(self)).collect()
     }
 
+    /// The attributes of text.
     fn attributes(&mut self) -> Result<Vec<(String, String)>> {
         let attributes = self.list(ATTRIBUTES, |header| {
             let (name, code) = (header.name()?, header.number(4)?);

@@ -9,6 +9,7 @@ use std::path::Path;
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 
+/// Bytes of a piece.
 const PIECE: u64 = 1 << 18;
 /// Pieces of a thread that are parsed while those before them are taken.
 const PIECES_OF_THREAD: usize = 4;

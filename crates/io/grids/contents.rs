@@ -13,7 +13,9 @@ pub struct Contents<'a> {
     precision: Precision,
     pub(super) points: Numbers<'a>,
     pub(super) cells: WrittenCells<'a>,
+    /// One tuple a point.
     pub(super) point_arrays: Vec<Column<'a>>,
+    /// One tuple a cell.
     pub(super) cell_arrays: Vec<Column<'a>>,
 }
 

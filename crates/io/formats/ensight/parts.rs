@@ -72,6 +72,7 @@ pub(super) enum BlockForm {
 }
 
 impl GoldPart {
+    /// Number of volume elements.
     pub fn cell_count(&self) -> u64 {
         match self.block {
             Some(GoldBlock { dimensions, .. }) => {

@@ -32,6 +32,7 @@ impl Pattern {
         Pattern(repeated(vec![any_letter()]))
     }
 
+    /// True if the whole of a name fits.
     pub fn fits(&self, name: &str) -> bool {
         let mut places = self.reached([0]);
         for letter in name.chars() {

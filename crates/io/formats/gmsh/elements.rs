@@ -101,12 +101,14 @@ pub(super) fn each(
     }
 }
 
+/// Dimension and tag of an entity.
 pub(super) fn entity_head(cursor: &mut Cursor, is_4_0: bool) -> Result<(i64, i64)> {
     let first = cursor.number(NumberType::I32, "the dimension or tag of an entity")?;
     let second = cursor.number(NumberType::I32, "the dimension or tag of an entity")?;
     Ok(if is_4_0 { (second, first) } else { (first, second) })
 }
 
+/// The type with this number, `None` for one without volume, and its number of nodes.
 fn element_type(number: u64) -> Result<(Option<&'static GmshElement>, usize)> {
     if let Some(volume) = VOLUMES.iter().find(|volume| volume.number == number) {
         let count = if number == 14 { 14 } else { volume.order.len() };

@@ -19,6 +19,7 @@ use voltet_core::{Error, Result};
 const MAGIC: [u8; 4] = 535_532_u32.to_le_bytes();
 /// Bytes of the counts before the names.
 const HEAD: u64 = 20;
+/// Bytes of a name.
 const NAME: u64 = 33;
 /// Number of columns that SU2 counts in 16 bits.
 const MAX_COLUMNS: u64 = 0xffff;
