@@ -19,7 +19,6 @@ use voltet_graph::{
     Range, RunContext, Value,
 };
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "annotation",
     summary: "Writes a title, texts, the scale of the colours, axes and a scale bar over a picture.",

@@ -6,7 +6,6 @@ use voltet_core::Result;
 use voltet_core::probing::bands_of_cells;
 use voltet_graph::{CellValues, Demand, DemandContext, Node, Outputs, Port, PortType, RunContext, Value};
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "bands",
     summary: "Says how many bands of each wave widget the cells cross: more than one is finer than the grid.",

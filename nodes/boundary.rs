@@ -6,7 +6,6 @@ use voltet_core::Result;
 use voltet_core::grid::boundary;
 use voltet_graph::{DefaultValue, Node, Outputs, Parameter, ParameterType, Range, RunContext};
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "boundary",
     summary: "Makes a surface of the faces that one cell alone has: the outside of the grid.",

@@ -14,7 +14,6 @@ use voltet_graph::{
     PortType, RunContext, SourceSpan, Value,
 };
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "calculator",
     summary: "Computes an array from others by an expression, and makes it the scalar that is drawn.",
@@ -93,7 +92,6 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-/// A unit.
 const UNIT: Parameter = Parameter {
     name: "",
     parameter_type: ParameterType::Text,
@@ -110,7 +108,6 @@ fn axis(name: &str) -> Option<usize> {
 /// Beginning of the names of arrays of the input `other`.
 const OTHER: &str = "other.";
 
-/// Calculation that the parameters state.
 struct Calculation {
     expression: Expression,
     name: String,
@@ -374,7 +371,6 @@ fn arrays(
     Ok(arrays)
 }
 
-/// The gradients of each component of a point array.
 fn gradients_of(
     call: &mut RunContext,
     grid: &Grid,

@@ -48,7 +48,6 @@ const ANGLE: Parameter = Parameter {
 /// Numbers of a key: its place on the way, the eye, the target.
 const KEY_LENGTH: usize = 7;
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "camera",
     summary: "Says where the picture is seen from, how wide the view is and how many pixels it has.",

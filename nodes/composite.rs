@@ -11,7 +11,6 @@ use voltet_optics::integrators::stated;
 use voltet_optics::scene::Scene;
 use voltet_simd::LaneSet;
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "composite",
     summary: "Integrates every ray segment and composites each pixel's segments front to back.",

@@ -9,7 +9,6 @@ use voltet_graph::{
     StatisticKind,
 };
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "contour",
     summary: "Makes surfaces on which a quantity has given values, exact for values that are linear in each cell.",

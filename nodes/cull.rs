@@ -7,7 +7,6 @@ use voltet_cpu::VolumeCache;
 use voltet_graph::{Demand, DemandContext, Node, Outputs, Port, PortType, RunContext, Value};
 use voltet_optics::engine::{RenderStats, Stage};
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "cull",
     summary: "Keeps the cells that could contribute: those that a widget touches and that the camera sees.",

@@ -10,7 +10,6 @@ use voltet_graph::{
     DefaultValue, Demand, Node, Outputs, Parameter, ParameterType, Parameters, Range, RunContext,
 };
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "edges",
     summary: "Makes tubes of edges: of the cells on the outside of the grid, of its features, or of the box of the data.",
@@ -90,7 +89,6 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     Shape::of_tubes(tubes, values, None).painted(call, &own, "the boundary of the grid has no such edges")
 }
 
-/// The edges of a box, by its corners.
 fn box_edges() -> Vec<[u32; 2]> {
     let from = |corner: u32| [1, 2, 4].map(|bit| [corner, corner | bit]);
     (0..8).flat_map(from).filter(|[a, b]| a != b).collect()

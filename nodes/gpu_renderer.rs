@@ -4,7 +4,6 @@ use crate::{drawing, renderer};
 use voltet_core::Result;
 use voltet_graph::{Node, Outputs, Parameter, RunContext};
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "gpu-renderer",
     summary: "Draws a volume on the graphics device, where the grid stays: culls, projects, sorts and composites.",

@@ -13,7 +13,6 @@ use voltet_graph::{
     Port, PortType, RunContext, SavedWork, TransferFunctionSpec, Value,
 };
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "gradient-magnitude",
     summary: "Computes the gradient of the scalar and its length, by a filter of your choice.",

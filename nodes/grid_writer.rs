@@ -16,7 +16,6 @@ use voltet_graph::{
 };
 use voltet_io::grids::{Contents, GridFormat, Precision, Role};
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "grid-writer",
     summary: "Writes the grid with what was computed of it as .vtu or .vtkhdf: gradient, culled cells, bands, arrays of the file.",
@@ -245,7 +244,6 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
 struct Watched<'a> {
     out: &'a mut dyn Write,
     progress: &'a dyn Progress,
-    /// Bytes of the arrays.
     byte_count: f64,
     /// Bytes written so far.
     written: f64,
@@ -265,7 +263,6 @@ impl Write for Watched<'_> {
     }
 }
 
-/// Contents of the file.
 fn contents<'a>(call: &mut RunContext, written: &'a Written) -> Result<Contents<'a>> {
     let p = call.parameters;
     let grid = written.grid();
@@ -333,7 +330,6 @@ fn add_quantities<'a>(p: &Parameters, volume: &'a Volume, contents: &mut Content
     Ok(())
 }
 
-/// Adds the arrays of points and cells.
 fn add_arrays<'a>(p: &Parameters, grid: &'a Grid, contents: &mut Contents<'a>) -> Result<()> {
     let asked = |parameter: &str| -> Result<Option<Vec<String>>> {
         p.optional(parameter).is_some().then(|| names(p, parameter)).transpose()

@@ -11,7 +11,6 @@ use voltet_graph::{
 };
 use voltet_io::encode::viridis;
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "histogram",
     summary: "Gives the volume in each bin of the scalar and its gradient magnitude, exact within every cell.",
@@ -77,7 +76,6 @@ const AXIS: Parameter = Parameter {
     help: "range of the scalar, [low, high]; volume beyond it is counted as outside",
 };
 
-/// The range that a parameter gives.
 fn limits(p: &Parameters, name: &str) -> Result<Option<[f64; 2]>> {
     let Some(_) = p.optional(name) else { return Ok(None) };
     match p.vector(name)? {

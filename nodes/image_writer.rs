@@ -26,7 +26,6 @@ const CHOICES: [(&str, &str); FORMATS.len() + 1] = {
     choices
 };
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "image-writer",
     summary: "Writes a picture in the format that its path ends in.",

@@ -10,7 +10,6 @@ use voltet_graph::{
     Port, PortType, Range, RunContext, SavedWork, Value,
 };
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "multi-gradient",
     summary: "Computes the magnitude of the gradients of several fields together, as a point array.",
@@ -54,7 +53,6 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-/// Options set by the parameters.
 struct MultiGradientOptions {
     fields: Vec<String>,
     /// One a field.

@@ -20,7 +20,6 @@ use voltet_graph::{
     TransferFunctionSpec, Value,
 };
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "probe",
     summary: "Places a Gaussian widget on the data of a region: their mean, deviations and correlation there.",
@@ -53,7 +52,6 @@ fn demand(asking: &mut DemandContext) -> Result<()> {
     asking.ask("volume", &if of_step { demand_of(asking.parameters)? } else { Demand::default() })
 }
 
-/// Demand on a volume that is probed.
 fn demand_of(p: &Parameters) -> Result<Demand> {
     let names = fields(p)?;
     let mask = p.table("mask")?.map(|mask| mask.text("array").map(str::to_string)).transpose()?;
@@ -89,7 +87,6 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     Ok(vec![Value::TransferFunction(Arc::new(look))])
 }
 
-/// The probe of the volume at the input.
 fn of_volume(call: &mut RunContext) -> Result<ProbeResult> {
     let (p, volume) = (call.parameters, call.volume("volume")?);
     let own = placed(p, &volume.grid)?;
@@ -107,7 +104,6 @@ fn of_volume(call: &mut RunContext) -> Result<ProbeResult> {
     Ok(found)
 }
 
-/// The probe of a volume.
 fn probed(p: &Parameters, volume: &Volume, progress: &dyn Progress) -> Result<ProbeResult> {
     let names = fields(p)?;
     let values = values(volume, names.as_deref()).map_err(|error| p.locate("fields", error))?;

@@ -6,7 +6,6 @@ use voltet_core::Result;
 use voltet_graph::{DemandContext, Node, Outputs, Port, PortType, RunContext, Value};
 use voltet_optics::engine::{RenderStats, Stage};
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "project",
     summary: "Projects each cell's silhouette, and prepares what the compositor walks.",

@@ -18,7 +18,6 @@ use voltet_io::formats::{
 };
 use voltet_io::memory::GridSize;
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "reader",
     summary: "Reads a data file: its cells as tetrahedra, one scalar, and the arrays that other nodes use.",
@@ -343,7 +342,6 @@ fn record_unread(notes: &mut Diagnostics, arrays: &[String], value_count: u64) {
     notes.record_skipped(format!("arrays {}", arrays.join(", ")), "nothing looks at them", saving);
 }
 
-/// Request to the file from parameters and demand.
 fn asked(
     p: &Parameters,
     demand: &Demand,
@@ -372,7 +370,6 @@ fn asked(
     Ok(request)
 }
 
-/// Request to the file from the parameters.
 pub(crate) fn request(p: &Parameters, chosen: Option<SelectedArrays>) -> Result<Request> {
     let association = match p.text("association")? {
         "point" => Some(Association::Point),

@@ -4,7 +4,6 @@ use crate::drawing;
 use voltet_core::Result;
 use voltet_graph::{Node, Outputs, Parameter, PartWork, Port, PortType, RunContext};
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "renderer",
     summary: "Draws a volume in one node: culls, sorts, projects and composites.",

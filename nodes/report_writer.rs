@@ -9,7 +9,6 @@ use voltet_graph::{Node, Outputs, Parameter, ParameterType, Parameters, Port, Po
 const JSON: &str = "json";
 const CSV: &str = "csv";
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "report-writer",
     summary: "Writes figures: .json with all there is, .csv with the table alone.",

@@ -12,7 +12,6 @@ use voltet_core::grid::{Grid, GridSurface, contour};
 use voltet_core::transfer::with_placeholders;
 use voltet_graph::{DefaultValue, Node, Outputs, Parameter, ParameterType, Parameters, Range, RunContext};
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "slice",
     summary: "Cuts the cells by a plane, a sphere or a cylinder, and colours the cut by values there.",
@@ -78,7 +77,6 @@ pub(crate) const ORIGIN: Parameter = Parameter {
     ..POSITION
 };
 
-/// The normal of a plane.
 pub(crate) const NORMAL: Parameter = Parameter {
     name: "normal",
     parameter_type: ParameterType::Numbers(Some(3), Range::ANY),

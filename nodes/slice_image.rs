@@ -21,7 +21,6 @@ use voltet_graph::{
 };
 use voltet_optics::{CompiledTransferFunction, Contribution, Segment, WidgetBlend};
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "slice-image",
     summary: "Draws a plane through the cells alone: colours of values, or those of a transfer function at each place.",

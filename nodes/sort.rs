@@ -7,7 +7,6 @@ use voltet_graph::{DemandContext, Node, Outputs, Port, PortType, RunContext, Val
 use voltet_optics::engine::Stage;
 use voltet_optics::shading::Ordering;
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "sort",
     summary: "Says in which order ray segments are composited; the exact order is carried out pixel by pixel.",

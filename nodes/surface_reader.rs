@@ -12,7 +12,6 @@ use voltet_graph::{
 };
 use voltet_io::formats::{SURFACE_FILES, SurfaceColors, SurfaceFile, read_surface};
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "surface-reader",
     summary: "Reads a surface file: polygons as triangles, lines as tubes, points as spheres, and what they are coloured by.",
@@ -83,7 +82,6 @@ fn check(p: &Parameters) -> Result<()> {
     surfacing::check(p)
 }
 
-/// Values and places of a surface.
 struct SurfaceStatistics<'a>(&'a SurfaceFile);
 
 impl DataStatistics for SurfaceStatistics<'_> {

@@ -20,7 +20,6 @@ use voltet_graph::{
 };
 use voltet_io::formats::{BLOCK, blocks_named};
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "threshold",
     summary: "Keeps the cells in which an array has values of a range or a list, or those of a part of space or of blocks.",
@@ -107,7 +106,6 @@ pub const NODE: Node = Node {
     ..Node::BLANK
 };
 
-/// Condition that the parameters state.
 enum Condition {
     Range([f64; 2]),
     Values(Vec<f64>),
@@ -291,7 +289,6 @@ fn cells_as_points(p: &Parameters, volume: &Volume) -> Result<Volume> {
     Ok(Volume { grid: Arc::new(grid), gradient: None, gradient_magnitude: None, ..volume.clone() })
 }
 
-/// The values of the array at the points.
 fn point_values<'a>(p: &Parameters, volume: &'a Volume) -> Result<&'a [f64]> {
     let name = p.text("array")?;
     if volume.grid.origin.arrays_of_cells.iter().any(|own| own == name) {
@@ -322,7 +319,6 @@ fn named_blocks(p: &Parameters, grid: &Grid, names: &[String]) -> Result<Vec<boo
     blocks_named(&grid.origin.blocks, names).map_err(|error| p.locate("blocks", error))
 }
 
-/// The number of each cell's block.
 fn block_numbers<'a>(p: &Parameters, grid: &'a Grid) -> Result<&'a [f64]> {
     let none =
         || p.error("blocks", "the data have no blocks").expected("a file with blocks, or no names of blocks");

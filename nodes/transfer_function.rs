@@ -13,7 +13,6 @@ use voltet_graph::{
     Range, RunContext, TransferFunctionSpec, Value,
 };
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "transfer-function",
     summary: "Turns the scalar and its gradient magnitude into colour and extinction, by a list of widgets.",
@@ -118,7 +117,6 @@ const LINEAR_BELOW: Parameter = Parameter {
     help: "",
 };
 
-/// Scales of s and g.
 pub(crate) fn axes(p: &Parameters) -> Result<[AxisScale; 2]> {
     let axis = |scale: &str, linear_below: &str| match (p.text(scale)?, p.optional_number(linear_below)) {
         ("symlog", Some(linear_below)) => Ok(AxisScale::SymLog { linear_below }),
@@ -211,7 +209,6 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     Ok(vec![Value::TransferFunction(Arc::new(look))])
 }
 
-/// The transfer function that the parameters state.
 fn look(p: &Parameters, widgets: &relative::Widgets, files: &dyn LoadFiles) -> Result<TransferFunctionSpec> {
     let model = match p.text("model")? {
         "constant-emitter" => OpticalModel::ConstantEmitter { cutoff: p.number("cutoff")? },

@@ -11,7 +11,6 @@ use voltet_graph::{
 /// Hexahedra along an axis, at most: a hundred million tetrahedra in all.
 const MAX_POINTS_PER_AXIS: f64 = 256.0;
 
-/// The declaration.
 pub const NODE: Node = Node {
     name: "wavelet",
     summary: "Computes a grid of tetrahedra and a field on it, of any size: VTK's analytic source \"Wavelet\".",

@@ -51,7 +51,6 @@ pub(crate) struct WidgetSnippets {
     pub light: Option<Snippet>,
     /// Makes its track, over the whole segment.
     pub track: Snippet,
-    /// The type of the track.
     pub track_type: &'static str,
     /// The next break of `members.track_#` behind t.
     pub next_break: String,
@@ -361,7 +360,6 @@ fn write_wave(wave: &Wave, sine: bool, writer: &mut Writer, record: &mut WidgetR
     Ok(())
 }
 
-/// Numbers of a control point.
 const POINT_NUMBERS: usize = 6;
 
 /// matrix.x: the extinction above which it glows; numbers: six a point.
@@ -415,7 +413,6 @@ pub(crate) struct SegmentExtent<'a> {
 }
 
 impl SegmentExtent<'_> {
-    /// Span of a further field.
     pub fn span_of(&self, field: &str) -> f64 {
         let place = self.transfer_function.fields().iter().position(|name| *name == field);
         place.map_or(0.0, |place| self.spans.values[2 + place])

@@ -130,7 +130,6 @@ impl Parameters {
     }
 }
 
-/// Writes one widget.
 fn record(writer: &mut Writer, widget: &Widget) -> Result<WidgetRecord> {
     let first_edge = writer.next_place();
     writer.edges(widget)?;

@@ -81,7 +81,6 @@ impl Writer<'_> {
         self.fields.iter().position(|field| *field == name).unwrap_or(0)
     }
 
-    /// The axis of a further field.
     pub fn axis(&self, field: usize) -> Axis {
         self.axes[2 + field]
     }

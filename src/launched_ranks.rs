@@ -13,7 +13,6 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Mutex, PoisonError};
 use std::thread::JoinHandle;
 
-/// Work on the thread of MPI.
 type MpiTask = Box<dyn FnOnce(&Result<(MpiRanks, Universe)>) + Send>;
 
 /// The processes of a launcher, which tells each its number before MPI has started. MPI ends with it.
@@ -114,7 +113,6 @@ fn run_tasks(launched: [usize; 2], tasks: &Receiver<MpiTask>) {
     tasks.iter().for_each(|task| task(&started));
 }
 
-/// MPI, started on this thread.
 fn started(launched: [usize; 2]) -> Result<(MpiRanks, Universe)> {
     let (universe, _) = mpi::initialize_with_threading(mpi::Threading::Funneled)
         .ok_or_else(|| Error::run("MPI does not start: it was started before"))?;

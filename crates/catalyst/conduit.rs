@@ -344,7 +344,6 @@ impl<'a> Node<'a> {
     }
 }
 
-/// Number of the first kind of leaf.
 const FIRST_LEAF: Index = NumberKind::Int8 as Index;
 /// Number of texts.
 const TEXT: Index = 13;

@@ -72,7 +72,6 @@ fn guarded(name: &str, work: impl FnOnce(&mut Option<Simulation>) -> Result<()>)
     status
 }
 
-/// The status of a failure.
 fn status_of(error: &Error) -> c_int {
     match error.kind {
         _ if lockstep::is_panic(error) => PANIC,

@@ -20,7 +20,6 @@ use voltet_graph::{Demand, GRADIENT_LAYERS, Graph, GraphNode, MEAN_LAYERS, PortT
 /// Pipelines that a simulation named, and what was seen of its steps.
 pub struct Simulation {
     scripts: Vec<Script>,
-    /// Number of steps so far.
     step_count: usize,
     /// The processes of the simulation.
     ranks: Arc<Lockstep>,
@@ -56,7 +55,6 @@ struct GridSource {
     has_unnamed_scalar: bool,
 }
 
-/// Step of the simulation.
 #[derive(Debug, Clone, PartialEq)]
 struct Step {
     number: usize,

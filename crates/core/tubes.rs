@@ -240,7 +240,6 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Number of the next point.
     fn next(&self) -> u32 {
         self.tubes.points.len() as u32
     }

@@ -36,7 +36,6 @@ pub fn centroid_order(
 mod tests {
     use super::*;
 
-    /// Small cells at these places.
     fn cells_at(places: &[DVec3]) -> (Vec<DVec3>, Vec<[u32; 4]>) {
         let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
         let points = places.iter().flat_map(|place| corners.map(|corner| *place + corner * 0.1)).collect();

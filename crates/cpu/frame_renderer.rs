@@ -39,7 +39,6 @@ pub(crate) struct RayInputs<'a> {
     pub records_stretches: bool,
 }
 
-/// A frame that is drawn.
 pub(crate) struct DrawnFrame {
     pub picture: Picture,
     pub counts: Counts,
@@ -146,7 +145,6 @@ impl FrameRenderer<'_> {
         }
     }
 
-    /// Runs the workers on all threads.
     fn run(
         &self,
         frame: &FrameContext<'_>,

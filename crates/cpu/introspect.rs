@@ -138,7 +138,6 @@ fn fill(batch: &mut Batch, attributes: &[Attribute<'_>], first: usize, part: &[S
     }
 }
 
-/// Segment k of a batch, integrated.
 fn integrated_segment(shader: &Shader, shaded: &ShadedBatch, k: usize) -> IntegratedSegment {
     let fallback = shaded.fallback_queue.iter().position(|&rest| rest == k);
     let depth = if shader.keeps_depth() { f64::from(shaded.depth[k]) } else { f64::NAN };

@@ -194,7 +194,6 @@ struct ProjectedScene {
     projection: Projection,
     /// For each widget, true if a cell in view touches it.
     active_widgets: Vec<bool>,
-    /// True for a part of a grid.
     is_part: bool,
     stages: Vec<StageTiming>,
 }
@@ -251,7 +250,6 @@ impl NativeVolume {
         })
     }
 
-    /// Draws a scene's cells.
     fn draw_projected(
         &self,
         projected: ProjectedScene,

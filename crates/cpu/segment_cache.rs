@@ -18,7 +18,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::camera::Camera;
 use voltet_core::transfer::{AxisOrigin, Profile, TransferFunction, Widget};
 
-/// Cached segments of a picture.
 #[derive(Debug)]
 pub(crate) struct SegmentCache {
     tiles: Vec<Option<CachedTile>>,
@@ -62,7 +61,6 @@ impl SegmentCache {
 /// Memory budget of a segment cache, shared by the workers that record.
 #[derive(Debug)]
 pub(crate) struct CacheBudget {
-    /// Bytes that remain.
     remaining: AtomicU64,
     /// True if the segments were too many, or those of a pixel.
     exhausted: AtomicBool,
@@ -95,7 +93,6 @@ impl CacheBudget {
     }
 }
 
-/// Slices of a batch.
 const SLICES_PER_BATCH: usize = BATCH / TILE;
 
 /// Slices of a row of a tile, as many at a time as a batch takes.
@@ -119,7 +116,6 @@ impl CachedTile {
         self.begins[row + 1..].iter_mut().for_each(|begin| *begin += slices);
     }
 
-    /// Slices of a row.
     pub fn slices(&self, row: usize, scalar_count: usize) -> CachedSlices<'_> {
         let columns = 1 + 2 * scalar_count;
         let [from, to] = [row, row + 1].map(|row| self.begins[row] as usize * columns * TILE);
@@ -174,11 +170,9 @@ struct RecentView {
     /// Changes of widgets so far.
     changes: usize,
     cache: Option<Arc<SegmentCache>>,
-    /// True if its segments are too many.
     too_many: bool,
 }
 
-/// Plan of a picture.
 #[derive(Debug, Clone)]
 pub(crate) enum Plan {
     /// Draw from the cells.

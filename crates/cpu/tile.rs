@@ -9,7 +9,6 @@ pub(crate) const PIXELS: usize = TILE * TILE;
 /// Premultiplied colour and opacity of a tile's pixels.
 pub(crate) type TilePicture = [[f32; 4]; PIXELS];
 
-/// Rectangle of a tile in the picture.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TileRect {
     /// Number of the tile, row by row.
@@ -68,13 +67,11 @@ impl Area {
         [self.to[0] - self.from[0], self.to[1] - self.from[1]]
     }
 
-    /// Number of its tiles.
     pub fn tile_count(&self) -> usize {
         let [columns, rows] = self.size();
         columns * rows
     }
 
-    /// True if a tile lies in it.
     pub fn holds(&self, tile: [usize; 2]) -> bool {
         (0..2).all(|k| self.from[k] <= tile[k] && tile[k] < self.to[k])
     }
@@ -85,7 +82,6 @@ impl Area {
         (y - self.from[1]) * (self.to[0] - self.from[0]) + (x - self.from[0])
     }
 
-    /// Column and row of the tile with an index.
     pub fn tile(&self, index: usize) -> [usize; 2] {
         let columns = self.to[0] - self.from[0];
         [self.from[0] + index % columns, self.from[1] + index / columns]

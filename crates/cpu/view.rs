@@ -37,7 +37,6 @@ pub(crate) struct View {
     forward: DVec3,
 }
 
-/// A point on the screen.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct ScreenVertex {
     /// Pixel coordinate to the right.

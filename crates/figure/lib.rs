@@ -38,7 +38,6 @@ mod tests {
         NamedAxis { name: name.into(), scale: voltet_core::transfer::AxisScale::Linear, range }
     }
 
-    /// The scale of a figure.
     #[derive(Debug, Clone, Copy)]
     enum Scale {
         Bar(Side),

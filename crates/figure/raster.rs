@@ -4,7 +4,6 @@ use voltet_core::picture::Picture;
 use voltet_core::picture_parts::{PathStep, Place, Shape, ShapeForm};
 use zeno::{Command, Fill, Mask, Stroke, Style};
 
-/// Draws a shape over a picture.
 pub(crate) fn draw(picture: &mut Picture, shape: &Shape) {
     let Shape { form, color, opacity } = shape;
     match form {

@@ -9,7 +9,6 @@ use voltet_optics::engine::Stage;
 use voltet_shaders::{Access, FramePass, GridArray, Layout, RoundRecord};
 use wgpu::Buffer;
 
-/// The stage that a pass is part of.
 fn stage(pass: FramePass) -> Stage {
     match pass {
         FramePass::Points | FramePass::Attribute | FramePass::Split => Stage::Project,

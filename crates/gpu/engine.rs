@@ -71,7 +71,6 @@ impl Engine for GpuEngine {
     }
 }
 
-/// A volume on the device.
 pub(crate) struct GpuVolume {
     pub renderer: Arc<Renderer>,
     /// Arrays that were uploaded and are not counted with any picture yet.

@@ -25,7 +25,6 @@ const MAX_CHANGE: f64 = 1e-4;
 /// Rounding of a coordinate about the view's base, and of the turn into camera axes, as a share of the coordinate.
 const ROUNDING: f64 = f32::EPSILON as f64;
 
-/// A flat cell.
 pub(crate) struct FlatCell {
     cell: u32,
     /// Least height, scene lengths.
@@ -46,7 +45,6 @@ impl FlatCell {
     }
 }
 
-/// Flat cells of a grid.
 pub(crate) struct FlatCells {
     pub cells: Vec<FlatCell>,
     /// Middle of the grid's box, which corners are counted from, world units.

@@ -17,7 +17,6 @@ use voltet_shaders::{Access, Axis, FramePass, GridArray, Layout, Parts, TEXEL_BY
 /// Points, cells or a table's numbers that can be counted, so that no dispatch over them passes the last number of 32 bits.
 const MAX_COUNT: u64 = 4_000_000_000;
 
-/// Binding limits of a device.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BindingLimits {
     /// Bytes of one binding.
@@ -26,7 +25,6 @@ pub(crate) struct BindingLimits {
     pub buffers: u32,
 }
 
-/// Sizes of the buffers that a scene needs.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct BufferSizes {
     pub points: u64,
@@ -123,7 +121,6 @@ impl BufferSizes {
 /// One of the grid's arrays on a device, in its parts.
 pub(crate) type SplitBuffer = Vec<wgpu::Buffer>;
 
-/// One that grows.
 #[derive(Default)]
 pub(crate) struct GrowingSplitBuffer(Vec<GrowingBuffer>);
 

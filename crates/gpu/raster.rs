@@ -17,7 +17,6 @@ use wgpu::{
     DownlevelFlags, ShaderStages, TextureFormat,
 };
 
-/// Primitive that a cell is drawn as.
 #[derive(Debug, PartialEq)]
 pub(crate) struct CellPrimitive {
     /// Entry points for vertices and for pixels.
@@ -48,7 +47,6 @@ impl CellPrimitive {
     }
 }
 
-/// Cells of a run.
 const RUN_LENGTH: u32 = 1 << 16;
 
 /// Runs of one submission, so that no system takes a long frame for a hang: 4 million cells.
@@ -81,7 +79,6 @@ pub(crate) struct Blending<'a> {
     pub scene: &'a [Binding<'a>],
     /// Group 2: arrays of the grid that are read.
     pub in_grid: &'a [Binding<'a>],
-    /// Buffer of the picture.
     pub pixels: &'a Buffer,
 }
 

@@ -11,7 +11,6 @@ use voltet_optics::integrators::{Extent, Integrator};
 use voltet_optics::shading::Shading;
 use voltet_shaders::{Axis, Buffer, Contents, Pass, Places, Resources, ShaderKey, TEXEL_BYTES, images};
 
-/// Key of tables: everything that they are made from.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct TableKey {
     pub transfer_function: Arc<TransferFunction>,
@@ -39,7 +38,6 @@ pub(crate) struct Tables {
     buffers: Vec<(String, wgpu::Buffer)>,
 }
 
-/// Content of the buffers.
 struct BuiltTable {
     key: TableKey,
     /// Their layout.
@@ -87,7 +85,6 @@ impl Tables {
         Ok(self)
     }
 
-    /// The buffer of that name.
     pub fn named(&self, name: &str) -> Result<&wgpu::Buffer> {
         let found = self.buffers.iter().find(|(known, _)| *known == name);
         found

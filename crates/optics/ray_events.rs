@@ -242,7 +242,6 @@ pub fn composite_behind(events: &[RayEvent], pixel: &mut [f32; 4]) {
     }
 }
 
-/// The rays of a view.
 struct Rays<'a> {
     frame: Frame,
     camera: &'a Camera,

@@ -24,17 +24,12 @@ use voltet_core::picture::Picture;
 
 /// One call with its inputs. These are owned or shared, so that a call that never returns harms nothing.
 pub(crate) enum Task {
-    /// Check of parameter values by the plug-in.
     Check(ParameterValues),
     /// Computation of the gradient at every point.
     Gradient(GradientTask),
-    /// Description of a file: a step of it.
     Inspect(FileStep),
-    /// Reading of a file.
     Read(ReadTask),
-    /// Filtering of a grid.
     Grid(GridTask),
-    /// Filtering of a picture.
     Image(ImageTask),
 }
 
@@ -53,19 +48,16 @@ pub(crate) enum Outcome {
     /// Only the status.
     #[default]
     Nothing,
-    /// Vectors of the gradient.
     Vectors(Vec<DVec3>),
     /// Contents of a file.
     Head(Head),
     /// A grid, or parts of it. The counts of a grid filter are those of the whole grid, whatever it shares with the input.
     Grid(Head, Buffers),
-    /// Pixels of a picture.
     Pixels(Vec<[f32; 4]>),
 }
 
 wire!(variants of Outcome { 0 = Nothing, 1 = Vectors(vectors), 2 = Head(head), 3 = Grid(head, buffers), 4 = Pixels(pixels) });
 
-/// Status and output of a call.
 pub(crate) type CallOutput = (CallStatus, Outcome);
 
 impl Outcome {
@@ -80,7 +72,6 @@ impl Outcome {
 }
 
 impl Task {
-    /// Stage of the progress reports.
     pub fn stage(&self) -> &'static str {
         match self {
             Task::Check(_) => "check",
@@ -157,7 +148,6 @@ pub(crate) struct Tables {
 }
 
 impl Tables {
-    /// Tables of rows with their names.
     fn rows(&self) -> [(&'static str, &Option<Rows64>); 3] {
         [
             ("the neighbours of points", &self.neighbours),
@@ -251,7 +241,6 @@ impl GradientTask {
     }
 }
 
-/// Description of a file: a step of it.
 #[derive(Clone)]
 pub(crate) struct FileStep {
     pub path: CString,
@@ -259,7 +248,6 @@ pub(crate) struct FileStep {
     pub values: ParameterValues,
 }
 
-/// Reading of a file.
 pub(crate) struct ReadTask {
     pub file: FileStep,
     /// Contents of the file, as described.
@@ -352,7 +340,6 @@ impl ReadTask {
     }
 }
 
-/// Filtering of a grid.
 pub(crate) struct GridTask {
     /// Points and tetrahedra.
     pub grid: Grid,
@@ -485,7 +472,6 @@ impl GridTask {
     }
 }
 
-/// Filtering of a picture.
 pub(crate) struct ImageTask {
     pub picture: Arc<Picture>,
     pub values: ParameterValues,

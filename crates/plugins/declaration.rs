@@ -8,7 +8,6 @@ use voltet_core::parameters::{DefaultValue, Parameter, ParameterType, Range, Var
 const MAX_EXTENSIONS: u32 = 16;
 const MAX_MAGIC_BYTES: u32 = 64;
 
-/// Declaration of one item of a plug-in.
 #[derive(Clone)]
 pub(crate) struct Declaration {
     pub schema: VariantSchema,
@@ -93,13 +92,11 @@ pub(crate) fn gradient_filter<A: AddressSpace>(
     Ok((declaration, read))
 }
 
-/// The gradient filter of a library at an address.
 pub(crate) fn library_gradient_filter(address: usize) -> CheckResult<LibraryItem> {
     let (declaration, read) = gradient_filter(Process, address)?;
     Ok(LibraryItem { declaration, check: read.item.check, function: EntryPoint::Gradient(read.gradient) })
 }
 
-/// The reader at an address.
 pub(crate) fn reader(address: usize) -> CheckResult<LibraryItem> {
     let (read, _) = Process.sized::<interface::Reader>(address)?;
     let declaration = declaration(Process, "reader", &read.item, || {
@@ -123,7 +120,6 @@ pub(crate) fn reader(address: usize) -> CheckResult<LibraryItem> {
     Ok(LibraryItem { declaration, check: read.item.check, function })
 }
 
-/// The grid filter at an address.
 pub(crate) fn grid_filter(address: usize) -> CheckResult<LibraryItem> {
     let (read, _) = Process.sized::<interface::GridFilter>(address)?;
     let declaration = declaration(Process, "grid filter", &read.item, || {
@@ -134,7 +130,6 @@ pub(crate) fn grid_filter(address: usize) -> CheckResult<LibraryItem> {
     Ok(LibraryItem { declaration, check: read.item.check, function: EntryPoint::GridFilter(read.filter) })
 }
 
-/// The image filter at an address.
 pub(crate) fn image_filter(address: usize) -> CheckResult<LibraryItem> {
     let (read, _) = Process.sized::<interface::ImageFilter>(address)?;
     let declaration = declaration(Process, "image filter", &read.item, || {
@@ -317,7 +312,6 @@ fn range<A: AddressSpace>(read: &interface::Parameter<A>) -> CheckResult<Range> 
     Ok(Range { min, max, above_min, below_max, infinite: false })
 }
 
-/// The words of a choice with their meanings.
 fn words<A: AddressSpace>(
     space: A,
     read: &interface::Parameter<A>,

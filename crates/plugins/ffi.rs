@@ -30,7 +30,6 @@ pub(crate) trait AddressSpace: Copy {
     /// Pointer to a function of type `F` in a struct of the interface.
     type Function<F: Copy>: Copy;
 
-    /// True if the function is a null pointer.
     fn is_null<F: Copy>(function: Self::Function<F>) -> bool;
 
     /// Copies the bytes at an address; `None` where some of them are not there.

@@ -61,7 +61,6 @@ impl PluginFile {
         &self.path
     }
 
-    /// Its bytes.
     pub(crate) fn bytes(&self) -> &[u8] {
         &self.bytes
     }

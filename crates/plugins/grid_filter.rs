@@ -17,7 +17,6 @@ use voltet_core::progress::Progress;
 use voltet_core::{Error, Result, SharedSlice, counted, grid};
 use voltet_graph::{Demand, DemandContext, Node, Outputs, Port, PortType, RunContext, Value};
 
-/// The node of a grid filter.
 pub(crate) fn grid_node(item: PluginItem) -> &'static Node {
     let grid = |summary| Port { name: "grid", port_type: PortType::Grid, summary };
     let [inputs, outputs] =
@@ -92,7 +91,6 @@ fn task(item: &PluginItem, grid: &Grid, call: &RunContext) -> Result<GridTask> {
     })
 }
 
-/// Arrays by name.
 type Arrays = BTreeMap<String, Array>;
 
 /// The grid that the filter gave, with the parts that it shares with its input.
@@ -189,7 +187,6 @@ fn scalar(
     }
 }
 
-/// Numbers of the points that cells use.
 fn used_points<'a>(cells: &'a Option<Cells>, input: &'a Grid) -> &'a [u32] {
     match cells {
         Some(Cells::Tetrahedra(cells)) => cells.as_flattened(),

@@ -87,12 +87,10 @@ impl Head {
         }
     }
 
-    /// True if the flag is set.
     pub fn has(&self, flag: u32) -> bool {
         self.flags & flag != 0
     }
 
-    /// Number of tuples of an array.
     pub fn tuples(&self, array: &FileArray) -> usize {
         match array.association {
             Association::Cell => self.cell_count,
@@ -100,7 +98,6 @@ impl Head {
         }
     }
 
-    /// Number of values of an array.
     pub fn numbers(&self, array: &FileArray) -> usize {
         self.tuples(array) * array.component_count
     }
@@ -372,7 +369,6 @@ fn out_of_range(label: CallLabel, what: &str, found: impl std::fmt::Display) -> 
     label.error(&format!("gave a number that is out of range: {what}")).got(found)
 }
 
-/// Cells of any types.
 fn mixed_cells(
     types: Vec<u8>,
     offsets: Vec<i64>,

@@ -33,7 +33,6 @@ thread_local! {
 pub(crate) struct Caller(Option<&'static PluginWork>);
 
 impl Caller {
-    /// The caller of this thread.
     pub fn current() -> Caller {
         Caller(CURRENT.get())
     }

@@ -19,10 +19,8 @@ use voltet_core::{Error, Result};
 /// Largest number of different texts of fall-backs.
 const MAX_FALLBACKS: usize = 32;
 
-/// Reports of one call.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Reports {
-    /// Error message of the plug-in.
     pub error: Option<String>,
     /// Reason for which the host refused what it was handed.
     pub refusal: Option<ValidationError>,
@@ -56,7 +54,6 @@ impl State {
         self.cancelled.store(true, Ordering::Relaxed);
     }
 
-    /// True if the plug-in is to stop.
     pub fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
     }

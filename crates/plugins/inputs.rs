@@ -8,7 +8,6 @@ use rayon::prelude::*;
 /// Bytes that are compared or hashed at a time.
 const BLOCK: usize = 1 << 20;
 
-/// Inputs of one call.
 #[derive(Default)]
 pub(crate) struct Inputs(Vec<Input>);
 
@@ -23,7 +22,6 @@ struct Input {
 
 /// State of an input before the call.
 enum Before {
-    /// All bytes.
     Copy(Vec<u8>),
     /// Hash of each block.
     Hashes(Vec<u64>),

@@ -39,7 +39,6 @@ pub(crate) struct PluginItem {
 }
 
 impl PluginItem {
-    /// Items of one plug-in.
     pub fn list(runner: Arc<dyn Runner>, declarations: Vec<Declaration>) -> Vec<PluginItem> {
         let item = |declaration| PluginItem { runner: runner.clone(), declaration };
         declarations.into_iter().map(item).collect()
@@ -166,7 +165,6 @@ fn refuse_missing(grid: &Grid, mut vectors: Vec<DVec3>, label: CallLabel) -> Res
     Ok(vectors)
 }
 
-/// A file with its description.
 struct DescribedFile {
     item: PluginItem,
     file: FileStep,
@@ -261,7 +259,6 @@ impl OpenGrid for DescribedFile {
     }
 }
 
-/// The node of an image filter.
 pub(crate) fn image_node(item: PluginItem) -> &'static Node {
     let image = |summary| Port { name: "image", port_type: PortType::Image, summary };
     let [inputs, outputs] =

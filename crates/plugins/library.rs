@@ -232,7 +232,6 @@ const FAMILIES: [(&CStr, &str, Describe); 4] = [
     (IMAGE_FILTERS, "image filter", declaration::image_filter),
 ];
 
-/// The items of all families.
 fn items(get_factory: GetFactory) -> CheckResult<Vec<LibraryItem>> {
     let (mut items, mut known) = (Vec::new(), Vec::new());
     for (kind, what, describe) in FAMILIES {

@@ -79,7 +79,6 @@ wire!(variants of DefaultValue {
 });
 
 impl Reply {
-    /// Reply to a request that failed.
     fn from_error(error: &Error) -> Reply {
         Reply::Failed(error.what.clone(), error.got.clone(), error.expected.clone())
     }
@@ -121,9 +120,11 @@ pub(crate) fn load(file: &PluginFile, program: PathBuf) -> Result<Vec<PluginItem
     let request = (plugin.fingerprint, None);
     let end = exchange(&program, path, &request, |_| start.elapsed() < START_TIME_LIMIT);
     let replies = match end {
-        End::Replied(replies) => replies,
-        End::GivenUp => return Err(broken(format!("did not begin within {} s", START_TIME_LIMIT.as_secs()))),
-        End::Broken(how) => return Err(broken(how)),
+        RequestOutcome::Replied(replies) => replies,
+        RequestOutcome::GivenUp => {
+            return Err(broken(format!("did not begin within {} s", START_TIME_LIMIT.as_secs())));
+        }
+        RequestOutcome::Broken(how) => return Err(broken(how)),
     };
     let ((name, version), declarations) = match replies.into_iter().next() {
         Some(Reply::Described(names, declarations)) => (names, declarations),
@@ -154,12 +155,12 @@ impl Runner for Remote {
             !progress.cancelled()
         };
         let replies = match exchange(&self.program, &self.plugin.path, &request, may_go_on) {
-            End::Replied(replies) => replies,
-            End::GivenUp if is_check => {
+            RequestOutcome::Replied(replies) => replies,
+            RequestOutcome::GivenUp if is_check => {
                 return Err(label.error("does not come back from checking its parameters"));
             }
-            End::GivenUp => return Err(Error::cancelled()),
-            End::Broken(how) => return Err(broken(how)),
+            RequestOutcome::GivenUp => return Err(Error::cancelled()),
+            RequestOutcome::Broken(how) => return Err(broken(how)),
         };
         let mut replies = replies.into_iter();
         match (replies.next(), replies.next()) {
@@ -180,8 +181,7 @@ fn failed(what: String, got: Option<String>, expected: Option<String>, path: &Pa
 /// Interval between two calls of `may_go_on`.
 const INTERVAL: Duration = Duration::from_millis(10);
 
-/// Ends of a request.
-enum End {
+enum RequestOutcome {
     /// With replies, complete or not.
     Replied(Vec<Reply>),
     /// The process was ended because the request was given up.
@@ -192,7 +192,12 @@ enum End {
 
 /// Sends a request about the library at `path` to a process of `program`. `may_go_on` is called with the completed fraction every
 /// few milliseconds; once it is false the process is ended.
-fn exchange(program: &Path, path: &Path, request: &Request, mut may_go_on: impl FnMut(f64) -> bool) -> End {
+fn exchange(
+    program: &Path,
+    path: &Path,
+    request: &Request,
+    mut may_go_on: impl FnMut(f64) -> bool,
+) -> RequestOutcome {
     let mut command = Command::new(program);
     command.arg("plugin-process").arg(path).stdin(Stdio::piped()).stdout(Stdio::piped());
     #[cfg(unix)]
@@ -200,10 +205,10 @@ fn exchange(program: &Path, path: &Path, request: &Request, mut may_go_on: impl 
     std::os::unix::process::CommandExt::process_group(&mut command, 0);
     let mut child = match command.spawn() {
         Ok(child) => child,
-        Err(error) => return End::Broken(format!("cannot be started: {error}")),
+        Err(error) => return RequestOutcome::Broken(format!("cannot be started: {error}")),
     };
     let (Some(input), Some(output)) = (child.stdin.take(), child.stdout.take()) else {
-        return End::Broken("has no pipes".into());
+        return RequestOutcome::Broken("has no pipes".into());
     };
     let (sender, receiver) = channel();
     std::thread::scope(|scope| {
@@ -254,14 +259,14 @@ fn exchange(program: &Path, path: &Path, request: &Request, mut may_go_on: impl 
         drop(sender_thread.join());
         let status = child.wait();
         match (given_up, garbled, status) {
-            (true, ..) => End::GivenUp,
-            (_, Some(error), Ok(status)) if status.success() => End::Broken(error.to_string()),
+            (true, ..) => RequestOutcome::GivenUp,
+            (_, Some(error), Ok(status)) if status.success() => RequestOutcome::Broken(error.to_string()),
             (_, Some(error), Ok(status)) if is_killed(&status) => {
-                End::Broken(format!("answered what was not asked: {error}"))
+                RequestOutcome::Broken(format!("answered what was not asked: {error}"))
             }
-            (_, _, Ok(status)) if status.success() => End::Replied(replies),
-            (_, _, Ok(status)) => End::Broken(exit_message(status)),
-            (_, _, Err(error)) => End::Broken(format!("cannot be waited for: {error}")),
+            (_, _, Ok(status)) if status.success() => RequestOutcome::Replied(replies),
+            (_, _, Ok(status)) => RequestOutcome::Broken(exit_message(status)),
+            (_, _, Err(error)) => RequestOutcome::Broken(format!("cannot be waited for: {error}")),
         }
     })
 }

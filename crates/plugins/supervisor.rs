@@ -81,7 +81,6 @@ impl Shared {
         }
     }
 
-    /// Works that run.
     fn running(&self) -> impl Iterator<Item = &PluginWork> {
         self.works.iter().filter(|work| work.is_running.load(Ordering::Acquire))
     }

@@ -135,7 +135,6 @@ impl ProcessState {
     }
 }
 
-/// The limit of that kind.
 #[cfg(target_os = "linux")]
 fn limit(kind: usize) -> Option<libc::rlimit> {
     let mut limit = libc::rlimit { rlim_cur: 0, rlim_max: 0 };

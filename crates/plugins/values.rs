@@ -79,7 +79,6 @@ impl ParameterValues {
         ValuePointers { texts: texts.collect(), vectors: vectors.collect(), lengths: lengths.collect() }
     }
 
-    /// These as inputs of a call.
     pub fn inputs(&self) -> Inputs {
         const NAME: &str = "the values of its parameters";
         let mut inputs = Inputs::default();
@@ -130,7 +129,6 @@ pub(crate) fn named_arrays(
     array_references(declaration, parameters).into_iter().map(find).collect()
 }
 
-/// Adds the arrays to the inputs of a call.
 pub(crate) fn add_arrays(inputs: &mut Inputs, arrays: &[Option<Arc<Array>>]) {
     arrays
         .iter()

@@ -111,7 +111,6 @@ macro_rules! lane_set {
     };
 }
 
-/// Types of registers.
 #[cfg(target_arch = "x86_64")]
 macro_rules! registers {
     ($($name:ident($register:ty)),*) => {

@@ -28,7 +28,6 @@ macro_rules! operations {
     )*};
 }
 
-/// The values that an index names.
 #[inline(always)]
 fn gathered<T: Copy>(values: &[T], index: U) -> [T; WIDTH] {
     let places = inside::<Portable>(index, values.len()).to_array();

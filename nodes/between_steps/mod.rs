@@ -8,7 +8,6 @@ use voltet_core::{Error, Result, SharedSlice};
 /// Two steps around a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct StepPair {
-    /// Numbers of the steps.
     pub steps: [usize; 2],
     /// Share of the second, above 0 and below 1.
     pub share: f64,

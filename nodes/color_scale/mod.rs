@@ -63,7 +63,6 @@ pub fn scalar_colors(
     Ok(Some(ScalarColors { axis, range, colors: (0..count).map(color).collect() }))
 }
 
-/// The range that the parameter gives.
 pub(crate) fn limits(p: &Parameters) -> Result<Option<[f64; 2]>> {
     let Some(_) = p.optional("bar_range") else { return Ok(None) };
     let [low, high] = p.vector("bar_range")?;

@@ -179,11 +179,9 @@ fn beside_values(scene: &Scene) -> Option<String> {
     ))
 }
 
-/// Statistics of a picture's pixels.
 struct PictureStatistics {
     /// The largest opacity or channel of any pixel.
     max: f32,
-    /// The largest opacity.
     opacity: f32,
     /// Pixels that hold anything.
     shown: usize,

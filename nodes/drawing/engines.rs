@@ -14,7 +14,6 @@ use voltet_optics::engine::{AdapterRequest, Compositor, Engine, EngineInfo, Prep
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Ordering, Shading};
 
-/// The device engine.
 #[cfg(feature = "gpu")]
 const GPU: EngineInfo = voltet_gpu::ENGINE;
 #[cfg(not(feature = "gpu"))]

@@ -116,7 +116,6 @@ fn refuse(call: &RunContext, transfer_function: &TransferFunction, shading: &Sha
     check_engine(NATIVE, p, transfer_function, shading)
 }
 
-/// Parts of a grid on an engine.
 struct EngineParts<'a> {
     engine: &'a dyn Engine,
     whole: &'a SceneExtent,

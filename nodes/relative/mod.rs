@@ -141,7 +141,6 @@ pub(crate) fn bounds(call: &mut RunContext) -> Result<Option<[DVec3; 2]>> {
     Ok(bounds)
 }
 
-/// Bounds of a grid in parts.
 fn bounds_of_parts(call: &mut RunContext) -> Result<Option<[DVec3; 2]>> {
     let swept = call.swept_parts("volume")?;
     let mut bounds = swept.and_then(|swept| swept.bounds);
@@ -407,12 +406,10 @@ pub(crate) fn refuse_part(call: &RunContext) -> Result<()> {
     Err(error.expected("numbers that are not relative, or a larger --memory"))
 }
 
-/// Demand on a volume for these statistics.
 fn demand(wanted: &StatisticsRequest) -> Demand {
     demand_for(wanted.quantities())
 }
 
-/// Demand on a volume for these quantities.
 pub(crate) fn demand_for<'a>(quantities: impl IntoIterator<Item = &'a ArrayRef>) -> Demand {
     let mut demand = Demand::default();
     for quantity in quantities {

@@ -81,13 +81,11 @@ pub(super) trait SeveralVolumes {
     }
 }
 
-/// Steps of a series.
 pub(super) struct SeriesSteps<'a, 'c> {
     pub call: &'a RunContext<'c>,
     pub demand: &'a Demand,
     pub steps: &'a [usize],
     pub view: &'a VolumeView<'a>,
-    /// Number of steps that were read.
     pub read: u64,
 }
 

@@ -9,7 +9,6 @@ use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_graph::{ArrayRef, Diagnostics};
 
-/// Statistics found in the data.
 #[derive(Debug, Clone, Default)]
 pub(super) struct FoundStatistics {
     pub ranges: BTreeMap<ArrayRef, [f64; 2]>,

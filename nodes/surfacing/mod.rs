@@ -28,7 +28,6 @@ pub const OUTPUTS: &[Port] =
 pub const INPUTS: &[Port] =
     &[Port { name: "volume", port_type: PortType::Volume, summary: "the cells and their values" }];
 
-/// Number of the parameters of paint.
 const PAINT_COUNT: usize = 8;
 
 /// A node's own parameters and those of paint. `color_by`, `opacity` and `ambient`: what they are where the file sets none.
@@ -158,7 +157,6 @@ pub fn color_by<'a>(p: &'a Parameters, otherwise: Option<&'a str>) -> Option<&'a
     }
 }
 
-/// The quantity of this name.
 pub(crate) fn quantity(name: &str) -> ArrayRef {
     match name {
         "s" => ArrayRef::Named("s"),
@@ -353,7 +351,6 @@ impl Shape {
     }
 }
 
-/// Items at these places.
 fn gathered<T: Copy>(all: &[T], places: &[u32]) -> Vec<T> {
     places.iter().map(|&p| all[p as usize]).collect()
 }

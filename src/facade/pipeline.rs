@@ -61,7 +61,6 @@ impl RunRecord {
     }
 }
 
-/// The last run.
 struct LastRun {
     report: RunReport,
     /// The largest memory of the process until the run ended, bytes.
@@ -69,7 +68,6 @@ struct LastRun {
 }
 
 impl LastRun {
-    /// A run that has just ended.
     fn ended(report: RunReport) -> LastRun {
         LastRun { report, peak_memory: memory::peak() }
     }

@@ -36,7 +36,6 @@ pub struct Shading {
 }
 
 impl Shading {
-    /// Checks every number.
     fn compiled(&self) -> Result<CompiledShading> {
         let Shading { integrator, blend, silhouette, light } = *self;
         integrator.check()?;

@@ -86,7 +86,6 @@ fn named_in(folder: &Path, pattern: &str) -> Vec<PathBuf> {
     shown.filter(|name| fits(name, pattern)).map(|name| folder.join(name)).collect()
 }
 
-/// True if a name fits a pattern.
 fn fits(name: &str, pattern: &str) -> bool {
     let (name, pattern): (Vec<char>, Vec<char>) = (name.chars().collect(), pattern.chars().collect());
     // The last star, and the place in the name from which what follows it is tried.

@@ -209,7 +209,6 @@ fn range_changes(graph: &Graph, word: &str, all: bool) -> Vec<Change> {
     changes
 }
 
-/// The input port of a wire.
 fn input_of(node: &GraphNode, edge: &Edge) -> Option<&'static Port> {
     node.node.all_inputs().nth(edge.port)
 }

@@ -115,7 +115,6 @@ struct Mark<'a> {
     form: NumberFormat,
 }
 
-/// NumberFormat of a number.
 #[derive(Clone, Copy)]
 enum NumberFormat {
     Plain,
@@ -171,7 +170,6 @@ impl Mark<'_> {
     }
 }
 
-/// The marks of a path, each with its place.
 fn marks_of(path: &str) -> impl Iterator<Item = (std::ops::Range<usize>, Mark<'_>)> {
     path.match_indices('{').filter_map(|(start, _)| {
         let length = path[start..].find('}')?;

@@ -13,7 +13,6 @@ const FORMS: &str = "all, or numbers and ranges FIRST:LAST or FIRST:LAST:STRIDE 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StepSelection(Vec<StepRange>);
 
-/// Steps from one number to another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct StepRange {
     first: i64,

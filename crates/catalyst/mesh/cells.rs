@@ -6,7 +6,6 @@ use glam::DVec3;
 use voltet_core::grid::{CellSet, Cells, Polyhedron, code};
 use voltet_core::{Error, Result, SharedSlice, counted};
 
-/// Points and cells of a topology.
 pub(super) struct Topology {
     pub points: SharedSlice<DVec3>,
     pub cells: Cells,
@@ -44,7 +43,6 @@ const SHAPES: [Shape; 11] = {
 /// The word for a topology of several shapes.
 const MIXED: &str = "mixed";
 
-/// The shape that a node names.
 fn shape_named(node: &Node, name: &str) -> Result<&'static Shape> {
     SHAPES.iter().find(|shape| shape.name == name).ok_or_else(|| {
         let names: Vec<&str> = SHAPES[..10].iter().map(|shape| shape.name).chain([MIXED]).collect();
@@ -211,7 +209,6 @@ fn out_of_range(node: &Node, cell: usize, number: u32, count: usize, what: &str)
     error.got(number).expected(format!("a number below {count}"))
 }
 
-/// Shapes of the cells.
 enum Shapes {
     One(&'static Shape),
     Each(Vec<&'static Shape>),
@@ -300,7 +297,6 @@ fn ranges(elements: &Node, shapes: &Shapes) -> Result<Vec<[usize; 2]>> {
     Ok(offsets.into_iter().zip(sizes).map(|(start, size)| [start, size]).collect())
 }
 
-/// The faces of polyhedra.
 fn faces(subelements: &Node, point_count: usize) -> Result<Vec<Vec<u32>>> {
     let shape = subelements.require("shape")?;
     let name = shape.text()?;

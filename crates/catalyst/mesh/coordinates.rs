@@ -7,7 +7,6 @@ use voltet_core::{Result, SharedSlice};
 /// Axes of space, with the names of the counts along them.
 const AXES: [(&str, &str); 3] = [("x", "i"), ("y", "j"), ("z", "k")];
 
-/// A coordinate set.
 pub(super) struct Coordinates<'a> {
     node: Node<'a>,
     kind: String,

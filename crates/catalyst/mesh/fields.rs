@@ -71,7 +71,6 @@ fn fields<'a>(domain: &Node<'a>, topology: &str) -> Result<Vec<Node<'a>>> {
     Ok(own)
 }
 
-/// Names of the fields of a topology.
 pub(super) fn names(domain: &Node, topology: &str) -> Result<Vec<String>> {
     Ok(fields(domain, topology)?.iter().map(|field| field.name().to_string()).collect())
 }
@@ -207,7 +206,6 @@ fn whole_values(numbers: &Numbers) -> Result<Vec<i64>> {
     numbers.to_f64().into_iter().enumerate().map(each).collect()
 }
 
-/// The components of a field's values.
 fn components<'a>(field: &Node<'a>) -> Result<Vec<Numbers<'a>>> {
     let node = field.require("values")?;
     let children = node.children();
@@ -238,7 +236,6 @@ fn check_counts(components: &[Numbers], count: usize, each: &str) -> Result<()> 
     }
 }
 
-/// Refuses arrays of different lengths.
 pub(super) fn same_lengths(arrays: &[Numbers]) -> Result<()> {
     match arrays.iter().find(|own| own.count != arrays[0].count) {
         Some(own) => {
@@ -249,7 +246,6 @@ pub(super) fn same_lengths(arrays: &[Numbers]) -> Result<()> {
     }
 }
 
-/// The values of a field.
 fn array(field: &Node, count: usize, each: &str, loan: &Loan) -> Result<Array> {
     let components = components(field)?;
     check_counts(&components, count, each)?;

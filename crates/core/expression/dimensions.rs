@@ -122,7 +122,6 @@ fn name<'a>(text: &'a str, span: &Range<usize>) -> &'a str {
     text[span.clone()].split('(').next().unwrap_or_default().trim()
 }
 
-/// Refuses an argument with a unit.
 fn refuse_unit(text: &str, what: impl Into<String>, argument: &Part) -> Parsed {
     if argument.unit.dimension().is_none_or(Dimension::is_none) {
         return Ok(());

@@ -73,8 +73,7 @@ enum Law {
     Raised,
 }
 
-/// Functions of one argument.
-const OF_ONE: &[(&str, Unary, Law)] = &[
+const UNARY_FUNCTIONS: &[(&str, Unary, Law)] = &[
     ("abs", f64::abs, Law::Power(1.0)),
     ("sqrt", f64::sqrt, Law::Power(0.5)),
     ("cbrt", libm::cbrt, Law::Power(1.0 / 3.0)),
@@ -94,8 +93,7 @@ const OF_ONE: &[(&str, Unary, Law)] = &[
     ("ceil", f64::ceil, Law::Power(1.0)),
 ];
 
-/// Functions of two arguments.
-const OF_TWO: &[(&str, Binary, Law)] = &[
+const BINARY_FUNCTIONS: &[(&str, Binary, Law)] = &[
     ("min", least, Law::Alike),
     ("max", greatest, Law::Alike),
     ("atan2", libm::atan2, Law::Ratio),
@@ -375,9 +373,11 @@ impl<'a> Parser<'a> {
             }
             return Ok(());
         }
-        let (one, two) = (OF_ONE.iter().find(|of| of.0 == name), OF_TWO.iter().find(|of| of.0 == name));
+        let (one, two) =
+            (UNARY_FUNCTIONS.iter().find(|of| of.0 == name), BINARY_FUNCTIONS.iter().find(|of| of.0 == name));
         if one.is_none() && two.is_none() {
-            let of_numbers = OF_ONE.iter().map(|of| of.0).chain(OF_TWO.iter().map(|of| of.0));
+            let of_numbers =
+                UNARY_FUNCTIONS.iter().map(|of| of.0).chain(BINARY_FUNCTIONS.iter().map(|of| of.0));
             let names = of_numbers.chain([MAGNITUDE]).chain(Derivative::ALL.iter().map(|of| of.0));
             let error = Error::usage("the expression calls a function that is not known").got(name);
             return Err((error.expected(suggest(name, names)), span));

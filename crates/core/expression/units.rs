@@ -34,7 +34,6 @@ const SYMBOLS: &[(&str, [i8; 7], bool)] = &[
     ("degree", [0; 7], false),
 ];
 
-/// Prefixes of symbols.
 const PREFIXES: [&str; 9] = ["G", "M", "k", "h", "c", "m", "µ", "u", "n"];
 
 /// Largest power of a symbol.

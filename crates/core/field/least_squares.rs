@@ -139,7 +139,6 @@ pub(super) struct Difference {
     pub d: DVec3,
     /// |d|².
     pub square: f64,
-    /// Difference of the values.
     pub delta: f64,
     /// Smallest difference that the coordinates of the two points resolve.
     resolution: f64,

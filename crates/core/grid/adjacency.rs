@@ -45,7 +45,6 @@ struct TetrahedraByPointRange<'a> {
     tetrahedra: &'a [[u32; 4]],
     /// Lowest and highest point number of every block of tetrahedra.
     spans: Vec<(u32, u32)>,
-    /// Points of one task.
     task_points: usize,
 }
 

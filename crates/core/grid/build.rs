@@ -44,7 +44,7 @@ fn try_build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
     progress.report("tetrahedra", 0.0);
     let point_not_finite = not_finite(&parts, Association::Point);
     let cell_not_finite = not_finite(&parts, Association::Cell);
-    let cells = std::mem::replace(&mut parts.cells, Cells::Tetrahedra(SharedSlice::default()));
+    let cells = std::mem::take(&mut parts.cells);
     let (ghost, degrees) = (parts.ghost.take(), parts.degrees.take());
     let (joined_points, hanging) = (parts.joined_points.take(), parts.hanging.take());
     let mut source = Source {
@@ -135,14 +135,10 @@ fn try_build(mut parts: RawGrid, options: &Options, progress: &dyn Progress) -> 
         points: parts.points,
         tetrahedra,
         source_cells: source_cells.map(Arc::new),
-        scalar: None,
-        scalar_name: String::new(),
         point_arrays: parts.point_arrays.into_iter().map(|(name, a)| (name, Arc::new(a))).collect(),
         cell_arrays: parts.kept_cell_arrays.into_iter().map(|(name, a)| (name, Arc::new(a))).collect(),
-        ghosts: None,
-        file_cells: None,
         hanging: hanging.map(|hanging| Arc::new(renumbered(hanging, numbers.as_deref()))),
-        origin: Arc::default(),
+        ..Grid::default()
     };
     if let Some(scalar) = parts.scalar {
         grid.scalar_name = scalar.name;
@@ -339,7 +335,6 @@ struct CellCounts {
     without_owner: u64,
     /// Ghosts that another part of the grid draws.
     neighbours: u64,
-    /// Cells that are drawn.
     drawn: u64,
     not_volume: u64,
     pub not_finite: u64,

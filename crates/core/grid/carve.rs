@@ -31,7 +31,6 @@ const MAX_VOLUME_ERROR: f64 = 1e-10;
 /// Point that sees a whole surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Apex {
-    /// A corner, by its number.
     Corner(u32),
     /// The mean of the corners.
     Mean,
@@ -256,7 +255,6 @@ struct Mesh {
     tetrahedra: Vec<[u32; 4]>,
     /// Distance within which points touch.
     touch: f64,
-    /// Points that it may have.
     max_points: usize,
 }
 

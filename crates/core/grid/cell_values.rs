@@ -8,7 +8,6 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Arrays that sit on cells.
 pub(super) struct CellArrays {
     scalar: Option<Scalar>,
     arrays: BTreeMap<String, Array>,

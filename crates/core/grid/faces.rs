@@ -16,7 +16,6 @@ pub(crate) type Face = [u32; 4];
 pub(crate) struct CoincidentPoints(Option<Vec<u32>>);
 
 impl CoincidentPoints {
-    /// Coincident points among these.
     pub fn find(points: &[DVec3]) -> CoincidentPoints {
         CoincidentPoints(points_at_one_place(points))
     }

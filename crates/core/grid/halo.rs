@@ -27,7 +27,6 @@ pub struct Halo {
     grid: RawGrid,
     /// Numbers of the points in the piece, ascending.
     points: Vec<u32>,
-    /// Layers that it has.
     layers: usize,
 }
 

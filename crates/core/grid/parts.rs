@@ -35,6 +35,13 @@ pub enum Cells {
     Structured([usize; 3]),
 }
 
+impl Default for Cells {
+    /// No cells.
+    fn default() -> Self {
+        Cells::Tetrahedra(SharedSlice::default())
+    }
+}
+
 impl Cells {
     /// Number of cells, of any dimension. (Of a structured grid: saturating; `build` checks it.)
     pub fn count(&self) -> usize {
@@ -211,7 +218,7 @@ impl BoundaryValues {
 }
 
 /// Result of a reader, in the file's own numbering.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct RawGrid {
     /// Positions, world units. May hold points that no cell uses.
     pub points: SharedSlice<DVec3>,
@@ -248,22 +255,7 @@ pub struct RawGrid {
 impl RawGrid {
     /// Points and cells, without any values.
     pub fn new(points: impl Into<SharedSlice<DVec3>>, cells: Cells) -> Self {
-        RawGrid {
-            points: points.into(),
-            cells,
-            ghost: None,
-            global_ids: None,
-            block: 0,
-            joined_points: None,
-            scalar: None,
-            point_arrays: BTreeMap::new(),
-            cell_arrays: BTreeMap::new(),
-            boundary_values: BTreeMap::new(),
-            kept_cell_arrays: BTreeMap::new(),
-            degrees: None,
-            hanging: None,
-            origin: ImportStats::default(),
-        }
+        RawGrid { points: points.into(), cells, ..RawGrid::default() }
     }
 
     /// Refuses arrays whose lengths do not fit the points and cells.
@@ -427,13 +419,11 @@ pub struct Polyhedron {
     pub faces: Vec<Vec<u32>>,
 }
 
-/// One cell.
 pub(super) struct Cell<'a> {
     /// Number in the file.
     pub number: usize,
     /// VTK type code.
     pub code: u8,
-    /// Its points.
     pub corners: &'a [u32],
 }
 
@@ -488,13 +478,11 @@ pub struct HangingPoint {
 }
 
 impl HangingPoint {
-    /// The numbers of all points.
     pub(super) fn numbers(&self) -> [u32; 5] {
         let [a, b, c, d] = self.corners;
         [self.point, a, b, c, d]
     }
 
-    /// Copy by other numbers of the points.
     pub(super) fn renumbered(&self, number: impl Fn(u32) -> u32) -> HangingPoint {
         HangingPoint { point: number(self.point), corners: self.corners.map(number), ..*self }
     }

@@ -45,14 +45,13 @@ pub(super) fn prepare(piece: &mut RawGrid, index: usize) -> Result<()> {
     let checked = piece.check_lengths().and_then(|()| check_cells(piece));
     checked.map_err(|error| error.at_item(format!("piece {index}")))?;
     if let Cells::Structured(_) = piece.cells {
-        piece.cells = Cells::Mixed(into_set(take_cells(piece)));
+        piece.cells = Cells::Mixed(into_set(std::mem::take(&mut piece.cells)));
     }
     Ok(())
 }
 
 /// A piece, whole or a part of it, on its way into a grid.
 pub(super) struct JoinedPiece {
-    /// Its number.
     pub piece: usize,
     pub grid: RawGrid,
     /// Numbers of its points in the piece, ascending; `None`: all are there.
@@ -171,10 +170,6 @@ fn join_boundary_values(
     joined
 }
 
-fn take_cells(piece: &mut RawGrid) -> Cells {
-    std::mem::replace(&mut piece.cells, Cells::Tetrahedra(SharedSlice::default()))
-}
-
 /// The cells of all pieces one after the other, by the numbers of the joined points.
 fn join_cells(pieces: &mut [RawGrid], starts: &[usize], numbers: &[u32]) -> Cells {
     let all_tetrahedra = pieces.iter().all(|piece| matches!(piece.cells, Cells::Tetrahedra(_)));
@@ -182,7 +177,7 @@ fn join_cells(pieces: &mut [RawGrid], starts: &[usize], numbers: &[u32]) -> Cell
     let mut all = CellSet { offsets: vec![0], ..CellSet::default() };
     for (piece, &start) in pieces.iter_mut().zip(starts) {
         let number = |corner: u32| numbers[start + corner as usize];
-        match take_cells(piece) {
+        match std::mem::take(&mut piece.cells) {
             Cells::Tetrahedra(own) if all_tetrahedra => {
                 tetrahedra.par_extend(own.par_iter().with_min_len(CHUNK).map(|corners| corners.map(number)));
             }

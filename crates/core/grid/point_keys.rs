@@ -22,12 +22,9 @@ pub struct PointKeys {
     owned: Option<Vec<bool>>,
 }
 
-/// Keys of one kind.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) enum Keys {
-    /// Global ids.
     Ids(Vec<i64>),
-    /// Keys of positions and values.
     Places(Vec<PlaceKey>),
 }
 
@@ -125,7 +122,6 @@ impl PointKeys {
         }
     }
 
-    /// Number of the point with a key.
     pub(super) fn point(&self, key: usize) -> u32 {
         self.points.as_ref().map_or(key as u32, |points| points[key])
     }

@@ -42,7 +42,6 @@ impl Defect {
     }
 }
 
-/// Split of a polyhedron.
 #[derive(Debug)]
 enum Split {
     /// Not at all: left out, or not drawn for another reason.
@@ -179,7 +178,6 @@ impl Polyhedra {
         self.positions.get(&(cell as u32)).map(|&position| &set.polyhedra[position])
     }
 
-    /// Hands out the tetrahedra of a cell.
     pub fn tetrahedra(&self, set: &CellSet, cell: usize, emit: &mut impl FnMut([u32; 4])) {
         let Some(&position) = self.positions.get(&(cell as u32)) else { return };
         match &self.splits[position] {

@@ -7,7 +7,6 @@
 use super::extent;
 use super::parts::{Cells, RawGrid};
 use super::point_keys::{Keys, PointKeys, boxes_of_others};
-use crate::SharedSlice;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -91,7 +90,6 @@ impl SharedPoints {
         SharedPoints { of_pieces: lists, count: ranks.len(), firsts }
     }
 
-    /// Number of shared points.
     pub(super) fn count(&self) -> usize {
         self.count
     }
@@ -101,7 +99,6 @@ impl SharedPoints {
         self.of_piece(piece).is_empty()
     }
 
-    /// The shared points of a piece, by their numbers there.
     pub(super) fn of_piece(&self, piece: usize) -> &[SharedPoint] {
         self.of_pieces.get(piece).map_or(&[], Vec::as_slice)
     }
@@ -247,7 +244,6 @@ pub(super) struct PointNumbers {
     pub numbers: Vec<u32>,
     /// The number, or nowhere (`u32::MAX`) where another point's position and values stand for these.
     pub targets: Vec<u32>,
-    /// Number of points.
     pub count: usize,
 }
 
@@ -308,7 +304,7 @@ pub fn values_part_points(pieces: &[RawGrid]) -> bool {
     let without_arrays = |piece: &RawGrid| RawGrid {
         block: piece.block,
         global_ids: piece.global_ids.clone(),
-        ..RawGrid::new(piece.points.clone(), Cells::Tetrahedra(SharedSlice::default()))
+        ..RawGrid::new(piece.points.clone(), Cells::default())
     };
     // By global ids alone values do not count.
     pieces.len() > 1

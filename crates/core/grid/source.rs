@@ -36,11 +36,9 @@ pub(super) struct Source<'a> {
     pub point_not_finite: Option<Vec<bool>>,
     /// Flags of cells with a value that is not finite.
     pub cell_not_finite: Option<Vec<bool>>,
-    /// Degrees of the cells.
     pub degrees: Option<&'a [[u8; 3]]>,
     /// Subdivision of curved cells.
     pub curved: Curved,
-    /// Subdivision of polyhedra.
     pub polyhedra: Polyhedra,
 }
 

@@ -15,10 +15,8 @@
 /// Faces of a pyramid, in VTK's vertex order.
 pub(super) const PYRAMID_FACES: &[&[usize]] =
     &[&[0, 1, 2, 3], &[0, 1, 4], &[1, 2, 4], &[2, 3, 4], &[3, 0, 4]];
-/// Faces of a wedge.
 pub(super) const WEDGE_FACES: &[&[usize]] =
     &[&[0, 1, 2], &[3, 4, 5], &[0, 1, 4, 3], &[1, 2, 5, 4], &[2, 0, 3, 5]];
-/// Faces of a pentagonal prism.
 pub(super) const PENTAGONAL_PRISM_FACES: &[&[usize]] = &[
     &[0, 1, 2, 3, 4],
     &[5, 6, 7, 8, 9],
@@ -28,7 +26,6 @@ pub(super) const PENTAGONAL_PRISM_FACES: &[&[usize]] = &[
     &[3, 4, 9, 8],
     &[4, 0, 5, 9],
 ];
-/// Faces of a hexagonal prism.
 pub(super) const HEXAGONAL_PRISM_FACES: &[&[usize]] = &[
     &[0, 1, 2, 3, 4, 5],
     &[6, 7, 8, 9, 10, 11],
@@ -49,7 +46,6 @@ pub(super) fn emit_distinct<T: Copy + Eq>(t: [T; 4], emit: &mut impl FnMut([T; 4
     }
 }
 
-/// Position of the lowest number.
 #[inline]
 pub(super) fn lowest<T: Copy + Ord>(corners: &[T]) -> usize {
     let mut at = 0;

@@ -134,7 +134,6 @@ fn check_polyhedra(set: &CellSet, polyhedra: &Polyhedra) -> Result<()> {
     }
 }
 
-/// Counts of the cells by type.
 fn counts(cells: &Cells) -> BTreeMap<u8, u64> {
     let mut by_type = [0_u64; 256];
     match cells {

@@ -21,7 +21,6 @@ pub struct Parameters {
     variants: Option<(&'static str, Arc<[Variant]>)>,
 }
 
-/// A declaration with its value.
 #[derive(Debug, Clone)]
 struct Entry {
     declared: Parameter,
@@ -309,7 +308,6 @@ fn kind_of(
     Some((found.name, Parameters::survey(found.parameters, fields, &setting.origin, &["kind"], on_fault)))
 }
 
-/// Checks one setting against its declaration.
 fn check_type(parameter: &Parameter, setting: &LocatedValue) -> Result<()> {
     let mut first = None;
     survey_type(parameter, setting, &mut |error| _ = first.get_or_insert(error));

@@ -115,7 +115,6 @@ impl From<String> for ParameterValue {
 }
 
 impl<T: Into<LocatedValue>> FromIterator<T> for ParameterValue {
-    /// A list.
     fn from_iter<I: IntoIterator<Item = T>>(values: I) -> Self {
         ParameterValue::List(values.into_iter().map(T::into).collect())
     }

@@ -20,7 +20,6 @@ const ROUNDING: f64 = 1e-12;
 
 /// The volume where a field is below some value, for the cells of a grid.
 pub struct Volumes {
-    /// Cells with finite values.
     cells: Vec<CellSpan>,
     /// From the scale to world units cubed.
     world: f64,

@@ -311,7 +311,6 @@ impl Moments {
         moments
     }
 
-    /// Moments of one point.
     pub fn of_point(values: &[f64]) -> Moments {
         let mut moments = Moments { weight: 1.0, ..Moments::NONE };
         moments.mean[..values.len()].copy_from_slice(values);

@@ -104,7 +104,6 @@ impl ColumnSums<'_> {
         (0..self.wide).map(|i| (0..self.middles[1].len()).map(|j| self.area(i, j)).sum()).collect()
     }
 
-    /// The Gaussian of some columns.
     fn widget_of_columns(&self, columns: std::ops::Range<usize>) -> Option<ProposedWidget> {
         let mut sum = [0.0; 5];
         for i in columns {

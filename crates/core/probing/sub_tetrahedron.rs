@@ -14,12 +14,10 @@
 
 use glam::DVec3;
 
-/// A tetrahedron within a tetrahedron.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct SubTetrahedron<const N: usize> {
     /// Its volume, as a share of the whole's.
     pub volume_fraction: f64,
-    /// Values at the corners.
     pub corners: [[f64; N]; 4],
 }
 

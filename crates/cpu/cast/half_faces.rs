@@ -33,11 +33,9 @@ pub(crate) struct HalfFaces {
     pub records: Vec<[f32; 4]>,
     /// Boundary faces of the drawn cells, with their corners: these turn clockwise on the screen where rays enter.
     pub boundary: Vec<BoundaryFace>,
-    /// The cells.
     pub cells: Arc<Vec<u32>>,
 }
 
-/// A half-face at the boundary.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BoundaryFace {
     pub half_face: u32,
@@ -113,7 +111,6 @@ impl HalfFaces {
         HalfFaces { records, boundary: boundaries.concat(), cells: cells.clone() }
     }
 
-    /// Number of the sentinel.
     pub fn sentinel(&self) -> u32 {
         self.records.len() as u32 - 1
     }
@@ -183,7 +180,6 @@ pub(crate) struct Mesh {
     pub longest: [f64; 2],
 }
 
-/// No face.
 pub(super) const NO_FACE: u32 = u32::MAX;
 
 impl Mesh {

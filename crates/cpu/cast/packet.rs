@@ -30,7 +30,6 @@ pub(crate) fn pixel_of(packet: usize, ray: usize) -> usize {
     row * TILE + column
 }
 
-/// Packet of rays side by side.
 pub(crate) struct RayPacket<'a> {
     pub(super) caster: &'a RayCaster,
     hits: &'a BoundaryHits,
@@ -54,7 +53,6 @@ pub(crate) struct RayPacket<'a> {
     pub(super) active: u32,
     pub(super) entering: u32,
     pub(super) slices: usize,
-    /// Segments so far.
     pub segments: u64,
     /// True if a ray left by an unexpected face.
     pub is_mistracked: bool,
@@ -68,7 +66,6 @@ pub(super) struct PendingEntry {
 }
 
 impl<'a> RayPacket<'a> {
-    /// Packet without rays.
     pub fn new(caster: &'a RayCaster, hits: &'a BoundaryHits, distance_origin: f64) -> RayPacket<'a> {
         RayPacket {
             caster,
@@ -117,7 +114,6 @@ impl<'a> RayPacket<'a> {
         }
     }
 
-    /// True if any ray is active.
     pub fn is_active(&self) -> bool {
         self.active != 0
     }

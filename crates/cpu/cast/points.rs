@@ -229,7 +229,6 @@ fn steps_of(x: f64) -> u32 {
     x.round() as i64 as u32
 }
 
-/// Positions and attributes of points.
 fn quads(
     count: usize,
     attributes: &[Attribute<'_>],

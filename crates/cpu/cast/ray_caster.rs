@@ -285,7 +285,6 @@ impl Boundary {
         Boundary { starts, faces }
     }
 
-    /// Faces that touch a tile.
     pub fn faces_of(&self, tile: usize) -> &[u32] {
         &self.faces[self.starts[tile] as usize..self.starts[tile + 1] as usize]
     }
@@ -344,7 +343,6 @@ fn boxes(corners: [[f64; 3]; 3], rounding: f64, size: [usize; 2]) -> [Option<[us
     [front.pixels(size), behind.pixels(size)]
 }
 
-/// Bounds of positions.
 struct Bounds {
     low: [f64; 2],
     high: [f64; 2],
@@ -383,7 +381,6 @@ impl Bounds {
     }
 }
 
-/// Entry of a ray.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Entry {
     /// Depth (steps).
@@ -417,7 +414,6 @@ impl Default for BoundaryHits {
 }
 
 impl BoundaryHits {
-    /// Finds the hits of a tile's rays.
     pub fn find(&mut self, caster: &RayCaster, lanes: LaneSet, rect: TileRect) {
         self.unsorted.clear();
         self.exit_checksum = [0; PIXELS];

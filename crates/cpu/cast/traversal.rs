@@ -11,7 +11,6 @@ use voltet_simd::{
     Float, Kernel, LaneSet, Lanes, Mask, PrefetchedGather, Unsigned, array, dispatch, inlined, mask_of,
 };
 
-/// Configuration of a traversal.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PacketConfig {
     pub lanes: LaneSet,
@@ -195,7 +194,6 @@ impl<'a, 'b, L: Lanes, const CUT: bool, const N: usize> PacketTraversal<'a, 'b, 
         array!(|k| words[k].to_bits())
     }
 
-    /// Gathers the opposite vertex.
     #[inline(always)]
     pub fn opposite_vertex(&self, number: L::U) -> OppositeVertex<L, N> {
         let pixel = L::F::splat(self.points.pixel);

@@ -99,7 +99,6 @@ impl OpticalDepths {
     }
 }
 
-/// Pixels of a tile.
 #[expect(clippy::large_enum_variant, reason = "a worker has one, on its stack")]
 pub(crate) enum TilePixels {
     OneColor([f32; 3], OpticalDepths),
@@ -277,7 +276,6 @@ impl Sink for UnboundedFragmentLists {
     }
 }
 
-/// A shaded segment.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Fragment {
     /// Premultiplied colour and opacity.
@@ -304,11 +302,9 @@ impl Fragment {
     }
 }
 
-/// Fragment lists of one row of pixels.
 #[derive(Default)]
 pub(crate) struct UnboundedFragmentLists {
     pixels: [Vec<Fragment>; TILE],
-    /// Transmittance of each pixel.
     pub transmittance: [f64; TILE],
 }
 
@@ -321,7 +317,6 @@ impl UnboundedFragmentLists {
         self.pixels[column].push(fragment);
     }
 
-    /// The fragments of each pixel.
     pub fn pixels(&self) -> &[Vec<Fragment>; TILE] {
         &self.pixels
     }

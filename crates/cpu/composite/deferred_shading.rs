@@ -190,7 +190,6 @@ pub(crate) struct DeferredFragments {
 const FLUSH_THRESHOLD: usize = 1 << 13;
 
 impl DeferredFragments {
-    /// True if a row is deferred.
     pub fn holds(&self, row: usize) -> bool {
         self.rows.iter().any(|(deferred, _)| *deferred == row)
     }
@@ -200,7 +199,6 @@ impl DeferredFragments {
         self.columns[0].len() >= FLUSH_THRESHOLD
     }
 
-    /// Row of the segment with an index.
     pub fn row_of(&self, index: usize) -> usize {
         let behind = self.rows.partition_point(|(_, first)| *first <= index);
         self.rows[behind - 1].0

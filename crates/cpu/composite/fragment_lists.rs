@@ -22,7 +22,6 @@ pub(crate) fn is_behind([entry, other_entry]: [f32; 2], exit_difference: f32) ->
     if (entry - other_entry).abs() <= noise { exit_difference > 0.0 } else { entry > other_entry }
 }
 
-/// Fragment lists of one tile.
 pub(crate) struct FragmentLists {
     pub next: NextSlots,
     /// Pixel by pixel, then one slot for what belongs to none. First: depth of the entry from the distance origin, depth from entry to

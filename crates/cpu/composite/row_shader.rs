@@ -21,7 +21,6 @@ use crate::tile::{PIXELS, TILE, TilePicture, TileRect};
 use std::ops::Range;
 use voltet_simd::{LaneSet, dispatch};
 
-/// Slices of a row of sorted lists.
 pub(crate) struct ListedSlices<'a> {
     lists: &'a FragmentLists,
     row: usize,
@@ -53,7 +52,6 @@ impl<'a> ListedSlices<'a> {
     }
 }
 
-/// Shader of a tile's rows.
 pub(crate) struct RowShader {
     pub batch: Batch,
     pub shaded: ShadedBatch,
@@ -275,7 +273,6 @@ pub(crate) fn blend_by_numbers(
     disordered
 }
 
-/// Scratch memory of a worker.
 pub(crate) struct Scratch {
     pub fragments: Fragments,
     pub edges: Edges,

@@ -21,7 +21,6 @@ use voltet_simd::{Float, Kernel, Lanes, Mask, dispatch};
 /// The rows of a tile are those of one band of events.
 const _: () = assert!(BAND.is_multiple_of(TILE));
 
-/// Cutter of a tile's segments.
 pub(crate) struct SegmentCutter {
     pixels: [Cursor; PIXELS],
     /// First row of the tile.
@@ -65,7 +64,6 @@ struct CutFragment {
 struct Part {
     /// Index of the segment in its batch.
     of: usize,
-    /// Its depths.
     depths: [f32; 2],
     /// Shares of the segment at which it begins and ends.
     shares: [f32; 2],

@@ -21,7 +21,6 @@ pub(crate) struct TileStretches {
 }
 
 impl TileStretches {
-    /// The stretches of a pixel.
     pub fn of_pixel(&self, pixel: usize) -> &[Supersegment] {
         let start = pixel.checked_sub(1).map_or(0, |before| self.ends[before]);
         &self.stretches[start..self.ends[pixel]]
@@ -59,7 +58,6 @@ pub(crate) struct StretchRecorder {
     joins: bool,
 }
 
-/// Segments of a row, slice by slice.
 #[derive(Clone, Copy)]
 pub(crate) struct RowSegments<'a> {
     /// Lengths, where those of no length are none; otherwise none are those that enter at infinity.

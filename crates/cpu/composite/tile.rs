@@ -17,7 +17,6 @@ use crate::tile::{PIXELS, TILE, TilePicture, TileRect};
 use crate::tolerances::OPAQUE_OPTICAL_DEPTH;
 use voltet_simd::dispatch;
 
-/// Draws a tile from projected cells.
 pub(crate) fn draw_projected(
     frame: &FrameContext<'_>,
     bins: &TileBins,
@@ -61,7 +60,6 @@ pub(crate) fn draw_projected(
     scratch.row_shader.end_events(frame, picture);
 }
 
-/// Draws a tile from cached segments.
 pub(crate) fn draw_cached(
     frame: &FrameContext<'_>,
     cache: &SegmentCache,

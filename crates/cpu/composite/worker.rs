@@ -54,7 +54,6 @@ pub(crate) struct Worker<'a> {
     pub progress: &'a dyn Progress,
 }
 
-/// State of a worker.
 struct WorkerState {
     scratch: Scratch,
     lists: FragmentLists,
@@ -110,7 +109,6 @@ impl Worker<'_> {
         Ok(output)
     }
 
-    /// The next item of a list.
     fn take<'t, T>(&self, list: &'t [T]) -> Option<&'t T> {
         let number = self.next.fetch_add(1, Ordering::Relaxed);
         let item = list.get(number)?;

@@ -37,7 +37,6 @@ pub(super) struct ContributingCells {
     pub culling_skipped: Option<CullSample>,
 }
 
-/// No cell.
 const NO_CELL: u32 = u32::MAX;
 
 impl ContributingCells {
@@ -133,7 +132,6 @@ pub(super) const BLOCK: usize = 32;
 /// Blocks that one thread takes at a time: enough that handing them out costs nothing.
 pub(super) const BLOCKS_AT_ONCE: usize = 256;
 
-/// Values of a block's cells.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Block {
     /// Minimum and maximum of s, and of g (0 where the volume has none).
@@ -169,7 +167,6 @@ pub(super) const SAMPLE_STRIDE: usize = 61;
 
 /// Query of cells and blocks against the widgets' supports.
 pub(super) struct CullQuery<'a> {
-    /// The widgets' supports.
     pub support: &'a Support,
     /// Optical depth of a cell at least, per world unit, to be selected.
     pub min_density: f64,
@@ -224,7 +221,6 @@ impl CullQuery<'_> {
         [0, 1].map(|axis| self.axes[axis].positions(ranges[axis]))
     }
 
-    /// Class of a block.
     pub fn classify(&self, block: &Block) -> BlockClass {
         let [s, g] = self.ranges_read(block.ranges);
         let (corners_s, corners_g) = box_corners(s, g);
@@ -285,7 +281,6 @@ pub(super) struct CornerValues<'a> {
 /// Further fields that the culling test reads at most; a scene with more selects the cells that only those would cull.
 const MAX_FIELDS: usize = 8;
 
-/// Values at the corners of one cell.
 struct CellValues {
     s: [f64; 4],
     g: [f64; 4],

@@ -48,7 +48,6 @@ pub struct VolumeCache {
     faces: FaceCache,
 }
 
-/// Points projected for a camera.
 #[derive(Debug)]
 struct ProjectedPoints {
     camera: Camera,
@@ -215,7 +214,6 @@ impl VolumeCache {
         Ok(Cells { screen_vertices, ..self.cells(selection) })
     }
 
-    /// Cached segments of views.
     pub(crate) fn views(&self) -> &ViewCache {
         &self.views
     }
@@ -230,7 +228,6 @@ impl VolumeCache {
         self.length
     }
 
-    /// Selection of no cell.
     pub(crate) fn empty(&self) -> Result<CellSelection> {
         Ok(CellSelection {
             volume: self.volume.clone(),
@@ -260,7 +257,6 @@ impl VolumeCache {
         Cells { selection, buffers: self.buffers.clone(), faces: None, screen_vertices: None }
     }
 
-    /// Points projected for a camera.
     fn points(&self, camera: &Camera) -> Result<Arc<ProjectedPoints>> {
         let view = View::new(camera, self.length, [0.0; 2])?;
         let is_valid = |points: &ProjectedPoints| points.camera == *camera;

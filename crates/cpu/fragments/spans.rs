@@ -27,7 +27,6 @@ pub(crate) struct Fragments {
     pub codes: Vec<u16>,
     /// Slot of each in the lists, where there are any.
     pub slots: Vec<u32>,
-    /// Number of fragments.
     pub count: usize,
     /// See [`Edges::spans`], row by row.
     spans: CellLanes<TILE, u32>,
@@ -69,7 +68,6 @@ impl Edges {
         }
     }
 
-    /// Takes the corners of the cell in a lane.
     #[inline(always)]
     pub fn take(&mut self, lane: usize, corners: [&ScreenVertex; 4]) {
         for (k, corner) in corners.iter().enumerate() {
@@ -262,7 +260,6 @@ pub(crate) const DUMMY_SLOT: u32 = (PIXELS * SLOTS_PER_PIXEL) as u32;
 #[repr(align(64))]
 pub(crate) struct NextSlots(pub [u32; PIXELS + TILE]);
 
-/// First slot of each pixel.
 pub(crate) const FIRST_SLOTS: NextSlots = {
     let mut first = [0; PIXELS + TILE];
     let mut pixel = 0;

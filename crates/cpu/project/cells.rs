@@ -14,7 +14,6 @@ use crate::tolerances::{
 use crate::view::{ScreenVertex, View};
 use voltet_simd::{Double, Kernel, Lanes, Mask, array, inlined};
 
-/// Projected cells of a run of cells.
 #[derive(Debug, Default)]
 pub(crate) struct ProjectedCells {
     /// Face planes of each cell that covers a pixel centre.
@@ -31,7 +30,6 @@ pub(crate) struct ProjectedCells {
     pub precise_cells: Vec<u32>,
 }
 
-/// Input of the projection.
 #[derive(Clone, Copy)]
 pub(crate) struct Input<'a> {
     pub view: &'a View,

@@ -40,7 +40,6 @@ fn range<D: Double>([a, b, c]: [D; 3]) -> [D; 2] {
     [a.min(b).min(c), a.max(b).max(c)]
 }
 
-/// A face seen edge-on.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct EdgeOnFace {
     corners: [ScreenVertex; 3],

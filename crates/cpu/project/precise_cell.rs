@@ -37,7 +37,6 @@ struct Face {
     outline: Option<EdgeOnFace>,
 }
 
-/// Crossing of a ray with a precise cell.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PreciseCrossing {
     /// Depth of entry and exit, scene lengths.

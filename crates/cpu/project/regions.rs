@@ -72,7 +72,6 @@ impl Regions {
     }
 }
 
-/// Input of the binning.
 struct RegionBinner<'a> {
     input: &'a Input<'a>,
     lanes: LaneSet,
@@ -129,7 +128,6 @@ struct BinKernel<'a> {
     cells: &'a [u32],
     area: Area,
     side: usize,
-    /// Columns of regions.
     columns: usize,
     /// Numbers of the cells, region by region.
     lists: &'a mut [Vec<u32>],

@@ -26,7 +26,7 @@ pub(crate) struct TileBins {
     /// Records by tile, in grid order.
     entries: Vec<u32>,
     precise_cells: Vec<PreciseCell>,
-    /// Their numbers by tile.
+    /// Numbers of precise cells by tile.
     precise_tiles: Vec<Vec<u32>>,
 }
 
@@ -181,20 +181,17 @@ impl TileBins {
         queue.into_iter().map(number).collect()
     }
 
-    /// Entries of a tile of the area.
     #[inline(always)]
     pub fn entries_of(&self, tile: [usize; 2]) -> &[u32] {
         let index = self.area.index(tile);
         &self.entries[self.starts[index] as usize..self.starts[index + 1] as usize]
     }
 
-    /// Precise cells of a tile of the area.
     pub fn precise_cells_of(&self, tile: [usize; 2]) -> impl Iterator<Item = &PreciseCell> {
         let numbers = self.precise_tiles.get(self.area.index(tile)).map_or(&[][..], Vec::as_slice);
         numbers.iter().map(|&k| &self.precise_cells[k as usize])
     }
 
-    /// The projected cell of an entry.
     #[inline(always)]
     pub fn cell(&self, entry: u32) -> BinnedCell<'_> {
         let index = (entry & ((1 << INDEX_BITS) - 1)) as usize;

@@ -17,7 +17,6 @@ use voltet_simd::optics::elementary::one_minus_exp;
 use voltet_simd::optics::overlap::ordered;
 use voltet_simd::{Float, Lanes, Mask, array, inlined, mask_of};
 
-/// Quadrature in panels.
 pub(crate) struct PanelQuadrature {
     /// Cutoff of the constant-emitter.
     cutoff: Option<f64>,

@@ -12,7 +12,6 @@ pub(crate) const STEPS: [usize; 3] = [2, 4, 8];
 /// Kinds of fragments that the closed forms leave to slower kernels.
 pub(crate) const KINDS: usize = STEPS.len() + 3;
 
-/// Results of a batch.
 pub(crate) struct ShadedBatch {
     /// Optical depth, or with silhouettes and light the opacity (filled when there is one colour).
     pub depth: Box<Column>,
@@ -61,7 +60,6 @@ impl ShadedBatch {
         }
     }
 
-    /// Empties the queues.
     pub fn clear(&mut self) {
         let ShadedBatch { quadrature_queues, thick_pieces, optically_thick, fallback_queue, .. } = self;
         quadrature_queues

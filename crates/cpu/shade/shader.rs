@@ -145,7 +145,6 @@ impl Shader {
         self.exact.as_ref().and_then(|exact| exact.failure())
     }
 
-    /// Bytes of the integrator's tables.
     pub fn table_bytes(&self) -> usize {
         let exact = self.exact.as_ref().map_or(0, |exact| exact.table_bytes());
         exact + self.integrator.as_ref().map_or(0, |kernel| kernel.table_bytes())

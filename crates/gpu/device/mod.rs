@@ -199,7 +199,6 @@ pub(crate) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Bytes in a mebibyte.
 pub(crate) const MEBIBYTE: f64 = (1u64 << 20) as f64;
 
 impl Device {
@@ -232,7 +231,6 @@ impl Device {
         self.guarded(&memory, || self.device.create_buffer(&descriptor))
     }
 
-    /// A uniform buffer with content.
     pub(crate) fn uniform(&self, what: &str, bytes: &[u8]) -> Result<wgpu::Buffer> {
         let usage = BufferUsages::UNIFORM | BufferUsages::COPY_DST;
         let buffer = self.buffer(what, bytes.len() as u64, usage)?;
@@ -398,7 +396,6 @@ impl Timing {
         Ok(Timing { clock, ..Timing::default() })
     }
 
-    /// Timestamp writes of the next pass.
     pub fn next(&mut self, pass: PassName) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
         let query_set = &self.clock.as_ref()?.queries;
         let at = 2 * self.begun.len() as u32;

@@ -57,7 +57,6 @@ pub(crate) fn storage_buffers(pass: Option<FramePass>) -> u32 {
     bound(pass).iter().filter(|bound| **bound != Bound::Uniform).count() as u32
 }
 
-/// A pass to compile.
 pub(crate) struct Program<'a> {
     /// Entry point and stage.
     pub name: PassName,

@@ -47,7 +47,6 @@ pub struct PendingFrame {
     slot: FrameSlot,
 }
 
-/// Readback slot of a frame in flight.
 struct FrameSlot {
     renderer: Arc<Renderer>,
     readback: Option<ReadbackBuffers>,

@@ -53,7 +53,6 @@ impl<'a> FrameInputs<'a> {
         &self.renderer.grid.device
     }
 
-    /// Bytes of a window's pixels.
     pub fn picture_bytes(&self, window: [u32; 4]) -> u64 {
         let pixels = u64::from(window[2]) * u64::from(window[3]) * u64::from(ViewRecord::TILE).pow(2);
         pixels * 16
@@ -231,7 +230,6 @@ pub(crate) fn shader_key(
     Ok((shader_key, sizes))
 }
 
-/// Sizes of the scene's buffers.
 fn sizes(
     grid: &DeviceGrid,
     shader_key: &ShaderKey,

@@ -16,20 +16,18 @@ use voltet_optics::engine::Stage;
 use voltet_shaders::{CompositorProgram, FramePass, GridArray, PlacementRecord, ViewRecord, cells_read};
 use wgpu::{Buffer, BufferUsages, CommandEncoder, SubmissionIndex};
 
-/// Passes of the compositor.
-enum Last {
+enum CompositorPasses {
     Tiles(BoundPass),
     Raster(Box<Raster>),
 }
 
-/// The passes over one window.
 pub(crate) struct Passes<'a> {
     device: &'a Device,
     points: BoundPass,
     attributes: Vec<BoundPass>,
     /// Cells, and for tiles starts, lists, sort.
     lists: Vec<BoundPass>,
-    last: Last,
+    compositor: CompositorPasses,
     view: Buffer,
     counts: Buffer,
     entries: Buffer,
@@ -42,7 +40,6 @@ pub(crate) struct Passes<'a> {
     keeps_states: bool,
 }
 
-/// The counts, from their bytes.
 pub(crate) fn counts_of(bytes: &[u8]) -> [u32; counters::ALL] {
     std::array::from_fn(|k| bytemuck::pod_read_unaligned(&bytes[4 * k..4 * k + 4]))
 }
@@ -132,7 +129,7 @@ impl<'a> Passes<'a> {
             read.push((binding, Bound::Read, tables.named(&name)?.as_entire_binding()));
         }
         let in_grid = binder.bindings(cells_read(sizes.stride as usize), scalar);
-        let last = if let Some((primitive, blend)) = blended {
+        let compositor = if let Some((primitive, blend)) = blended {
             let blending = Blending {
                 shader: &frame.compositor,
                 primitive,
@@ -144,7 +141,7 @@ impl<'a> Passes<'a> {
                 in_grid: &in_grid,
                 pixels: &pixels,
             };
-            Last::Raster(Box::new(Raster::new(&blending, &mut buffers.raster, &binder)?))
+            CompositorPasses::Raster(Box::new(Raster::new(&blending, &mut buffers.raster, &binder)?))
         } else {
             let own = [&counts, &entries, &pixels];
             lists.push(step(FramePass::Starts, [1; 3], vec![], &own)?);
@@ -152,7 +149,7 @@ impl<'a> Passes<'a> {
             if frame.sorted {
                 lists.push(step(FramePass::Sort, over_tiles, vec![], &own)?);
             }
-            Last::Tiles(device.pass(&Program {
+            CompositorPasses::Tiles(device.pass(&Program {
                 name: ("composite_tiles", Stage::Composite),
                 shader: &frame.compositor,
                 // No transparency is less than this.
@@ -166,7 +163,7 @@ impl<'a> Passes<'a> {
             points,
             attributes,
             lists,
-            last,
+            compositor,
             view,
             counts,
             entries,
@@ -217,9 +214,9 @@ impl<'a> Passes<'a> {
             if self.keeps_states {
                 encoder.clear_buffer(&self.counts, 4 * counters::UNFINISHED as u64, Some(4));
             }
-            match &self.last {
-                Last::Tiles(tiles) => tiles.run(encoder, timing),
-                Last::Raster(raster) => raster.encode(self.device, encoder, timing),
+            match &self.compositor {
+                CompositorPasses::Tiles(tiles) => tiles.run(encoder, timing),
+                CompositorPasses::Raster(raster) => raster.encode(self.device, encoder, timing),
             }
             timing.end(encoder);
             encoder.copy_buffer_to_buffer(&self.counts, 0, &self.returned_counts, 0, COUNTS_BYTES);

@@ -62,7 +62,6 @@ pub(crate) struct FrameBuffers {
     pub returned: ReadbackBuffers,
     /// Readback buffers for frames in flight that are not in use.
     pub idle_readbacks: Vec<ReadbackBuffers>,
-    /// Frames in flight.
     pub in_flight: usize,
     pub tables: Tables,
     pub raster: RasterBuffers,

@@ -543,7 +543,6 @@ impl RunContext<'_> {
         }
     }
 
-    /// The value at a port with its revision.
     fn input(&self, port: &str) -> Result<&(Value, Revision)> {
         Ok(&self.inputs[self.edge(port)?])
     }

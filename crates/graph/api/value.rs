@@ -210,9 +210,7 @@ pub struct Edge {
 /// Wires and gradient filter of one node, as its functions see them.
 #[derive(Clone, Copy)]
 pub(crate) struct Wiring<'a> {
-    /// Name of the node.
     pub node: &'a str,
-    /// Name of its type.
     pub node_type: &'static str,
     /// Required input ports, then optional ones.
     pub ports: [&'static [Port]; 2],

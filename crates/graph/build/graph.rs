@@ -331,7 +331,6 @@ impl NodeOverride {
         NodeOverride { is_piece: true, ..self }
     }
 
-    /// Does the work.
     pub(crate) fn run(&self, call: &mut RunContext) -> Result<Outputs> {
         (self.work)(call)
     }

@@ -197,7 +197,6 @@ fn unknown_keys(fields: &[Field], known: &[&str], place: &str) -> impl Iterator<
 
 type TomlKey<'i> = Spanned<DeString<'i>>;
 
-/// The keys of a table in the order of the file.
 fn in_order<'a, 'i>(
     table: &'a DeTable<'i>,
 ) -> impl Iterator<Item = (&'a TomlKey<'i>, &'a Spanned<DeValue<'i>>)> {
@@ -338,7 +337,6 @@ pub fn field(option: &str) -> Result<Field> {
     }
 }
 
-/// The value that an option gives.
 fn given(text: &str, shown: &Arc<str>) -> LocatedValue {
     let text = text.trim();
     let mut setting = value(text).unwrap_or_else(|| ParameterValue::Text(text.into()).into());
@@ -397,7 +395,6 @@ fn write_node(f: &mut fmt::Formatter<'_>, node: &NodeEntry) -> fmt::Result {
     Ok(())
 }
 
-/// True if a value is a list of tables.
 fn is_tables(datum: &ParameterValue) -> bool {
     matches!(datum, ParameterValue::List(list) if !list.is_empty() && list.iter().all(|part| part.table().is_some()))
 }

@@ -23,7 +23,6 @@ pub(super) struct Entry {
     pub(super) plugin: Option<Plugin>,
     /// Work that a program did in place of its own.
     pub(super) given: Option<NodeOverride>,
-    /// Revisions at its ports.
     pub(super) inputs: Vec<(usize, Revision)>,
     pub(super) demand: Demand,
     /// The files that it depends on, as they were before the run; those that it writes, after it.
@@ -279,7 +278,6 @@ impl Store {
         Ok(made)
     }
 
-    /// Number of values.
     pub(super) fn count(&self) -> usize {
         self.lock().values.len() + self.over_steps.lock().unwrap_or_else(PoisonError::into_inner).len()
     }

@@ -22,16 +22,13 @@ use voltet_core::parameters::Parameters;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 
-/// A node upstream of an input.
 struct FeedingNode {
-    /// Its index in the graph.
     place: usize,
     /// Its parameters at each step; those alone where it reads no series.
     parameters: Vec<Parameters>,
     demand: Demand,
 }
 
-/// One run of a node by a session.
 pub(super) struct NodeRun<'a> {
     pub graph: &'a Graph,
     /// Index of the node in the graph.
@@ -43,13 +40,11 @@ pub(super) struct NodeRun<'a> {
     pub observer: &'a dyn Observer,
     /// Runs of the nodes that give parts of a grid, where one is read in parts.
     pub part_runs: Option<&'a PartRuns<'a>>,
-    /// The part that the node runs for.
     pub part: Option<&'a GridPart>,
     pub ranks: &'a dyn Ranks,
 }
 
 impl<'a> NodeRun<'a> {
-    /// The node.
     fn node(&self) -> &'a GraphNode {
         &self.graph.nodes[self.place]
     }

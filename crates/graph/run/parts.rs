@@ -211,7 +211,6 @@ impl<'a> PartRuns<'a> {
         known
     }
 
-    /// Makes a part the one at hand.
     pub fn set_latest(&self, part: usize, outputs: Arc<PartOutputs>) {
         self.lock().latest = Some((part, outputs));
     }
@@ -221,7 +220,6 @@ impl<'a> PartRuns<'a> {
         self.lock().diagonal
     }
 
-    /// Sets the diagonal of the whole grid.
     pub fn set_diagonal(&self, diagonal: f64) {
         self.lock().diagonal = Some(diagonal);
     }

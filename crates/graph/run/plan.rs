@@ -22,7 +22,6 @@ pub struct Plan {
     pub notes: Vec<Diagnostics>,
     /// The nodes that ran early.
     pub(super) early: Vec<Option<Done>>,
-    /// True for a plan of an exhaustive session.
     pub(super) exhaustive: bool,
 }
 
@@ -47,7 +46,6 @@ impl Plan {
     }
 }
 
-/// A node that ran.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Done {
     pub(super) outputs: Vec<(Value, Revision)>,

@@ -89,7 +89,6 @@ pub(super) enum Claim<'a> {
     },
 }
 
-/// Claim on a node's work.
 pub(super) struct WorkClaim<'a> {
     shared: &'a SharedOutputs,
     number: u64,
@@ -146,7 +145,6 @@ impl Share {
         state.of_sessions.push((self.number, needed));
     }
 
-    /// Drops all outputs.
     pub(super) fn forget(&self) {
         let mut state = self.shared.lock();
         state.of_sessions.retain(|(number, _)| *number != self.number);
@@ -234,7 +232,6 @@ impl SharedOutputs {
         state.cache.add(entry, is_to_come);
     }
 
-    /// Drops the former runs that fit.
     pub(super) fn drop_runs(&self, fits: impl Fn(&Entry) -> bool) {
         self.lock().cache.entries.retain(|entry| !fits(entry));
     }

@@ -13,7 +13,6 @@ use std::io::Cursor;
 use voltet_core::picture_parts::LayerValues;
 use voltet_core::{Error, Result};
 
-/// The declaration.
 pub(super) const FORMAT: PictureFormat = PictureFormat {
     name: "exr",
     endings: &["exr"],
@@ -66,7 +65,6 @@ fn exr(
     Ok(file.into_inner())
 }
 
-/// The named texts of an OpenEXR file.
 fn embedded_texts(file: &mut dyn PictureFile) -> Result<Vec<(String, String)>> {
     let damaged = |error| Error::usage("the picture cannot be read as OpenEXR").got(error);
     let meta = MetaData::read_from_buffered(file, false).map_err(damaged)?;

@@ -167,7 +167,6 @@ pub(super) fn encoded<E: std::fmt::Display>(
     Ok(file.into_inner())
 }
 
-/// Function that reads the named texts of a file.
 pub(super) type ReadTexts = fn(&mut dyn PictureFile) -> Result<Vec<(String, String)>>;
 
 /// A file that is read by parts.

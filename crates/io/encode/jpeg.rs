@@ -7,7 +7,6 @@ use image::codecs::jpeg::JpegEncoder;
 /// Quality on the scale of libjpeg, 1 to 100, at which edges of figures stay clean.
 const QUALITY: u8 = 95;
 
-/// The declaration.
 pub(super) const FORMAT: PictureFormat = PictureFormat {
     name: "jpeg",
     endings: &["jpg", "jpeg"],

@@ -13,7 +13,6 @@ use voltet_core::picture::Picture;
 use voltet_core::picture_parts::{PathStep, Shape, ShapeForm};
 use voltet_core::{Error, Result};
 
-/// The declaration.
 pub(super) const FORMAT: PictureFormat = PictureFormat {
     name: "pdf",
     endings: &["pdf"],
@@ -205,7 +204,6 @@ fn add_path(content: &mut Content, path: &[PathStep]) {
     }
 }
 
-/// Metadata with named texts.
 fn xmp(texts: &[(&'static str, String)]) -> String {
     format!(
         "<?xpacket begin=\"\u{feff}\" id=\"W5M0MpCehiHzreSzNTczkc9d\"?>\n{XMP}\n\
@@ -217,7 +215,6 @@ fn xmp(texts: &[(&'static str, String)]) -> String {
     )
 }
 
-/// The named texts of a file of this program.
 fn embedded_texts(file: &mut dyn PictureFile) -> Result<Vec<(String, String)>> {
     let mut begin = Vec::new();
     let read = file.take(xml::MAX_BEGIN).read_to_end(&mut begin);

@@ -10,7 +10,6 @@ use std::io::Read;
 use voltet_core::Result;
 use voltet_core::picture_parts::{PathStep, Place, Shape, ShapeForm};
 
-/// The declaration.
 pub(super) const FORMAT: PictureFormat = PictureFormat {
     name: "svg",
     endings: &["svg"],

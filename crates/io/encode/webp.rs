@@ -4,7 +4,6 @@ use super::format::{PictureFormat, encoded};
 use image::ExtendedColorType::{Rgb8, Rgba8};
 use image::codecs::webp::WebPEncoder;
 
-/// The declaration.
 pub(super) const FORMAT: PictureFormat = PictureFormat {
     name: "webp",
     endings: &["webp"],

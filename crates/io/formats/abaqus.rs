@@ -22,7 +22,6 @@ use std::sync::Arc;
 use voltet_core::grid::code;
 use voltet_core::{Error, Result};
 
-/// The declaration.
 pub(super) const FORMAT: Format =
     Format { files: "input of Abaqus (.inp)", matches, open, has_solution: false };
 
@@ -39,7 +38,6 @@ fn is_first_keyword(line: &str) -> bool {
     ["*heading", "*node", "*part", "*element", "*preprint"].iter().any(|word| line.starts_with(word))
 }
 
-/// Solid elements by their number of nodes.
 const SOLIDS: [(usize, u8); 8] = [
     (4, code::TETRA),
     (5, code::PYRAMID),
@@ -69,7 +67,6 @@ struct NodeLines {
     lines: TextRange,
 }
 
-/// Lines of solid elements of one type.
 struct ElementLines {
     part: usize,
     lines: TextRange,
@@ -78,7 +75,6 @@ struct ElementLines {
     set: String,
 }
 
-/// Lines of a set of elements.
 struct SetLines {
     part: usize,
     name: Arc<str>,
@@ -99,6 +95,7 @@ struct Instance {
 }
 
 /// Parts of the file; the lines outside parts are part 0.
+#[derive(Default)]
 struct AbaqusMesh {
     nodes: Vec<NodeLines>,
     elements: Vec<ElementLines>,
@@ -198,12 +195,7 @@ impl Scan {
             set_lines: Vec::new(),
             range_sum: 0,
             ended: [0; 2],
-            mesh: AbaqusMesh {
-                nodes: Vec::new(),
-                elements: Vec::new(),
-                instances: Vec::new(),
-                sets: HashMap::new(),
-            },
+            mesh: AbaqusMesh::default(),
         }
     }
 
@@ -455,7 +447,6 @@ fn node(line: &[u8], nodes: &mut Vec<(u64, DVec3)>) -> Result<()> {
 /// Mark behind the numbers of a line; the place of the line follows.
 const LINE: u64 = u64::MAX;
 
-/// Numbers of the lines of a piece.
 fn element_numbers(piece: &TextPiece) -> Result<Vec<u64>> {
     let mut all = Vec::with_capacity(piece.bytes.len() / 6);
     for line in piece.lines() {

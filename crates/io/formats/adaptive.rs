@@ -14,7 +14,6 @@ use voltet_core::{Result, counted};
 /// A part of an adaptive grid: boxes, and arrays that hold their values.
 #[derive(Default)]
 pub(super) struct Part {
-    /// Number of its block.
     pub block: usize,
     pub boxes: Vec<LatticeBox>,
     /// The tuple of each box in the cell arrays.
@@ -25,7 +24,6 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// Bytes of a box and its tuple.
     pub const BYTES_PER_BOX: usize = size_of::<LatticeBox>() + size_of::<u32>();
 }
 

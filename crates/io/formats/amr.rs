@@ -105,12 +105,10 @@ const DUPLICATE_CELL: u8 = 1;
 const REFINED_CELL: u8 = 8;
 const HIDDEN_CELL: u8 = 32;
 
-/// Use of the flags of cells.
 #[derive(Clone, Copy)]
 struct FlagOptions {
     /// True if all patches of the file are read.
     is_whole: bool,
-    /// True if a patch has flags.
     has_flags: bool,
 }
 
@@ -307,7 +305,6 @@ impl<'a> FinerPatches<'a> {
 /// Low corner of a box on the lattice, and its end.
 type LatticeRange = [[u32; 3]; 2];
 
-/// True if boxes cover all of another.
 fn cover(boxes: &[LatticeRange], [low, end]: LatticeRange) -> bool {
     // Between these planes lies what is in a box as a whole or not at all.
     let planes: [Vec<u32>; 3] = std::array::from_fn(|axis| {
@@ -325,7 +322,6 @@ fn cover(boxes: &[LatticeRange], [low, end]: LatticeRange) -> bool {
     x.iter().all(|&x| y.iter().all(|&y| z.iter().all(|&z| is_in([x, y, z]))))
 }
 
-/// Marks cells of a box of so many.
 fn fill(marks: &mut [bool], cells: [usize; 3], [x, y, z]: [Range<usize>; 3]) {
     if x.start >= x.end {
         return;
@@ -364,7 +360,6 @@ fn part(patch: &Patch, own: &LatticePatch, covered: &[bool], options: FlagOption
     })
 }
 
-/// True for the flags of cells.
 fn is_flags(array: &PieceArray) -> bool {
     array.association == Association::Cell && array.stored.name == GHOST_TYPE
 }

@@ -21,12 +21,10 @@ use voltet_core::{Error, Result, counted, grid, progress};
 /// Cell flags of ghosts and of hidden cells (vtkDataSetAttributes::DUPLICATECELL, HIDDENCELL).
 const DUPLICATE_CELL: u8 = 1;
 const HIDDEN_CELL: u8 = 32;
-/// Cell flags that have a meaning.
 const CELL_FLAGS: u64 = 63;
 /// Point flag that leaves out the cells of a point (vtkDataSetAttributes::HIDDENPOINT).
 const HIDDEN_POINT: u64 = 2;
 
-/// Reads what is requested and builds the grid.
 pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Progress) -> Result<Grid> {
     let meter = Meter::new(progress, dataset.file_bytes);
     let pieces = pieces_with_cells(dataset);
@@ -75,7 +73,6 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     grid::build(parts, &Options { without_tetrahedra: is_unsplit, ..request.options }, progress)
 }
 
-/// The pieces that have cells and points.
 pub(super) fn pieces_with_cells(dataset: &Dataset) -> Vec<NumberedPiece<'_>> {
     let pieces = dataset.pieces.iter().enumerate();
     pieces.filter(|(_, piece)| piece.cell_count > 0 && piece.point_count > 0).collect()
@@ -209,7 +206,6 @@ fn is_read(choices: &[ArraySelection], name: &str, association: Association) -> 
         || [GHOST_TYPE, GHOST_LEVELS, DEGREES].contains(&name)
 }
 
-/// Points of pieces.
 fn point_count<'a>(pieces: impl Iterator<Item = &'a Piece>) -> u64 {
     pieces.map(|piece| piece.point_count).fold(0, u64::saturating_add)
 }
@@ -310,12 +306,10 @@ pub struct SkippedArray {
     pub value_count: u64,
 }
 
-/// Arrays that the selection skips.
 pub(super) fn unread(dataset: &Dataset, choices: &[ArraySelection]) -> Result<SkippedArray> {
     unread_of(dataset, dataset.pieces.iter(), choices)
 }
 
-/// Arrays of some pieces that the selection skips.
 pub(super) fn unread_of<'a>(
     dataset: &Dataset,
     pieces: impl Iterator<Item = &'a Piece>,
@@ -336,7 +330,6 @@ pub(super) fn unread_of<'a>(
     Ok(SkippedArray { arrays, value_count })
 }
 
-/// A request with the arrays that it means.
 pub(super) struct PieceRequest<'a> {
     pub request: &'a Request,
     /// The scalar, and the arrays that the request names.
@@ -416,7 +409,6 @@ fn add_boundary(
     Ok(())
 }
 
-/// Adds the displacement of a request to points.
 fn move_points(points: &mut [DVec3], displacement: &[f64], request: &Request) {
     let factor = request.displacement.as_ref().map_or(0.0, |(_, factor)| *factor);
     let vectors = displacement.as_chunks::<3>().0.par_iter();
@@ -466,12 +458,10 @@ fn not_there(piece: &Piece, choice: &ArraySelection, meter: &Meter) -> Result<Ve
     Ok(vec![f64::NAN; count as usize])
 }
 
-/// The values of a choice.
 pub(super) fn column(piece: &Piece, choice: &ArraySelection, meter: &Meter) -> Result<Vec<f64>> {
     Ok(component(&decoded(piece, choice, meter)?, choice))
 }
 
-/// The component of a choice from the values of its array.
 fn component(values: &[f64], choice: &ArraySelection) -> Vec<f64> {
     let count = choice.component_count;
     match choice.component {
@@ -483,7 +473,6 @@ fn component(values: &[f64], choice: &ArraySelection) -> Vec<f64> {
     }
 }
 
-/// The values of the array of a choice.
 fn decoded(piece: &Piece, choice: &ArraySelection, meter: &Meter) -> Result<Vec<f64>> {
     let Some(stored) = piece.array(choice.association, &choice.name) else {
         return Err(Error::run(format!("a piece of the file lacks the array '{}'", choice.name))
@@ -544,7 +533,6 @@ fn degrees(piece: &Piece, cells: &Cells, meter: &Meter) -> Result<Option<Vec<[u8
     }
 }
 
-/// The positions of a piece's points.
 pub(super) fn load_points(piece: &Piece, meter: &Meter) -> Result<Vec<DVec3>> {
     match &piece.geometry {
         Geometry::Unstructured { points, .. } | Geometry::Curvilinear { points, .. } => {

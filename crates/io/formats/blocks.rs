@@ -111,7 +111,6 @@ pub(super) fn number_cells(dataset: &mut Dataset, request: &Request, source: &Ar
     Ok(())
 }
 
-/// The numbers of the blocks of a piece's cells.
 fn block_array(piece: &Piece, source: &Arc<Source>) -> PieceArray {
     let runs = match piece.blocks.clone() {
         CellBlocks::One(block) => vec![(block, piece.cell_count)],
@@ -150,11 +149,8 @@ pub(super) fn drawn_pieces<'a, T>(
         return Ok((pieces, blocks_without_values(dataset, choices, OMISSION)));
     }
     let (volumes, flat): (Vec<_>, Vec<_>) = pieces.into_iter().partition(|piece| has_volume(&piece.1));
-    let mut sentences = Vec::new();
-    if !flat.is_empty() {
-        let names = list(flat.iter().map(|((_, piece), _)| name(dataset, piece)));
-        sentences.push(format!("Blocks without cells of three dimensions are left out: {names}."));
-    }
+    let flat = flat.iter().map(|((_, piece), _)| name(dataset, piece));
+    let mut sentences = Vec::from_iter(left_out("Blocks without cells of three dimensions", flat));
     let mut left = volumes;
     for choice in choices {
         let has_array =
@@ -218,6 +214,21 @@ fn name<'a>(dataset: &'a Dataset, piece: &Piece) -> &'a str {
         CellBlocks::Each { grid, .. } => grid.unwrap_or(0),
     };
     dataset.blocks.get(number).map_or("", String::as_str)
+}
+
+/// "Zones are left out: 'a', 'b'."; `None` without names.
+pub(super) fn left_out<'a>(what: &str, names: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    let names = list(names);
+    (!names.is_empty()).then(|| format!("{what} are left out: {names}."))
+}
+
+/// "A block of surfaces is left out: 'a'."; `None` without names.
+pub(super) fn blocks_left_out<'a>(what: &str, names: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    let names: Vec<&str> = names.into_iter().collect();
+    match names.len() {
+        1 => Some(format!("A block {what} is left out: {}.", list(names))),
+        _ => left_out(&format!("Blocks {what}"), names),
+    }
 }
 
 /// Consequence for a block without an array, and for several: "is left out".

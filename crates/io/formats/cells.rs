@@ -6,7 +6,6 @@ use rayon::prelude::*;
 use voltet_core::grid::{CellSet, CellType, Cells, Polyhedron, code, structured_corners};
 use voltet_core::{Error, Result};
 
-/// Reads the cells of a piece.
 pub(super) fn load(piece: &Piece, meter: &Meter) -> Result<Cells> {
     match &piece.geometry {
         Geometry::Unstructured { cells, .. } => match &**cells {
@@ -135,7 +134,6 @@ fn bounds(offsets: &Stored, cell_count: usize, meter: &Meter) -> Result<Vec<u64>
     Ok(bounds)
 }
 
-/// Cells of any types.
 fn mixed(
     types: Vec<u8>,
     connectivity: &Stored,

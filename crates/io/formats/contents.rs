@@ -80,7 +80,6 @@ pub(super) struct Piece {
     pub cell_count: u64,
     pub geometry: Geometry,
     pub arrays: Vec<PieceArray>,
-    /// Blocks of the cells.
     pub blocks: CellBlocks,
     /// True if the file is of a version in which Lagrange and Bézier hexahedra had two edges in the other order.
     pub is_old_order: bool,
@@ -107,7 +106,6 @@ impl Default for CellBlocks {
     }
 }
 
-/// An array of a piece.
 #[derive(Clone)]
 pub(super) struct PieceArray {
     pub association: Association,
@@ -125,7 +123,6 @@ pub(super) struct PieceArray {
 /// Reads the values of an array on faces at the boundary, with warnings about those that are not read.
 pub(super) type ComputeBoundary = Arc<dyn Fn(&Meter) -> Result<(BoundaryValues, Vec<String>)> + Send + Sync>;
 
-/// Points and cells.
 pub(super) enum Geometry {
     /// Points and cells of any type.
     Unstructured { points: Stored, cells: Box<StoredCells> },
@@ -144,7 +141,6 @@ pub(super) enum Geometry {
 /// Makes cells of what a file stores in a form of its own.
 pub(super) type Convert = Arc<dyn Fn(&Meter) -> Result<Cells> + Send + Sync>;
 
-/// Cells as a file stores them.
 pub(super) enum StoredCells {
     /// Connectivity with the end (or the bounds) of every cell's part; faces of polyhedra.
     Offsets { connectivity: Stored, offsets: Stored, types: Stored, faces: StoredFaces },
@@ -154,7 +150,6 @@ pub(super) enum StoredCells {
     Converted(Convert),
 }
 
-/// Faces of polyhedra as a file stores them.
 pub(super) enum StoredFaces {
     /// There are none.
     None,
@@ -212,17 +207,14 @@ impl Piece {
         }
     }
 
-    /// The part with its blocks.
     pub fn with_blocks(self, blocks: CellBlocks) -> Piece {
         Piece { blocks, ..self }
     }
 
-    /// The arrays of points or of cells.
     pub fn arrays_of(&self, association: Association) -> impl Iterator<Item = &PieceArray> {
         self.arrays.iter().filter(move |array| array.association == association)
     }
 
-    /// The first array there of that name.
     pub fn array(&self, association: Association, name: &str) -> Option<&Stored> {
         self.arrays_of(association).map(|array| &array.stored).find(|stored| stored.name == name)
     }
@@ -278,10 +270,8 @@ pub(super) type Compute = Arc<dyn Fn(&Meter) -> Result<Vec<f64>> + Send + Sync>;
 /// Reads the bytes of an array, in its type and byte order, from where they do not lie side by side (chunks of HDF5).
 pub(super) type Gather = Arc<dyn Fn() -> Result<Vec<u8>> + Send + Sync>;
 
-/// Finds the chunks of an array.
 pub(super) type FindChunks = Arc<dyn Fn() -> Option<ChunkRows> + Send + Sync>;
 
-/// Location and encoding of the values.
 #[derive(Clone)]
 pub(super) enum Encoding {
     /// Bytes of the file, without a header.
@@ -381,7 +371,6 @@ impl Stored {
         }
     }
 
-    /// Number of values that the headers promise.
     pub(super) fn promised(&self) -> Result<Option<u64>> {
         let Some(tuple_count) = self.tuple_count else { return Ok(None) };
         match tuple_count.checked_mul(self.component_count as u64).filter(|&n| n <= isize::MAX as u64 / 32) {

@@ -21,14 +21,12 @@ const FEW: u64 = 64;
 /// Numbers of text that one task changes.
 const PART: usize = 1 << 14;
 
-/// A place in a file and its line.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Place {
     at: u64,
     line: usize,
 }
 
-/// A position in a file.
 pub(super) struct Cursor {
     source: Arc<Source>,
     /// Bytes from `start` on.
@@ -162,6 +160,24 @@ impl Cursor {
         Ok(Some(line.strip_suffix(b"\r").unwrap_or(line)))
     }
 
+    /// Passes over so many lines that `is_row` tells from others, and gives their range. Errors: the file ends before.
+    pub fn skip_rows(
+        &mut self,
+        count: u64,
+        is_row: impl Fn(&[u8]) -> bool,
+        expected: &str,
+    ) -> Result<TextRange> {
+        let start = self.clone();
+        let mut passed = 0;
+        while passed < count {
+            let Some(line) = self.line()? else {
+                return Err(self.error("the file ends early").got(passed).expected(expected));
+            };
+            passed += u64::from(is_row(line));
+        }
+        Ok(start.range_to(self))
+    }
+
     /// The next line as text without white space round it; an error at the end.
     pub fn text_line(&mut self, what: &str) -> Result<String> {
         match self.line()? {
@@ -170,7 +186,6 @@ impl Cursor {
         }
     }
 
-    /// Skips white space.
     pub fn skip_space(&mut self) -> Result<()> {
         loop {
             while let Some(byte) = self.window.get(self.at).filter(|byte| is_space(**byte)) {

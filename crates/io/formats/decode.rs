@@ -211,7 +211,6 @@ impl Stored {
         Stored::of_f64(&source, name, 3, tuple_count, Encoding::Computed(compute))
     }
 
-    /// Decodes rows of chunks in parallel.
     fn decode_chunks<T: Target>(&self, chunks: &ChunkRows, values: &mut [T], meter: &Meter) -> Result<()> {
         let (mut rest, mut parts) = (values, Vec::new());
         let mut skipped = chunks.skipped;
@@ -306,7 +305,6 @@ pub(super) fn join<T: Target>(planes: &[Stored], meter: &Meter) -> Result<Vec<T>
     Ok(joined)
 }
 
-/// Puts numbers into one component of tuples of n.
 fn put<T: Copy>(from: &[T], tuples: &mut [T], component: usize, n: usize) {
     tuples.iter_mut().skip(component).step_by(n).zip(from).for_each(|(to, &from)| *to = from);
 }
@@ -459,7 +457,6 @@ impl Stored {
         }
     }
 
-    /// Reads a block table.
     fn places(&self, table: &[u8], wide: bool, codec: Codec) -> Result<BlockTable> {
         let at = |index| word(table, index, wide, self.order);
         let (block_count, size, last) = (at(0), at(1), at(2));

@@ -39,13 +39,11 @@ pub enum SurfaceColors<'a> {
 }
 
 impl<'a> SurfaceColors<'a> {
-    /// Name of the array.
     pub(super) fn array(self) -> Option<&'a str> {
         if let SurfaceColors::Array(name) = self { Some(name) } else { None }
     }
 }
 
-/// Kind of an element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ElementKind {
     /// At least three corners.
@@ -56,7 +54,6 @@ pub(super) enum ElementKind {
     Vertices,
 }
 
-/// Elements as a file has them.
 #[derive(Default)]
 pub(super) struct Elements {
     pub points: Vec<DVec3>,
@@ -73,13 +70,11 @@ pub(super) struct Elements {
 }
 
 impl Elements {
-    /// Adds an element.
     pub fn add(&mut self, kind: ElementKind, corners: impl IntoIterator<Item = u32>) {
         self.corners.extend(corners);
         self.kinds.push((kind, self.corners.len()));
     }
 
-    /// Adds a polygon.
     pub fn add_polygon(&mut self, corners: impl IntoIterator<Item = u32>) {
         self.add(ElementKind::Polygon, corners);
     }

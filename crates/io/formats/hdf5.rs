@@ -27,7 +27,6 @@ const MANY_GROUPS: usize = if cfg!(test) { 16 } else { 4096 };
 /// Most groups in one another.
 const MAX_DEPTH: usize = 128;
 
-/// A group of a file.
 #[derive(Clone)]
 pub(super) struct Group {
     pub file: Arc<File>,
@@ -38,7 +37,6 @@ pub(super) struct Group {
 }
 
 impl Group {
-    /// The root group of a file.
     pub fn root(source: Arc<Source>) -> Result<Group> {
         let file = File::open(source)?;
         let mut opened = file.opened()?;
@@ -66,7 +64,6 @@ impl Group {
         if self.path.is_empty() { "/" } else { &self.path }
     }
 
-    /// The file.
     pub fn source(&self) -> &Arc<Source> {
         &self.file.source
     }
@@ -90,7 +87,6 @@ impl Group {
         format!("{}/{name}", self.path)
     }
 
-    /// The group of that name, if there is one.
     pub fn group(&self, name: &str) -> Result<Option<Group>> {
         let path = self.below(name);
         let mut opened = self.file.opened()?;
@@ -131,18 +127,15 @@ impl Group {
         names.iter().map(|name| self.required_group(name)).collect()
     }
 
-    /// The arrays in this group.
     pub fn arrays(&self) -> Result<Vec<Array>> {
         let names = self.member_names(&mut *self.file.opened()?)?.1;
         names.iter().map(|name| self.required_array(name)).collect()
     }
 
-    /// The name of this group in that above it.
     pub fn name(&self) -> &str {
         self.path.rsplit('/').next().unwrap_or("")
     }
 
-    /// The names of groups and arrays.
     pub fn names(&self) -> Result<Vec<String>> {
         let (groups, arrays) = self.member_names(&mut *self.file.opened()?)?;
         Ok(groups.into_iter().chain(arrays).collect())
@@ -170,7 +163,6 @@ impl Group {
         self.file.optional(self.path(), group.attribute(name))
     }
 
-    /// The array of that name, if there is one.
     pub fn array(&self, name: &str) -> Result<Option<Array>> {
         let path = self.below(name);
         let mut opened = self.file.opened()?;
@@ -200,14 +192,12 @@ impl Group {
         Error::run(format!("the file lacks the HDF5 {what} '{}'", self.below(name)))
     }
 
-    /// An attribute of text, if there is one.
     pub fn text(&self, name: &str) -> Result<Option<String>> {
         let text = self.attribute(name)?.map(|attribute| attribute.read_strings()).transpose();
         let text = text.map_err(|error| damaged(&self.below(name), &error))?;
         Ok(text.and_then(|texts| texts.into_iter().next()).map(|text| trimmed(&text)))
     }
 
-    /// An attribute of numbers, if there is one.
     pub fn numbers(&self, name: &str) -> Result<Option<Vec<f64>>> {
         let Some(attribute) = self.attribute(name)? else { return Ok(None) };
         let (number_type, order) = number_type(&attribute.datatype).ok_or_else(|| {
@@ -323,7 +313,6 @@ impl<const N: usize> hdf5_reader::H5Type for Bytes<N> {
 }
 
 impl Array {
-    /// Name in its group.
     pub fn name(&self) -> &str {
         self.path.rsplit('/').next().unwrap_or("")
     }
@@ -338,7 +327,6 @@ impl Array {
         self.dataset.shape()
     }
 
-    /// True if it holds text.
     pub fn is_text(&self) -> bool {
         matches!(
             self.dataset.dtype(),

@@ -26,7 +26,6 @@ pub(super) struct ChunkRows {
     chunks: Vec<ChunkPlace>,
     /// Rows and columns of a chunk.
     chunk: [usize; 2],
-    /// Columns of the array.
     pub columns: usize,
     /// Rows of the array before the first of its part.
     pub skipped: usize,
@@ -202,7 +201,6 @@ impl ChunkRows {
         })
     }
 
-    /// Rows of a chunk.
     pub fn row_count(&self) -> usize {
         self.chunk[0]
     }
@@ -248,7 +246,6 @@ impl ChunkRows {
         Ok(&buffers.block)
     }
 
-    /// Decodes a chunk into its buffer.
     fn decode(&self, source: &Source, place: ChunkPlace, buffers: &mut ChunkBuffers) -> Result<()> {
         let ChunkBuffers { read, inflated, chunk, zlib, .. } = buffers;
         let len = self.chunk[0] * self.chunk[1] * self.value_size;

@@ -134,14 +134,12 @@ impl OpenFile {
         Hdf5File::from_storage_with_options(storage, options)
     }
 
-    /// Number of the file.
     fn number(&self) -> usize {
         Arc::as_ptr(&self.source).addr()
     }
 }
 
 impl File {
-    /// Opens a file.
     pub fn open(source: Arc<Source>) -> Result<Arc<File>> {
         let files = Arc::<Files>::default();
         let open = OpenFile::open(source.clone(), &files)?;
@@ -190,7 +188,6 @@ impl File {
         all.find(|open| std::ptr::addr_eq(open.file.storage(), storage)).cloned()
     }
 
-    /// The file of a number.
     pub fn numbered(&self, number: usize) -> Option<OpenFile> {
         self.files.open().iter().find(|open| open.number() == number).cloned()
     }
@@ -257,7 +254,6 @@ const FILTERS: [(&str, &str); 7] = [
     ("32026", "Blosc2"),
 ];
 
-/// The error about an object.
 pub(super) fn damaged(path: &str, mut error: &hdf5_reader::error::Error) -> Error {
     use hdf5_reader::error::Error as Failure;
     let failed = Error::run("the HDF5 object cannot be read").got(error).at_item(path);

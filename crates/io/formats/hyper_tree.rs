@@ -17,7 +17,6 @@ pub(super) const INTERFACES: &str = "Interfaces within cells are passed over: ea
 /// More levels than 32 bits number the parts of.
 pub(super) const MAX_LEVELS: u64 = 33;
 
-/// A grid of trees.
 pub(super) struct HyperTrees {
     /// Children along an axis.
     pub branch_factor: u64,
@@ -29,14 +28,12 @@ pub(super) struct HyperTrees {
     pub lists: Vec<TreeList>,
 }
 
-/// Trees one after the other.
 pub(super) struct TreeList {
     /// For each vertex of all levels of a tree but the last: 1 if it has children.
     pub parents: Vec<u8>,
     /// For each vertex: 1 if it is masked. What lies beyond the end is not.
     pub masked: Vec<u8>,
     pub trees: Vec<HyperTree>,
-    /// Arrays of the vertices.
     pub arrays: Vec<PieceArray>,
 }
 
@@ -188,7 +185,6 @@ impl HyperTrees {
         index.map(|index| (index as u32).saturating_mul(parts))
     }
 
-    /// Adds the leaves of a tree to a part.
     fn add_leaves(&self, list: &TreeList, tree: &HyperTree, parts: u32, to: &mut Part) {
         let factor = self.branch_factor as u32;
         let (parents, masked) =

@@ -12,11 +12,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
+use voltet_core::Result;
 use voltet_core::grid::{self, Association, CellType, Cells, RawGrid, code, is_drawn};
 use voltet_core::parallel::all_or_first;
 use voltet_core::progress::Progress;
 use voltet_core::reading::FileArray;
-use voltet_core::{Result, SharedSlice};
 
 /// Contents of a file.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -260,10 +260,8 @@ fn sums_of(
     all_or_first(numbers.into_par_iter().map(of_piece))
 }
 
-/// Bounds of points.
 type Bounds = Option<[DVec3; 2]>;
 
-/// Contents of some pieces.
 #[derive(Default)]
 struct PieceSums {
     pieces: Vec<RawGrid>,
@@ -292,7 +290,7 @@ impl PieceSums {
     ) -> Result<()> {
         self.counts = [piece.point_count, piece.cell_count];
         let cells = match piece.cell_count {
-            0 => Cells::Tetrahedra(SharedSlice::default()),
+            0 => Cells::default(),
             _ => cells::load(piece, meter)?,
         };
         if piece.cell_count > 0 {
@@ -383,7 +381,6 @@ impl DrawnParts {
     }
 }
 
-/// Counts a piece's cells.
 fn count_cells(cells: &Cells, piece: &Piece, by_type: &mut BTreeMap<u8, u64>) {
     let mut add = |code: u8, count: u64| *by_type.entry(code).or_default() += count;
     match cells {
@@ -405,7 +402,6 @@ fn count_cells(cells: &Cells, piece: &Piece, by_type: &mut BTreeMap<u8, u64>) {
     }
 }
 
-/// Counts a piece's cells by block and type.
 fn count_blocks(
     cells: &Cells,
     piece: &Piece,
@@ -444,7 +440,6 @@ fn widen(range: &mut Option<[f64; 2]>, value: f64) {
 }
 
 impl ArraySummary {
-    /// True if they are of one array.
     fn is_same(&self, other: &ArraySummary) -> bool {
         self.head == other.head && self.number_type == other.number_type
     }

@@ -11,7 +11,6 @@ use voltet_core::grid::{CellSet, Cells, HangingPoint, code};
 use voltet_core::progress::{Progress, refuse_beyond_memory};
 use voltet_core::{Error, Result, counted};
 
-/// An axis of a lattice.
 pub(super) struct Axis {
     /// Ends of the intervals, two at least.
     pub coordinates: Vec<f64>,
@@ -54,7 +53,6 @@ impl LatticeBox {
     }
 }
 
-/// Boxes with their points.
 pub(super) struct Lattice {
     axes: [Axis; 3],
     pub boxes: Vec<LatticeBox>,
@@ -122,19 +120,16 @@ impl Lattice {
         Ok(Lattice { axes, boxes, points, corners })
     }
 
-    /// Number of points.
     pub fn point_count(&self) -> usize {
         self.points.len()
     }
 
-    /// Positions of the points.
     pub fn positions(&self) -> Vec<DVec3> {
         let [x, y, z] = &self.axes;
         let position = |&[k, j, i]: &[u32; 3]| DVec3::new(x.position(i), y.position(j), z.position(k));
         self.points.par_iter().map(position).collect()
     }
 
-    /// The boxes as cells.
     pub fn cells(&self) -> Cells {
         let count = self.boxes.len();
         Cells::Mixed(CellSet {

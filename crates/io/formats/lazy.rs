@@ -13,7 +13,6 @@ use voltet_core::{Error, Result};
 
 use glam::DVec3;
 
-/// Reads points and cells.
 type ReadGeometry = Box<dyn Fn(&dyn Progress) -> Result<(Vec<DVec3>, Cells)> + Send + Sync>;
 
 /// Points and cells that a function reads when they are asked for.
@@ -81,12 +80,10 @@ impl Tags {
         }
     }
 
-    /// Their number.
     pub fn len(&self) -> usize {
         self.sorted.len()
     }
 
-    /// Number of the thing with this tag.
     pub fn find(&self, tag: u64) -> Option<usize> {
         // Most files number without gaps.
         let first = self.sorted.first()?;
@@ -107,7 +104,6 @@ impl Tags {
 pub(super) struct MeshTags(Mutex<[Option<Arc<Tags>>; 2]>);
 
 impl MeshTags {
-    /// Keeps the tags of a kind.
     pub fn keep(&self, kind: usize, tags: Tags) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)[kind] = Some(Arc::new(tags));
     }
@@ -123,7 +119,6 @@ impl MeshTags {
     }
 }
 
-/// The error about an element with a node that is not there.
 pub(super) fn missing_node(element: u64, node: u64) -> Error {
     let error = Error::run(format!("element {element} names a node that does not exist"));
     error.got(node).expected("the number of a node of the file")
@@ -141,14 +136,12 @@ pub(super) fn count_from_zero(numbers: &mut [u32], count: u64, is_wrong: &Atomic
     is_wrong.fetch_or(is_some_wrong, Ordering::Relaxed);
 }
 
-/// Tetrahedra by the points of all of them.
 pub(super) fn tetrahedra(corners: Vec<u32>) -> Cells {
     let copied = |(_, corners): (_, Vec<u32>)| corners.as_chunks().0.to_vec();
     let tetrahedra: Vec<[u32; 4]> = bytemuck::try_cast_vec(corners).unwrap_or_else(copied);
     Cells::Tetrahedra(tetrahedra.into())
 }
 
-/// Cells gathered one by one.
 pub(super) struct GatheredCells(pub CellSet);
 
 impl Default for GatheredCells {
@@ -173,7 +166,6 @@ impl GatheredCells {
         self.0.types.resize(self.0.types.len() + count, code);
     }
 
-    /// Adds a polyhedron by its faces.
     pub fn add_polyhedron(&mut self, faces: Vec<Vec<u32>>) {
         let mut corners = faces.concat();
         corners.sort_unstable();
@@ -202,7 +194,6 @@ impl GatheredCells {
         tetrahedra(corners)
     }
 
-    /// Adds the cells of another.
     fn append(&mut self, other: GatheredCells) {
         let (begin, first) = (self.0.connectivity.len() as u64, self.0.types.len() as u32);
         self.0.connectivity.extend_from_slice(&other.0.connectivity);
@@ -227,7 +218,6 @@ impl GatheredCells {
         types.par_chunks(PART).all(is_part) && connectivity.len() == 4 * types.len()
     }
 
-    /// All of them.
     pub fn into_set(self) -> CellSet {
         self.0
     }

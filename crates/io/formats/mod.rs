@@ -67,6 +67,7 @@ mod mfem;
 mod named_files;
 mod nastran;
 mod netcdf;
+mod node_orders;
 mod numbers;
 mod outline;
 mod parts;
@@ -270,10 +271,9 @@ fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf> {
 
 /// Files that external links of a file in HDF5 lead to; none for other files.
 fn files_linked(path: &Path, request: &Request) -> Vec<PathBuf> {
-    let Ok(source) = Source::open(path) else { return Vec::new() };
-    if !source.head(HEAD).is_ok_and(|head| (HDF5.matches)(&head, path, request)) {
+    let Some(source) = Source::open_if(path, |head| (HDF5.matches)(head, path, request)) else {
         return Vec::new();
-    }
+    };
     let Ok(root) = hdf5::Group::root(source.clone()) else { return Vec::new() };
     // Links are followed by reading; one that is damaged is an error of the reading itself.
     let _ = read_hdf5(&root, request);
@@ -412,9 +412,8 @@ fn open_contents(path: &Path, request: &Request) -> Result<(Dataset, Arc<Source>
 
 /// True if a file shows that it is of a format that ships.
 pub fn is_data(path: &Path) -> bool {
-    let is_of_format = |head: Vec<u8>| format_of(&head, path, &Request::default()).is_some();
-    foam::case_folder(path).is_some()
-        || path.is_file() && Source::open(path).and_then(|source| source.head(HEAD)).is_ok_and(is_of_format)
+    let is_of_format = |head: &[u8]| format_of(head, path, &Request::default()).is_some();
+    foam::case_folder(path).is_some() || path.is_file() && Source::open_if(path, is_of_format).is_some()
 }
 
 /// First bytes of a file whose first few are of no format that ships; `None` for one that is, or that cannot be read. Words further behind
@@ -471,14 +470,9 @@ fn open_external(source: &Arc<Source>, request: &Request, chosen: &SelectedArray
     Ok(Dataset {
         format: head.format,
         pieces: vec![piece],
-        has_blocks: false,
-        blocks: Vec::new(),
-        time: None,
-        global_ids: None,
         time_steps: head.times,
-        notes: Vec::new(),
         active_scalars: head.scalar,
-        warnings: Vec::new(),
         file_bytes: source.len(),
+        ..Dataset::default()
     })
 }

@@ -2,7 +2,7 @@
 //! them.
 
 use super::request::Request;
-use super::source::{HEAD, Source};
+use super::source::Source;
 use super::xml::open_named;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -24,7 +24,6 @@ type Stamp = Option<(u64, SystemTime)>;
 /// Files with named ones that are remembered.
 const MAX_FILES: usize = 64;
 
-/// The files that a path names, and the stamps of the path and of these.
 type Named = (Vec<PathBuf>, Vec<Stamp>);
 
 static KNOWN: LazyLock<Mutex<HashMap<PathBuf, Named>>> = LazyLock::new(Mutex::default);
@@ -90,10 +89,9 @@ pub(super) fn files_included(
     matches: impl FnOnce(&[u8], &Path, &Request) -> bool,
     scan: impl FnOnce(&Arc<Source>) -> (Result<()>, IncludedFiles),
 ) -> Vec<PathBuf> {
-    let Ok(source) = Source::open(path) else { return Vec::new() };
-    if !source.head(HEAD).is_ok_and(|head| matches(&head, path, &Request::default())) {
+    let Some(source) = Source::open_if(path, |head| matches(head, path, &Request::default())) else {
         return Vec::new();
-    }
+    };
     let stamps = |first: Stamp, files: &[PathBuf]| -> Vec<Stamp> {
         std::iter::once(first).chain(files.iter().map(|file| stamp(file))).collect()
     };

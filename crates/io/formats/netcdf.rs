@@ -12,12 +12,10 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 
-/// True if a file begins as one of these.
 pub(super) fn is_netcdf(head: &[u8]) -> bool {
     matches!(head, [b'C', b'D', b'F', 1 | 2 | 5, ..])
 }
 
-/// An open file.
 pub(super) struct NetcdfFile {
     pub source: Arc<Source>,
     variables: HashMap<String, Variable>,
@@ -25,14 +23,13 @@ pub(super) struct NetcdfFile {
     record_len: u64,
 }
 
-/// A variable of a file.
 pub(super) struct Variable {
     /// Numbers along each axis; the first of a variable with records counts these.
     pub shape: Vec<u64>,
     number_type: NumberType,
     has_records: bool,
     begin: u64,
-    /// Attributes of text.
+    /// Attributes of text; others are passed over.
     attributes: Vec<(String, String)>,
 }
 
@@ -79,7 +76,6 @@ fn damaged(what: &str) -> Error {
 }
 
 impl NetcdfFile {
-    /// Reads the header.
     pub fn open(source: Arc<Source>) -> Result<NetcdfFile> {
         let mut header = Header { cursor: Cursor::new(&source), version: 1 };
         header.cursor.binary = Some(ByteOrder::Big);
@@ -108,12 +104,10 @@ impl NetcdfFile {
         Ok(NetcdfFile { source, variables, record_len })
     }
 
-    /// Names of all variables.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.variables.keys().map(String::as_str)
     }
 
-    /// The variable of that name, if there is one.
     pub fn variable(&self, name: &str) -> Option<&Variable> {
         self.variables.get(name)
     }
@@ -185,7 +179,6 @@ fn record_len(variables: &[(String, Variable)]) -> Option<u64> {
     }
 }
 
-/// The header as it is read.
 struct Header {
     cursor: Cursor,
     version: u8,

@@ -22,7 +22,6 @@ pub(super) enum NumberType {
 }
 
 impl NumberType {
-    /// Bits of one value.
     fn bits(self) -> u64 {
         TYPES[self as usize].1
     }
@@ -80,7 +79,6 @@ const TYPES: [(NumberType, u64, &str, &[&str]); 11] = [
     (NumberType::Bit, 1, "Bit", &["bit"]),
 ];
 
-/// Byte order of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ByteOrder {
     Little,
@@ -353,12 +351,10 @@ fn parse_float(text: &str) -> Option<f64> {
 /// Bytes of text that one task parses.
 const PART: usize = 1 << 18;
 
-/// The words of a text, in order.
 pub(super) fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     text.split(|b| b.is_ascii_whitespace()).filter(|word| !word.is_empty())
 }
 
-/// All numbers of a text.
 pub(super) fn numbers<T: Target>(number_type: NumberType, text: &[u8]) -> Result<Vec<T>> {
     let of_part = |part| words(part).map(|word| parse(number_type, word)).collect();
     let parts: Vec<Vec<T>> = all_or_first(parts(text).into_par_iter().map(of_part))?;

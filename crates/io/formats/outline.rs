@@ -22,7 +22,6 @@ pub struct Outline {
     pub notes: Vec<String>,
 }
 
-/// The outline of a table of contents.
 pub(super) fn outline(dataset: &Dataset) -> Outline {
     let belongs_to_cells = |array: &FileArray| {
         [GHOST_TYPE, GHOST_LEVELS].contains(&array.name.as_str())

@@ -27,7 +27,7 @@ use voltet_core::grid::{
 };
 use voltet_core::parallel::all_or_first;
 use voltet_core::progress::{Progress, refuse_beyond_memory};
-use voltet_core::{Error, Result, SharedSlice, counted};
+use voltet_core::{Error, Result, counted};
 use voltet_graph::MEAN_LAYERS;
 
 /// Size of a piece of a file.
@@ -79,7 +79,6 @@ impl PieceBorders {
     }
 }
 
-/// Sizes of all pieces.
 pub(super) fn sizes(dataset: &Dataset) -> Vec<PieceSize> {
     let size = |piece: &Piece| PieceSize { points: piece.point_count, cells: piece.cell_count };
     dataset.pieces.iter().map(size).collect()
@@ -185,7 +184,6 @@ fn shared_keys(own: NumberedKeys, share: &Share, progress: &dyn Progress) -> Res
 /// Keys of points of pieces, with the pieces' numbers.
 type NumberedKeys = Vec<(usize, PointKeys)>;
 
-/// The pieces of this process.
 struct OwnPieces<'a> {
     dataset: &'a Dataset,
     request: &'a Request,
@@ -243,7 +241,7 @@ impl OwnPieces<'_> {
                 false => {
                     let ids = piece.array(Association::Point, ids);
                     let ids = ids.map(|ids| ids.load(own.meter)).transpose()?;
-                    Ok(RawGrid { global_ids: ids, ..RawGrid::new(SharedSlice::default(), no_cells()) })
+                    Ok(RawGrid { global_ids: ids, ..RawGrid::default() })
                 }
             };
             let keys = self.with(numbered, read, |raw| {
@@ -255,12 +253,11 @@ impl OwnPieces<'_> {
         Ok(found)
     }
 
-    /// Keys of positions and values.
     fn keys_of_places(&mut self, pieces: &[NumberedPiece], share: &Share) -> Result<NumberedKeys> {
         let bare = request_of(self.request, Vec::new(), true);
         let mut own = Vec::new();
         for &numbered @ (index, piece) in pieces {
-            let read = |own: &Self| own.load(piece, no_cells(), &bare);
+            let read = |own: &Self| own.load(piece, Cells::default(), &bare);
             own.push(self.with(numbered, read, |raw| Ok((index, raw.block, extent::bounds(&raw.points))))?);
         }
         let mut boxes = vec![(0, None); self.dataset.pieces.len()];
@@ -278,7 +275,7 @@ impl OwnPieces<'_> {
         let wanted = request_of(request, names.map(|(name, _)| name.clone()).collect(), !with_scalar);
         let mut found = Vec::new();
         for &numbered @ (index, piece) in pieces.iter().filter(|piece| !others[piece.0].is_empty()) {
-            let read = |own: &Self| own.load(piece, no_cells(), &wanted);
+            let read = |own: &Self| own.load(piece, Cells::default(), &wanted);
             let keys = self.with(numbered, read, |raw| Ok(PointKeys::of_places(raw, &others[index])))?;
             found.push((index, keys));
         }
@@ -365,16 +362,11 @@ fn has_ghost_flags(piece: &Piece) -> bool {
     piece.arrays.iter().any(|array| [GHOST_TYPE, GHOST_LEVELS].contains(&array.stored.name.as_str()))
 }
 
-fn no_cells() -> Cells {
-    Cells::Tetrahedra(SharedSlice::default())
-}
-
 /// The request with these arrays on points and none on cells.
 fn request_of(request: &Request, point_arrays: Vec<String>, without_scalar: bool) -> Request {
     Request { without_scalar, point_arrays, cell_arrays: Vec::new(), ..request.clone() }
 }
 
-/// Reads some pieces and builds their grid.
 pub(super) fn read(
     dataset: &Dataset,
     request: &Request,
@@ -444,7 +436,6 @@ pub(super) fn read(
     grid::build_part(parts, &Options { without_tetrahedra: is_unsplit, ..request.options }, progress)
 }
 
-/// A piece of a part that is read.
 enum ReadPiece {
     /// It was kept.
     Whole(Box<RawGrid>),

@@ -22,7 +22,6 @@ use std::sync::Arc;
 use voltet_core::grid::Association;
 use voltet_core::{Error, Result, counted};
 
-/// The declaration.
 pub(super) const FORMAT: Format = Format { files: "a PLOT3D grid", matches, open, has_solution: true };
 
 /// True if a file is to be read as PLOT3D: its name says so or a solution was named with it.

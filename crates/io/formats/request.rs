@@ -129,7 +129,6 @@ impl std::fmt::Debug for SelectedArrays {
     }
 }
 
-/// A format of files.
 pub(super) struct Format {
     /// Name of the format's files in messages.
     pub files: &'static str,
@@ -158,14 +157,17 @@ pub enum Component {
 }
 
 impl Component {
-    /// Parses the suffix of `NAME:suffix` for an array of so many components, which may have names.
+    /// Parses the suffix of `NAME:suffix` for an array of so many components, which may have names. These may be written in other
+    /// capitals where only one fits and it has no other meaning.
     pub fn parse(name: &str, suffix: &str, component_count: usize, names: &[String]) -> Result<Component> {
         if let Some(index) = names.iter().position(|name| name == suffix) {
             return Ok(Component::Index(index));
         }
+        let mut alike = (0..names.len()).filter(|&index| names[index].eq_ignore_ascii_case(suffix));
         match suffix.parse::<usize>() {
             _ if suffix == "magnitude" => Ok(Component::Magnitude),
             Ok(index) if index < component_count => Ok(Component::Index(index)),
+            _ if alike.clone().count() == 1 => Ok(Component::Index(alike.next().unwrap_or_default())),
             _ => {
                 let names: String = names.iter().map(|name| format!("'{name}', ")).collect();
                 Err(Error::run(format!("the array '{name}' has no such component"))
@@ -176,7 +178,6 @@ impl Component {
     }
 }
 
-/// An array that a request means.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct ArraySelection {
     pub name: String,
@@ -360,5 +361,30 @@ pub fn shortened(texts: &[String]) -> String {
     match texts.len().saturating_sub(SHOWN) {
         0 => shown,
         more => format!("{shown} and {more} more"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_components_may_be_written_in_other_capitals() {
+        let names = |all: &str| all.split(' ').map(str::to_owned).collect::<Vec<_>>();
+        let of = |suffix: &str, all: &str| Component::parse("Y", suffix, 3, &names(all));
+        for (suffix, all, expected) in [
+            ("CO", "Co CO N2", Component::Index(1)),
+            ("y", "X Y Z", Component::Index(1)),
+            ("magnitude", "Magnitude O2 N2", Component::Magnitude),
+            ("magnitude", "O2 magnitude N2", Component::Index(1)),
+            ("Magnitude", "MAGNITUDE O2 N2", Component::Index(0)),
+            ("2", "O2 N2 CO", Component::Index(2)),
+        ] {
+            assert_eq!(of(suffix, all).unwrap(), expected, "{suffix} of {all}");
+        }
+        for (suffix, all) in [("co", "Co CO N2"), ("3", "O2 N2 CO"), ("o", "O2 N2 CO")] {
+            let error = of(suffix, all).unwrap_err().to_string();
+            assert!(error.contains("has no such component"), "{error}");
+        }
     }
 }

@@ -49,7 +49,6 @@ fn entries(source: &Source) -> Result<Vec<Entry>> {
     Ok(entries)
 }
 
-/// A step of a series.
 pub(super) struct SeriesStep {
     /// The file of its data.
     pub path: PathBuf,
@@ -57,7 +56,6 @@ pub(super) struct SeriesStep {
     pub times: Vec<f64>,
 }
 
-/// The step that a request means.
 pub(super) fn step(source: &Source, request: &Request) -> Result<SeriesStep> {
     let entries = entries(source)?;
     let times: Vec<f64> = entries.iter().map(|entry| entry.time).collect();
@@ -70,10 +68,7 @@ pub(super) fn step(source: &Source, request: &Request) -> Result<SeriesStep> {
 
 /// The files that a series names, of every step or of that asked for; none for other files.
 pub(super) fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf> {
-    let Ok(source) = Source::open(path) else { return Vec::new() };
-    if !source.head(HEAD).is_ok_and(|head| is_series(&head, path)) {
-        return Vec::new();
-    }
+    let Some(source) = Source::open_if(path, |head| is_series(head, path)) else { return Vec::new() };
     let Ok(entries) = entries(&source) else { return Vec::new() };
     let times: Vec<f64> = entries.iter().map(|entry| entry.time).collect();
     let step = request.and_then(|request| request.step_index(&times).ok());

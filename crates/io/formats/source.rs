@@ -48,6 +48,12 @@ pub fn existing_file(path: &Path) -> String {
 }
 
 impl Source {
+    /// A file whose first bytes are of a format; `None` for others and those that cannot be read.
+    pub fn open_if(path: &Path, matches: impl FnOnce(&[u8]) -> bool) -> Option<Arc<Source>> {
+        let source = Source::open(path).ok()?;
+        source.head(HEAD).is_ok_and(|head| matches(&head)).then_some(source)
+    }
+
     /// Opens a file; a folder or a missing file is an error that names the path.
     pub fn open(path: &Path) -> Result<Arc<Source>> {
         let failed = |what: &str, error: std::io::Error| Error::run(what).got(error).in_file(path);

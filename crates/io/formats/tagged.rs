@@ -24,7 +24,6 @@ pub(super) fn number_in_part(tag: u64) -> u64 {
     tag & ((1 << PART_SHIFT) - 1)
 }
 
-/// An element of a file.
 pub(super) struct TaggedElement<'a> {
     /// Its own number.
     pub tag: u64,
@@ -45,10 +44,8 @@ pub(super) type VisitValues<'a> = &'a mut dyn FnMut(u64, &[f64]) -> Result<()>;
 
 /// A mesh that is read in passes.
 pub(super) trait TaggedMesh: Send + Sync + 'static {
-    /// Hands out the nodes.
     fn each_node(&self, visit: VisitNode) -> Result<()>;
 
-    /// Number of the nodes.
     fn count_nodes(&self) -> Result<u64> {
         let mut count = 0;
         self.each_node(&mut |_, _| {

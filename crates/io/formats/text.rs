@@ -30,12 +30,10 @@ pub(super) fn is_space(byte: u8) -> bool {
     (byte == b' ') | (byte == b'\n') | (byte == b'\t') | (byte == b'\r') | (byte == b'\x0c')
 }
 
-/// True if a mark stands in the head of a file.
 pub(super) fn has_mark(head: &[u8], mark: &str) -> bool {
     head.windows(mark.len()).any(|window| window == mark.as_bytes())
 }
 
-/// Number of line ends.
 pub(super) fn line_ends(bytes: &[u8]) -> usize {
     let of_part = |part: &[u8]| part.iter().map(|&byte| u8::from(byte == b'\n')).sum::<u8>();
     bytes.chunks(255).map(|part| usize::from(of_part(part))).sum()
@@ -57,7 +55,6 @@ pub(super) fn next_word(bytes: &[u8], is_between: impl Fn(u8) -> bool) -> (&[u8]
     word.split_at(word.iter().position(|&byte| is_between(byte)).unwrap_or(word.len()))
 }
 
-/// A part of a file of text.
 #[derive(Clone)]
 pub(super) struct TextRange {
     source: Arc<Source>,
@@ -103,12 +100,10 @@ impl TextRange {
         TextRange { source: source.clone(), start: bytes.start, end: bytes.end.min(source.len()) }
     }
 
-    /// Number of bytes.
     pub fn len(&self) -> u64 {
         self.end.saturating_sub(self.start)
     }
 
-    /// Path of the file.
     pub fn path(&self) -> &Path {
         self.source.path()
     }
@@ -123,7 +118,6 @@ impl TextRange {
         TextRange { end: self.end.min(end), ..self.clone() }
     }
 
-    /// An error with the line of the end.
     pub fn locate_end(&self, error: Error) -> Error {
         self.locate(error, self.end)
     }
@@ -317,7 +311,6 @@ impl TextRange {
         Ok(has_enough)
     }
 
-    /// Number of words.
     pub fn word_count(&self) -> Result<u64> {
         let mut count = 0;
         let of_piece = |piece: &TextPiece| {

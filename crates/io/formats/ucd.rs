@@ -16,9 +16,8 @@ use std::path::Path;
 use std::sync::Arc;
 use voltet_core::grid::{Association, code};
 use voltet_core::reading::FileArray;
-use voltet_core::{Error, Result};
+use voltet_core::{Error, Result, counted};
 
-/// The declaration.
 pub(super) const FORMAT: Format =
     Format { files: "AVS UCD (.inp, .ucd) as text", matches, open, has_solution: false };
 
@@ -81,8 +80,10 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     }
     let [node_count, cell_count, of_nodes, of_cells, _] = counts;
     cursor.line()?;
-    let nodes = skip_lines(&mut cursor, node_count, "a node")?;
-    let cells = skip_lines(&mut cursor, cell_count, "a cell")?;
+    let is_row = |line: &[u8]| !is_blank(line);
+    let rows_of = |count: u64, what: &str| format!("{} of {what}", counted(count, "row"));
+    let nodes = cursor.skip_rows(node_count, is_row, &rows_of(node_count, "nodes"))?;
+    let cells = cursor.skip_rows(cell_count, is_row, &rows_of(cell_count, "cells"))?;
     let (mut arrays, mut heads, mut units) = (Vec::new(), Vec::new(), Vec::new());
     for (association, width, row_count) in
         [(Association::Point, of_nodes, node_count), (Association::Cell, of_cells, cell_count)]
@@ -94,7 +95,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
                 let error = cursor.error("the rows of values do not fit the file");
                 return Err(error.got(format_args!("{row_count} rows of {width} values")));
             }
-            let rows = skip_lines(&mut cursor, row_count, "a row of values")?;
+            let rows = cursor.skip_rows(row_count, is_row, &rows_of(row_count, "values"))?;
             let mut first = 0;
             for (head, unit) in found {
                 units.push(unit);
@@ -118,20 +119,6 @@ fn is_blank(line: &[u8]) -> bool {
     line.iter().all(|&byte| is_space(byte))
 }
 
-/// Passes over so many lines that have words.
-fn skip_lines(cursor: &mut Cursor, count: u64, what: &str) -> Result<TextRange> {
-    let start = cursor.clone();
-    let mut left = count;
-    while left > 0 {
-        let Some(line) = cursor.line()? else {
-            return Err(cursor.error("the file ends early").expected(what));
-        };
-        left -= u64::from(!is_blank(line));
-    }
-    Ok(start.range_to(cursor))
-}
-
-/// A cell of the file.
 struct UcdCell {
     tag: u64,
     material: i64,
@@ -140,7 +127,6 @@ struct UcdCell {
     node_count: usize,
 }
 
-/// Words of a line that are read one by one.
 struct LineWords<'a>(&'a [u8]);
 
 impl LineWords<'_> {

@@ -10,7 +10,6 @@ pub(super) type UnsupportedFormat = (&'static str, &'static str, fn(&FileStart) 
 /// First bytes of a file.
 pub(super) struct FileStart {
     bytes: Vec<u8>,
-    /// Its length.
     len: u64,
     /// The ending of its name, in small letters.
     ending: String,
@@ -164,7 +163,6 @@ pub(super) fn refuse_folder(path: &Path) -> Result<()> {
     }
 }
 
-/// Refuses a file of one of these formats.
 pub(super) fn refuse(source: &Source, formats: &[UnsupportedFormat]) -> Result<()> {
     let ending = source.path().extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let file = FileStart { bytes: source.head(HEAD)?, len: source.len(), ending };
@@ -250,7 +248,6 @@ impl FileStart {
         String::from_utf8_lossy(text).lines().any(is_one)
     }
 
-    /// True if some line begins with one of the words.
     fn has_line_with(&self, words: &[&str]) -> bool {
         self.has_line(|line| words.iter().any(|word| line.starts_with(word)))
     }

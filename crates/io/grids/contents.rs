@@ -25,9 +25,7 @@ pub(super) struct WrittenCells<'a> {
     pub types: Cow<'a, [u8]>,
     /// One more than cells, the first 0.
     pub offsets: Cow<'a, [u64]>,
-    /// Numbers of points.
     pub connectivity: Cow<'a, [u32]>,
-    /// Faces of the polyhedra.
     pub polyhedra: Cow<'a, [Polyhedron]>,
 }
 
@@ -185,7 +183,6 @@ impl<'a> Contents<'a> {
         self.point_arrays.iter().any(|array| array.name == name)
     }
 
-    /// The time that the values are of.
     pub(super) fn time(&self) -> Option<f64> {
         self.grid.origin.time.filter(|time| time.is_finite())
     }

@@ -17,7 +17,6 @@ const ALIGNMENT: u64 = 8;
 /// Bytes that a name may have: a message of a header, which holds it, has at most 65,535.
 const MAX_NAME_BYTES: usize = 60_000;
 
-/// A group.
 #[derive(Default)]
 pub(super) struct OutputGroup<'a> {
     attributes: Vec<Attribute>,
@@ -84,7 +83,6 @@ impl<'a> OutputGroup<'a> {
         self.attributes.push(Attribute::integers(name, values));
     }
 
-    /// Adds a group.
     pub fn group(&mut self, name: &str, group: OutputGroup<'a>) {
         self.members.push((name.to_owned(), Member::Group(group)));
     }
@@ -129,7 +127,6 @@ struct ObjectLayout<'g> {
     /// Places of the members of a group in the list of all.
     members: Vec<usize>,
     header_address: u64,
-    /// Address of the numbers of an array.
     array_address: u64,
 }
 
@@ -139,7 +136,6 @@ enum Object<'g> {
     Array(&'g OutputArray<'g>),
 }
 
-/// Writes the file with this root group.
 pub(super) fn write(root: &OutputGroup, out: &mut dyn Write) -> io::Result<()> {
     let mut objects = Vec::new();
     list(Object::Group(root), &mut objects);
@@ -205,7 +201,6 @@ fn superblock(root_address: u64, end: u64) -> Vec<u8> {
     with_checksum(bytes)
 }
 
-/// The header of an object.
 fn header(place: usize, objects: &[ObjectLayout]) -> Vec<u8> {
     let placed = &objects[place];
     let mut messages = Vec::new();

@@ -19,7 +19,6 @@ pub enum Precision {
     Double,
 }
 
-/// Type of written numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum WrittenType {
     U8,
@@ -30,7 +29,6 @@ pub(super) enum WrittenType {
 }
 
 impl WrittenType {
-    /// Bytes of a number.
     pub fn size(self) -> usize {
         match self {
             WrittenType::U8 => 1,
@@ -49,7 +47,6 @@ enum Source<'a> {
     Quantities(Cow<'a, [f64]>),
 }
 
-/// The numbers of an array.
 pub(super) struct Numbers<'a> {
     source: Source<'a>,
     pub number_type: WrittenType,
@@ -89,7 +86,6 @@ impl<'a> Numbers<'a> {
         Numbers { source: Source::Quantities(values), number_type }
     }
 
-    /// Count of all numbers.
     pub fn count(&self) -> usize {
         match &self.source {
             Source::Flags(numbers) => numbers.len(),
@@ -100,12 +96,10 @@ impl<'a> Numbers<'a> {
         }
     }
 
-    /// Bytes of all numbers.
     pub fn byte_count(&self) -> u64 {
         self.count() as u64 * self.number_type.size() as u64
     }
 
-    /// Appends the bytes of some of the numbers.
     pub fn append(&self, range: Range<usize>, bytes: &mut Vec<u8>) {
         use WrittenType::{F32, I32};
         match (&self.source, self.number_type) {

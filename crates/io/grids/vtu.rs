@@ -20,7 +20,6 @@ const LEVEL: Compression = Compression::new(6);
 /// Numbers that are put into base64 at a time.
 const PART: usize = 1 << 15;
 
-/// Writes the file.
 pub(super) fn write(contents: &Contents, is_compressed: bool, out: &mut dyn Write) -> io::Result<()> {
     // From 2.1 on the nodes of a Lagrange hexahedron's edges are in the order of today; 1.0 is the first with sizes of 64 bits.
     let has_new_order = contents
@@ -87,7 +86,6 @@ fn faces(polyhedra: &[Polyhedron], cell_count: usize) -> (Vec<i64>, Vec<i64>) {
     (faces, ends)
 }
 
-/// Writer of arrays.
 struct ArrayWriter<'a> {
     out: &'a mut dyn Write,
     is_compressed: bool,
@@ -161,7 +159,6 @@ impl ArrayWriter<'_> {
 /// Writer of bytes in base64.
 struct Base64<'a> {
     out: &'a mut dyn Write,
-    /// Bytes that are to be written.
     bytes: Vec<u8>,
     text: Vec<u8>,
 }

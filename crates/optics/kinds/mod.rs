@@ -29,7 +29,6 @@ pub(crate) struct Cutoff {
     pub level: f64,
 }
 
-/// Profile with its constants.
 #[derive(Debug, Clone)]
 pub(crate) enum CompiledProfile {
     Uniform,

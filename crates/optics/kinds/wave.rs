@@ -84,7 +84,6 @@ impl Bell {
         (v[0] - self.origin[0]) * self.step[0] + (v[1] - self.origin[1]) * self.step[1]
     }
 
-    /// The profile.
     #[inline]
     fn value(&self, spot: FlankPosition) -> f64 {
         self.mean_on_flank(spot, spot).max(0.0)

@@ -33,7 +33,6 @@ const SAME_SHARE: f64 = 1e-9;
 /// Most steps that a search takes: every third halves the bracket, so that fewer than 3 · log₂(1/[`SAME_SHARE`]) are enough.
 const MAX_STEPS: usize = 96;
 
-/// Numbers of a ray.
 struct RayLayers {
     /// z, internal units.
     depth: f64,

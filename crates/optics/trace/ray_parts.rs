@@ -11,7 +11,6 @@ pub(super) struct Event {
     pub kind: EventKind,
 }
 
-/// Kind of an event.
 pub(super) enum EventKind {
     /// Premultiplied colour and opacity.
     Surface([f64; 4]),
@@ -19,7 +18,6 @@ pub(super) enum EventKind {
     Show,
 }
 
-/// Part of a ray.
 pub(super) enum RayPart<'a> {
     /// A cell, or what events leave of it.
     Cell(&'a Crossing),

@@ -59,10 +59,8 @@ pub(crate) fn load(file: &PluginFile) -> Result<Vec<PluginItem>> {
 /// Longest time to load and to describe itself.
 const START_TIME_LIMIT: Duration = Duration::from_secs(20);
 
-/// Longest call of a filter.
 const CALL_TIME_LIMIT: Duration = Duration::from_secs(600);
 
-/// Longest check of parameters.
 const CHECK_TIME_LIMIT: Duration = Duration::from_secs(3);
 
 /// Runner of a module; the filters by their indices.

@@ -13,13 +13,11 @@ use wasmtime::{
     Store, StoreLimits, StoreLimitsBuilder, Table, Trap, TypedFunc, UpdateDeadline, WasmParams, WasmResults,
 };
 
-/// A compiled module.
 pub(super) struct Sandbox {
     engine: Engine,
     module: Module,
 }
 
-/// Data of one use of a module.
 pub(super) struct StoreData {
     state: Arc<State>,
     limits: StoreLimits,
@@ -58,7 +56,6 @@ const MAX_TABLE_ELEMENTS: usize = 1 << 20;
 const LINK_OPTIONS: &str = "--export-table --growable-table";
 
 impl Sandbox {
-    /// Compiles a module.
     pub fn new(bytes: &[u8]) -> CheckResult<Sandbox> {
         let mut config = Config::new();
         config.epoch_interruption(true);
@@ -122,7 +119,6 @@ impl RunningModule {
         Guest::new(self.memory, &self.store)
     }
 
-    /// The address of the entry.
     pub fn entry(&mut self) -> CheckResult<u32> {
         let entry = self.instance.get_global(&mut self.store, ENTRY);
         let entry = entry.ok_or_else(|| format!("it does not export the symbol '{ENTRY}'"))?;

@@ -204,7 +204,6 @@ impl<L: Lanes> Sums<L> {
     }
 }
 
-/// Adds a colour by its weight.
 #[inline(always)]
 fn add_color<L: Lanes>(sum: &mut [L::F; 4], weight: L::F, color: &[f32; 3]) {
     for c in 0..3 {

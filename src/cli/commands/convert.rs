@@ -74,7 +74,6 @@ pub fn convert(arguments: &Convert, registry: &Registry) -> Outcome {
     Ok(DONE)
 }
 
-/// A file to be written.
 struct Output {
     path: PathBuf,
     /// Number of its time step; `None` where the file is no series.
@@ -109,7 +108,6 @@ fn arrays_of_steps(
     outputs.iter().map(arrays).collect()
 }
 
-/// True if an array is not among others.
 fn is_new(among: &[FileArray], array: &FileArray) -> bool {
     !among.iter().any(|known| known.name == array.name && known.association == array.association)
 }
@@ -180,7 +178,6 @@ fn refuse_losses(arguments: &Convert, outputs: &[Output]) -> Result<()> {
     Ok(())
 }
 
-/// The pipeline that writes a file.
 fn pipeline(arguments: &Convert, request: &Request, arrays: &[&FileArray], output: &Output) -> String {
     let text = |text: &str| ParameterValue::Text(text.into()).to_string();
     let path = |path: &Path| text(&path.to_string_lossy());

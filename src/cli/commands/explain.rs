@@ -39,7 +39,6 @@ pub fn explain(arguments: &Explain, registry: &Registry) -> Outcome {
     Ok(DONE)
 }
 
-/// The plan in words.
 fn explained(document: &Document, plan: &Plan, unknown: &[usize], exhaustive: bool) -> String {
     let graph = &document.graph;
     let mut text = format!("{}", document.path.display());

@@ -56,7 +56,6 @@ pub(super) fn open_all(files: &Files, shorts: &[ShortOption], registry: &Registr
     (documents, worst)
 }
 
-/// Opens one file.
 pub(super) fn open(
     path: &Path,
     options: &[String],

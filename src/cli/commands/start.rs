@@ -425,7 +425,6 @@ fn shown_points(grid: &Grid, s: &[f64], g: &[f64], look: &[ProposedWidget]) -> V
     shown
 }
 
-/// One digit.
 fn one_digit(x: f64) -> f64 {
     format!("{x:.0e}").parse().unwrap_or(x)
 }

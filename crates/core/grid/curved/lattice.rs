@@ -13,7 +13,6 @@
 use crate::grid::cell_types::{CellType, code};
 use crate::grid::split;
 
-/// The reference cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum ReferenceCell {
     Tetrahedron,
@@ -174,7 +173,6 @@ pub(super) fn pieces(shape: ReferenceCell, m: Orders) -> Vec<LatticeCell> {
     out
 }
 
-/// Nodes of one type of cell.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Nodes {
     pub shape: ReferenceCell,

@@ -25,7 +25,6 @@ const MAX_PIECES: usize = 64;
 /// One point of a cell's lattice.
 #[derive(Debug, Clone)]
 enum LatticePoint {
-    /// A node of the cell.
     Node(usize),
     /// An added point: its number among the cell's added points.
     Added(usize),

@@ -181,7 +181,6 @@ pub(super) fn read(p: &Parameters, files: &dyn LoadFiles) -> Result<Vec<ControlP
     Ok(points)
 }
 
-/// The range that the parameter gives.
 pub(super) fn range(p: &Parameters) -> Result<[f64; 2]> {
     let [low, high]: [f64; 2] = p.vector("range")?;
     if low > high {

@@ -203,7 +203,6 @@ impl Profile {
         }
     }
 
-    /// Checks its numbers.
     pub(super) fn check(&self) -> Result<()> {
         match self {
             Profile::Uniform => Ok(()),

@@ -351,7 +351,6 @@ pub(super) fn kernel(p: &Parameters, n: usize, per_width: f64) -> Result<Vec<Vec
     Ok(rows)
 }
 
-/// Every one of the values is finite.
 pub(super) fn finite(what: &str, values: &[f64]) -> Result<()> {
     match values.iter().find(|v| !v.is_finite()) {
         None => Ok(()),

@@ -30,7 +30,6 @@ pub struct WidgetSampler {
     thresholds: Vec<f32>,
     /// The constant-emitter's glow per scene length; `None` for the density-emitter.
     glow: Option<f32>,
-    /// True if widgets read further fields.
     reads_fields: bool,
     /// True if a widget is skipped only with all others.
     together: bool,

@@ -168,7 +168,6 @@ impl LaneFields {
         held.then_some(fields)
     }
 
-    /// q at a point.
     #[inline(always)]
     pub fn point<L: Lanes>(&self, fields: &[L::F; MAX_FIELD_LANES]) -> [L::F; MAX_FIELD_LANES] {
         let splat = L::F::splat;

@@ -85,7 +85,6 @@ pub(crate) enum OrderRequirement {
     Bits64,
 }
 
-/// Traits of a widget that follow from its kind.
 pub(crate) struct KindTraits {
     /// Kernel tier that integrates it first.
     pub tier: KernelTier,
@@ -180,7 +179,6 @@ impl LaneWidget {
         }
     }
 
-    /// Traits that follow from the kind.
     #[inline]
     pub(super) fn traits(&self) -> KindTraits {
         use KernelTier as Tier;

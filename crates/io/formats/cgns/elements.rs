@@ -6,6 +6,7 @@
 
 use crate::formats::contents::{Meter, Stored};
 use crate::formats::lazy::{self, GatheredCells};
+use crate::formats::node_orders::{HEXAHEDRON, IN_ORDER, WEDGE};
 use std::sync::atomic::AtomicBool;
 use voltet_core::grid::{Cells, code};
 use voltet_core::{Error, Result, counted};
@@ -34,13 +35,6 @@ const fn volume(
     ElementType { number, name, dimension: 3, node_count, vtk, order }
 }
 
-const ORDER: &[u8; 14] = &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13];
-/// Nodes on the upright edges come before those of the upper face, in VTK after.
-const PENTA: &[u8; 18] = &[0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11, 15, 16, 17];
-/// Upright edges as above, and the centres of the faces in another order.
-const HEXA: &[u8; 27] =
-    &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 16, 17, 18, 19, 12, 13, 14, 15, 24, 22, 21, 23, 20, 25, 26];
-
 const TETRA_4: i64 = 10;
 const MIXED: i64 = 20;
 const NGON: i64 = 22;
@@ -57,18 +51,18 @@ const ELEMENTS: &[ElementType] = &[
     element(7, "QUAD_4", 2, 4),
     element(8, "QUAD_8", 2, 8),
     element(9, "QUAD_9", 2, 9),
-    volume(TETRA_4, "TETRA_4", 4, code::TETRA, ORDER.split_at(4).0),
-    volume(11, "TETRA_10", 10, code::QUADRATIC_TETRA, ORDER.split_at(10).0),
-    volume(12, "PYRA_5", 5, code::PYRAMID, ORDER.split_at(5).0),
+    volume(TETRA_4, "TETRA_4", 4, code::TETRA, IN_ORDER.split_at(4).0),
+    volume(11, "TETRA_10", 10, code::QUADRATIC_TETRA, IN_ORDER.split_at(10).0),
+    volume(12, "PYRA_5", 5, code::PYRAMID, IN_ORDER.split_at(5).0),
     // VTK has no pyramid with a node in its base alone.
-    volume(PYRA_14, "PYRA_14", 14, code::QUADRATIC_PYRAMID, ORDER.split_at(13).0),
-    volume(14, "PENTA_6", 6, code::WEDGE, ORDER.split_at(6).0),
-    volume(15, "PENTA_15", 15, code::QUADRATIC_WEDGE, PENTA.split_at(15).0),
-    volume(16, "PENTA_18", 18, code::BIQUADRATIC_QUADRATIC_WEDGE, PENTA),
-    volume(17, "HEXA_8", 8, code::HEXAHEDRON, ORDER.split_at(8).0),
-    volume(18, "HEXA_20", 20, code::QUADRATIC_HEXAHEDRON, HEXA.split_at(20).0),
-    volume(19, "HEXA_27", 27, code::TRIQUADRATIC_HEXAHEDRON, HEXA),
-    volume(21, "PYRA_13", 13, code::QUADRATIC_PYRAMID, ORDER.split_at(13).0),
+    volume(PYRA_14, "PYRA_14", 14, code::QUADRATIC_PYRAMID, IN_ORDER.split_at(13).0),
+    volume(14, "PENTA_6", 6, code::WEDGE, IN_ORDER.split_at(6).0),
+    volume(15, "PENTA_15", 15, code::QUADRATIC_WEDGE, WEDGE.split_at(15).0),
+    volume(16, "PENTA_18", 18, code::BIQUADRATIC_QUADRATIC_WEDGE, WEDGE),
+    volume(17, "HEXA_8", 8, code::HEXAHEDRON, IN_ORDER.split_at(8).0),
+    volume(18, "HEXA_20", 20, code::QUADRATIC_HEXAHEDRON, HEXAHEDRON.split_at(20).0),
+    volume(19, "HEXA_27", 27, code::TRIQUADRATIC_HEXAHEDRON, HEXAHEDRON),
+    volume(21, "PYRA_13", 13, code::QUADRATIC_PYRAMID, IN_ORDER.split_at(13).0),
     element(24, "BAR_4", 1, 4),
     element(25, "TRI_9", 2, 9),
     element(26, "TRI_10", 2, 10),
@@ -85,7 +79,6 @@ pub(super) fn of_version_3_0(kind: i64) -> i64 {
     }
 }
 
-/// A run of elements.
 pub(super) struct Section {
     /// Number of the element type.
     pub kind: i64,
@@ -168,7 +161,6 @@ fn known(section: &Section, kind: i64) -> Result<&'static ElementType> {
     })
 }
 
-/// Number of a point from that of a node.
 fn point(section: &Section, node: u32) -> Result<u32> {
     node.checked_sub(1).ok_or_else(|| section.wrong("a node number is wrong").got(0).expected("at least 1"))
 }

@@ -11,9 +11,11 @@ use super::contents::{
     CellBlocks, Dataset, Geometry, Piece, PieceArray, Stored, StoredCells, structured_counts,
 };
 use super::hdf5::{Array, Extent, Group};
-use super::request::{Request, list};
+use super::request::Request;
 use super::units;
+use super::vectors::joined;
 use elements::Section;
+use std::rc::Rc;
 use std::sync::Arc;
 use voltet_core::grid::Association;
 use voltet_core::{Error, Result};
@@ -24,7 +26,6 @@ pub(super) const ROOT: &str = "CGNSLibraryVersion";
 /// Characters of a name in an array of names.
 const NAME_LEN: usize = 32;
 
-/// A node of the tree.
 struct Node {
     name: String,
     label: String,
@@ -43,7 +44,6 @@ impl Node {
         self.group.groups()?.into_iter().filter(|group| group.name() != " link").map(Node::new).collect()
     }
 
-    /// The numbers or characters of the node.
     fn data(&self) -> Result<Array> {
         self.group.required_array(" data")
     }
@@ -66,9 +66,18 @@ fn labelled<'a>(nodes: &'a [Node], label: &str) -> Option<&'a Node> {
     nodes.iter().find(|node| node.label == label)
 }
 
-/// The first child of a name.
 fn named<'a>(nodes: &'a [Node], name: &str) -> Option<&'a Node> {
     nodes.iter().find(|node| node.name == name)
+}
+
+/// Context of the zones of a base.
+struct Base {
+    /// The step that is read, where the base has some.
+    step: Option<usize>,
+    has_volume: bool,
+    units: Units,
+    /// True in a file of the library 3.0, which numbered element types in another way.
+    is_3_0: bool,
 }
 
 /// Reads the table of contents.
@@ -83,27 +92,24 @@ pub(super) fn open(root: &Group, request: &Request) -> Result<Dataset> {
         let children = base.children()?;
         let step = step(&children, request, &mut dataset)?;
         let has_volume = base.numbers()?.first() == Some(&3);
-        let units = own_units(&children)?;
+        let context = Rc::new(Base { step, has_volume, units: own_units(&children)?, is_3_0 });
         for zone in children.into_iter().filter(|node| node.label == "Zone_t") {
             dataset.blocks.push(format!("{}/{}", base.name, zone.name));
-            zones.push((zone, step, has_volume, units.clone()));
+            zones.push((zone, context.clone()));
         }
     }
     let selected = blocks::selected(&dataset.blocks, request)?;
     let mut flat = Vec::new();
     let own = zones.iter().enumerate().filter(|(block, _)| selected[*block]);
-    for (block, (zone, step, has_volume, units)) in own {
-        if *has_volume {
-            let piece = piece(zone, *step, units, is_3_0, &mut dataset.warnings)?;
-            dataset.pieces.push(Piece { blocks: CellBlocks::One(block), ..piece });
+    for (block, (zone, base)) in own {
+        if base.has_volume {
+            let piece = piece(zone, base, &mut dataset.warnings)?;
+            dataset.pieces.push(piece.with_blocks(CellBlocks::One(block)));
         } else {
             flat.push(dataset.blocks[block].as_str());
         }
     }
-    if !flat.is_empty() {
-        let names = list(flat);
-        dataset.warnings.push(format!("Zones without cells of three dimensions are left out: {names}."));
-    }
+    dataset.warnings.extend(blocks::left_out("Zones without cells of three dimensions", flat));
     dataset.file_bytes = root.file_bytes();
     Ok(dataset)
 }
@@ -203,16 +209,9 @@ impl Sizes {
     }
 }
 
-/// The grid of a zone.
-fn piece(
-    zone: &Node,
-    step: Option<usize>,
-    units: &Units,
-    is_3_0: bool,
-    warnings: &mut Vec<String>,
-) -> Result<Piece> {
+fn piece(zone: &Node, base: &Base, warnings: &mut Vec<String>) -> Result<Piece> {
     let children = zone.children()?;
-    let units = units_there(&children, units)?;
+    let (step, units) = (base.step, units_there(&children, &base.units)?);
     let kind = labelled(&children, "ZoneType_t").map(Node::text).transpose()?;
     let is_structured = match kind.as_deref() {
         Some("Structured") => true,
@@ -235,7 +234,7 @@ fn piece(
         let (point_count, cell_count) = structured_counts(dimensions)?;
         (point_count, cell_count, Geometry::Curvilinear { dimensions, points })
     } else {
-        let sections = sections(&children, is_3_0)?;
+        let sections = sections(&children, base.is_3_0)?;
         let warning = "The node in the middle of the base of pyramids of 14 nodes (PYRA_14) is left out.";
         let has_larger = sections.iter().any(|section| section.kind == elements::PYRA_14);
         if has_larger && !warnings.iter().any(|known| known == warning) {
@@ -339,20 +338,7 @@ fn sections(zone: &[Node], is_3_0: bool) -> Result<Vec<Section>> {
     Ok(sections)
 }
 
-/// The name of the vector that a field is the first component of, and the names of the others: `VelocityX`, or as of some writers
-/// `momentum_x`, unless that stem is a field of its own.
-fn vector(name: &str, is_field: impl Fn(&str) -> bool) -> Option<(&str, [String; 2])> {
-    let upper = name.strip_suffix('X').map(|stem| (stem, ["Y", "Z"]));
-    let lower = || {
-        let stem = name.strip_suffix("_x").filter(|stem| !is_field(stem))?;
-        Some((stem, ["_y", "_z"]))
-    };
-    let (stem, others) = upper.or_else(lower).filter(|own| !own.0.is_empty())?;
-    let others = others.map(|axis| format!("{stem}{axis}"));
-    others.iter().all(|name| is_field(name)).then_some((stem, others))
-}
-
-/// Adds the arrays of a solution. Components that [`vector`] finds are one array.
+/// Adds the arrays of a solution.
 fn add_solution(
     solution: &Node,
     sizes: &Sizes,
@@ -376,46 +362,16 @@ fn add_solution(
     let units = units_there(&children, units)?;
     let rind = rind(&children, sizes.len())?;
     let fields: Vec<&Node> = children.iter().filter(|node| node.label == "DataArray_t").collect();
-    let field = |name: &str| fields.iter().find(|node| node.name == name);
-    let mut done = Vec::new();
-    for node in &fields {
-        if done.contains(&node.name) {
-            continue;
-        }
-        let others = vector(&node.name, |name| field(name).is_some())
-            .and_then(|(stem, [y, z])| Some((stem, field(&y)?, field(&z)?)));
-        let mut own = stored(node, sizes, &rind)?;
-        let mut component_names = Vec::new();
-        if let Some((stem, y, z)) = others {
-            own = Stored::joined(stem, [own, stored(y, sizes, &rind)?, stored(z, sizes, &rind)?]);
-            component_names = ["X", "Y", "Z"].map(str::to_owned).to_vec();
-            done.extend([y.name.clone(), z.name.clone()]);
-        }
+    let names: Vec<String> = fields.iter().map(|node| node.name.clone()).collect();
+    for array in joined(&names) {
+        let mut own = array.stored(|place| stored(fields[place], sizes, &rind))?;
         let is_taken = |array: &PieceArray| array.association == association && array.stored.name == own.name;
         if arrays.iter().any(is_taken) {
             own.name = format!("{}/{}", solution.name, own.name);
         }
-        let unit = unit(node, &units)?;
+        let unit = unit(fields[array.places[0]], &units)?;
+        let component_names = array.components;
         arrays.push(PieceArray { component_names, unit, ..PieceArray::new(association, own) });
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn components_are_joined_where_their_names_say_so() {
-        let stem = |names: &str| {
-            let names: Vec<&str> = names.split(' ').collect();
-            vector(names[0], |name| names.contains(&name)).map(|own| own.0.to_owned())
-        };
-        assert_eq!(stem("VelocityX VelocityY VelocityZ").as_deref(), Some("Velocity"));
-        assert_eq!(stem("Velocity_X Velocity_Y Velocity_Z").as_deref(), Some("Velocity_"));
-        assert_eq!(stem("u_x u_y u_z").as_deref(), Some("u"));
-        for others in ["u_x u_y u_z u", "fx fy fz", "u_x u_y", "X Y Z", "_x _y _z", "s"] {
-            assert_eq!(stem(others), None, "{others}");
-        }
-    }
 }

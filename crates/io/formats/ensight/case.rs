@@ -26,6 +26,7 @@ struct FileSet {
 }
 
 /// A file, or one for each step of a time set where its name has asterisks; with a file set, files of several steps.
+#[derive(Default)]
 pub(super) struct FilePattern {
     time_set: Option<u64>,
     file_set: Option<u64>,
@@ -50,7 +51,6 @@ pub(super) struct StepFile {
     pub start: OnceLock<Place>,
 }
 
-/// A variable of a case.
 pub(super) struct CaseVariable {
     pub name: String,
     pub association: Association,
@@ -58,7 +58,7 @@ pub(super) struct CaseVariable {
     pub pattern: FilePattern,
 }
 
-/// Contents of a case file.
+#[derive(Default)]
 pub(super) struct CaseFile {
     folder: PathBuf,
     pub geometry: FilePattern,
@@ -86,17 +86,9 @@ const KINDS: [(&str, Association, usize); 10] = [
 ];
 
 impl CaseFile {
-    /// Reads it.
     pub fn read(source: &Arc<Source>) -> Result<CaseFile> {
-        let mut case = CaseFile {
-            folder: source.path().parent().unwrap_or(Path::new("")).to_owned(),
-            geometry: FilePattern::new(&[], ""),
-            variables: Vec::new(),
-            left_out: Vec::new(),
-            time_sets: Vec::new(),
-            file_sets: Vec::new(),
-            is_of_files: false,
-        };
+        let folder = source.path().parent().unwrap_or(Path::new("")).to_owned();
+        let mut case = CaseFile { folder, ..CaseFile::default() };
         let mut cursor = Cursor::new(source);
         // Key of the line before, which a line of numbers alone goes on with.
         let mut last = String::new();
@@ -256,7 +248,6 @@ impl CaseFile {
 }
 
 impl TimeSet {
-    /// Number in the name of the file of a step.
     fn file_number(&self, step: usize) -> Result<u64> {
         let counted =
             (step as u64).checked_mul(self.increment).and_then(|steps| self.start.checked_add(steps));

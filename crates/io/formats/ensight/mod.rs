@@ -8,18 +8,17 @@ mod parts;
 
 use self::case::{CaseFile, StepFile};
 use self::parts::{BlockForm, GoldBlock, GoldGeometry, GoldPart};
-use super::blocks::selected;
+use super::blocks::{left_out, selected};
 use super::contents::{CellBlocks, Compute, Dataset, Encoding, Geometry, Piece, PieceArray, Stored};
 use super::lazy::geometry;
-use super::request::{Format, Request, list};
-use super::source::{HEAD, Source};
+use super::request::{Format, Request};
+use super::source::Source;
 use glam::{DMat3, DVec3};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::grid::Association;
 use voltet_core::{Error, Result, counted};
 
-/// The declaration.
 pub(super) const FORMAT: Format = Format {
     files: "a case of EnSight Gold (.case)",
     matches: |head, _, _| is_case(head),
@@ -59,14 +58,11 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
         ..Dataset::default()
     };
     let flat: Vec<String> = grid.parts.iter().filter(|part| part.is_flat()).map(name).collect();
-    if !flat.is_empty() {
-        let names = list(flat.iter().map(String::as_str));
-        dataset.warnings.push(format!("Parts without cells of three dimensions are left out: {names}."));
-    }
-    if !case.left_out.is_empty() {
-        let names = list(case.left_out.iter().map(String::as_str));
-        dataset.warnings.push(format!("Variables of complex numbers or of particles are left out: {names}."));
-    }
+    let mut warn = |what: &str, names: &[String]| {
+        dataset.warnings.extend(left_out(what, names.iter().map(String::as_str)));
+    };
+    warn("Parts without cells of three dimensions", &flat);
+    warn("Variables of complex numbers or of particles", &case.left_out);
     // Each file is looked through for the step once.
     let files = case.variables.iter().map(|variable| case.file(&variable.pattern, time).map(Arc::new));
     let files: Vec<Arc<StepFile>> = files.collect::<Result<_>>()?;
@@ -91,19 +87,12 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
             let component_names = names.iter().map(|name| (*name).to_owned()).collect();
             arrays.push(PieceArray { component_names, ..PieceArray::new(association, stored) });
         }
-        dataset.pieces.push(Piece {
-            point_count: counts[0],
-            cell_count: counts[1],
-            arrays,
-            geometry: part_geometry(&grid, place, &source)?,
-            blocks: CellBlocks::One(block),
-            is_old_order: false,
-        });
+        let geometry = part_geometry(&grid, place, &source)?;
+        dataset.pieces.push(Piece::new(counts, geometry, arrays).with_blocks(CellBlocks::One(block)));
     }
     Ok(dataset)
 }
 
-/// Points and cells of a part.
 fn part_geometry(grid: &Arc<GoldGeometry>, place: usize, source: &Arc<Source>) -> Result<Geometry> {
     let (part, of) = (&grid.parts[place], grid.clone());
     match part.block {
@@ -130,10 +119,7 @@ fn part_geometry(grid: &Arc<GoldGeometry>, place: usize, source: &Arc<Source>) -
 
 /// The files that a case names, of every step or of that asked for; none for other files.
 pub(super) fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf> {
-    let Ok(source) = Source::open(path) else { return Vec::new() };
-    if !source.head(HEAD).is_ok_and(|head| is_case(&head)) {
-        return Vec::new();
-    }
+    let Some(source) = Source::open_if(path, is_case) else { return Vec::new() };
     let Ok(case) = &CaseFile::read(&source) else { return Vec::new() };
     let times = case.times();
     let asked = request.filter(|_| !times.is_empty()).and_then(|request| request.step_index(&times).ok());

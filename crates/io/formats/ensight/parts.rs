@@ -40,11 +40,9 @@ pub(super) struct GoldElements {
     pub count: u64,
     /// Number of nodes, 0 for polyhedra and polygons, and type code of VTK, 0 for what is no volume.
     kind: (usize, u8),
-    /// Place of the connectivity.
     place: Place,
 }
 
-/// One part.
 pub(super) struct GoldPart {
     pub number: u64,
     pub name: String,
@@ -100,7 +98,6 @@ impl GoldPart {
     }
 }
 
-/// A file of geometry or of a variable.
 struct GoldFile {
     cursor: Cursor,
     source: Arc<Source>,
@@ -245,7 +242,6 @@ impl GoldFile {
     }
 }
 
-/// Geometry of a case at a time.
 pub(super) struct GoldGeometry {
     source: Arc<Source>,
     binary: Option<ByteOrder>,
@@ -253,7 +249,6 @@ pub(super) struct GoldGeometry {
 }
 
 impl GoldGeometry {
-    /// Finds the parts.
     pub fn open(file: &StepFile) -> Result<GoldGeometry> {
         GoldGeometry::of_file(file).map_err(|error| error.in_file(&file.path))
     }
@@ -471,7 +466,6 @@ impl GoldGeometry {
     }
 }
 
-/// Head of a part behind its name.
 fn part_head(file: &mut GoldFile, number: u64, name: String, has_ids: bool) -> Result<GoldPart> {
     let line = file.required("coordinates or block")?;
     let mut words = line.split_ascii_whitespace();

@@ -5,19 +5,19 @@
 
 use crate::formats::contents::{Meter, Stored};
 use crate::formats::lazy::{GatheredCells, tetrahedra};
+use crate::formats::node_orders::{HEXAHEDRON, IN_ORDER, WEDGE};
 use glam::DVec3;
 use rayon::prelude::*;
-use std::ops::Range;
 use voltet_core::grid::{CellSet, CellType, Cells, code};
 use voltet_core::progress::{Progress, refuse_beyond_memory};
 use voltet_core::reading::{GridHead, GridRead, OpenGrid};
 use voltet_core::{Error, Result, counted};
 
 /// A cell type: its code, and for each of its points the number of the element's node.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ElementShape {
     pub code: u8,
-    pub nodes: Vec<usize>,
+    pub nodes: &'static [u8],
 }
 
 /// VTK's codes of cells of fewer dimensions.
@@ -32,7 +32,6 @@ const QUADRATIC_QUAD: u8 = 23;
 const BIQUADRATIC_QUAD: u8 = 28;
 const BIQUADRATIC_TRIANGLE: u8 = 34;
 
-/// Elements of a block.
 #[derive(Clone)]
 pub(super) enum BlockKind {
     Shape(ElementShape),
@@ -67,22 +66,23 @@ impl BlockKind {
     }
 }
 
+/// In the middle, then below, above, left, right, in front, behind; VTK has that in the middle last, left first.
+const HEXAHEDRON_27: &[u8; 27] =
+    &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 16, 17, 18, 19, 12, 13, 14, 15, 23, 24, 25, 26, 21, 22, 20];
+
 /// The cell type of elements by their name in the file and the number of their nodes; `None`: no such is read.
 fn element_shape(name: &str, node_count: u64) -> Option<ElementShape> {
     let family = name.trim().to_ascii_uppercase().chars().take(3).collect::<String>();
-    let plain = |code: u8, count: usize| (code, (0..count).collect::<Vec<usize>>());
-    let parts = |code: u8, parts: &[Range<usize>]| (code, parts.iter().cloned().flatten().collect());
-    // Exodus has the edges of the middle before those of the upper face, VTK after them.
-    let (code, nodes): (u8, Vec<usize>) = match (family.as_str(), node_count) {
+    let plain = |code: u8, count: usize| (code, &IN_ORDER[..count]);
+    let (code, nodes): (u8, &[u8]) = match (family.as_str(), node_count) {
         ("HEX", 8 | 9) => plain(code::HEXAHEDRON, 8),
-        ("HEX", 20 | 21) => parts(code::QUADRATIC_HEXAHEDRON, &[0..12, 16..20, 12..16]),
-        // In the middle, then below, above, left, right, in front, behind; VTK has that in the middle last, left first.
-        ("HEX", 27) => parts(code::TRIQUADRATIC_HEXAHEDRON, &[0..12, 16..20, 12..16, 23..27, 21..23, 20..21]),
+        ("HEX", 20 | 21) => (code::QUADRATIC_HEXAHEDRON, &HEXAHEDRON[..20]),
+        ("HEX", 27) => (code::TRIQUADRATIC_HEXAHEDRON, HEXAHEDRON_27),
         ("TET", 4 | 5 | 8) => plain(code::TETRA, 4),
         ("TET", 10 | 11 | 14 | 15) => plain(code::QUADRATIC_TETRA, 10),
         ("WED" | "PRI", 6 | 7) => plain(code::WEDGE, 6),
-        ("WED" | "PRI", 15 | 16 | 20 | 21) => parts(code::QUADRATIC_WEDGE, &[0..9, 12..15, 9..12]),
-        ("WED" | "PRI", 18) => parts(code::BIQUADRATIC_QUADRATIC_WEDGE, &[0..9, 12..15, 9..12, 15..18]),
+        ("WED" | "PRI", 15 | 16 | 20 | 21) => (code::QUADRATIC_WEDGE, &WEDGE[..15]),
+        ("WED" | "PRI", 18) => (code::BIQUADRATIC_QUADRATIC_WEDGE, WEDGE),
         ("PYR", 5 | 6) => plain(code::PYRAMID, 5),
         ("PYR", 13 | 14 | 18 | 19) => plain(code::QUADRATIC_PYRAMID, 13),
         ("TRI" | "SHE", 3) | ("TRI", 4) => plain(TRIANGLE, 3),
@@ -197,7 +197,6 @@ impl Mesh {
         Ok(Cells::Mixed(cells))
     }
 
-    /// Nodes of all faces.
     fn read_faces(&self, point_count: usize, meter: &Meter) -> Result<Vec<Vec<u32>>> {
         let mut faces = Vec::new();
         for FaceBlock { counts, nodes } in &self.faces {
@@ -213,7 +212,6 @@ impl Mesh {
     }
 }
 
-/// Adds elements of one type.
 fn add_alike(
     ElementShape { code, nodes }: &ElementShape,
     connectivity: &Stored,
@@ -227,13 +225,13 @@ fn add_alike(
     cells.types.resize(cells.types.len() + count, *code);
     let begin = cells.connectivity.len() as u64;
     cells.offsets.par_extend((1..=count).into_par_iter().map(|i| begin + (i * nodes.len()) as u64));
-    let is_in_order = nodes.iter().copied().eq(0..connectivity.component_count);
+    let is_in_order = nodes.iter().map(|&node| usize::from(node)).eq(0..connectivity.component_count);
     match is_in_order {
         true if cells.connectivity.is_empty() => cells.connectivity = numbers,
         true => cells.connectivity.extend_from_slice(&numbers),
-        false => cells
-            .connectivity
-            .par_extend(elements.flat_map_iter(|element| nodes.iter().map(|&node| element[node]))),
+        false => cells.connectivity.par_extend(
+            elements.flat_map_iter(|element| nodes.iter().map(|&node| element[usize::from(node)])),
+        ),
     }
     Ok(())
 }

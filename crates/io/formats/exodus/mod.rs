@@ -11,11 +11,10 @@ use super::blocks;
 use super::contents::{CellBlocks, Dataset, ExternalFormat, Geometry, Meter, Piece, PieceArray, Stored};
 use super::hdf5;
 use super::netcdf;
-use super::numbers::NumberType;
 use super::request::{Format, Request, list};
 use super::source::Source;
 use super::units;
-use super::vectors;
+use super::vectors::{Joined, joined, joined_if};
 use cells::{BlockElements, BlockKind, FaceBlock, Mesh};
 use rayon::prelude::*;
 use std::collections::{BTreeSet, HashMap};
@@ -24,7 +23,7 @@ use std::sync::Arc;
 use variables::Variables;
 use voltet_core::grid::Association;
 use voltet_core::reading::GridHead;
-use voltet_core::{Error, Result, agreeing, counted};
+use voltet_core::{Error, Result, counted};
 
 /// The declaration of files in netCDF's own form; those in HDF5 are told by [`ROOT`].
 pub(super) const FORMAT: Format = Format {
@@ -116,7 +115,6 @@ fn open(source: &Arc<Source>, variables: Variables, request: &Request) -> Result
     dataset(files.into_iter().map(read).collect::<Result<_>>()?, request)
 }
 
-/// An element block of a file.
 struct ElementBlock {
     /// Its number in all files of a mesh.
     id: i64,
@@ -126,7 +124,6 @@ struct ElementBlock {
     node_count: u64,
 }
 
-/// Table of contents of one file.
 struct ProcessFile {
     variables: Arc<Variables>,
     node_count: u64,
@@ -194,7 +191,6 @@ fn element_blocks(variables: &Variables) -> Result<Vec<ElementBlock>> {
     (0..count).map(block).collect()
 }
 
-/// The face blocks of a file.
 fn face_blocks(variables: &Variables) -> Result<Vec<FaceBlock>> {
     let blocks = 1..=variables.greatest_of("fbconn").min(MAX_BLOCKS);
     let block = |number: usize| {
@@ -254,12 +250,8 @@ fn dataset(parts: Vec<ProcessFile>, request: &Request) -> Result<Dataset> {
         dataset.file_bytes += part.variables.source().len();
     }
     let IncompleteBlocks { unread, with_more_nodes } = incomplete;
-    if !unread.is_empty() {
-        let (blocks, are) =
-            (agreeing(&unread.len(), "A block", "Blocks"), agreeing(&unread.len(), "is", "are"));
-        let names = list(unread.iter().map(String::as_str));
-        dataset.warnings.push(format!("{blocks} of elements that are not read {are} left out: {names}."));
-    }
+    let unread = unread.iter().map(String::as_str);
+    dataset.warnings.extend(blocks::blocks_left_out("of elements that are not read", unread));
     if !with_more_nodes.is_empty() {
         let names = list(with_more_nodes.iter().map(String::as_str));
         let what = "Nodes in faces and in the middle of elements, which VTK's cells lack, are left out";
@@ -373,7 +365,7 @@ impl Selection<'_> {
             };
             Ok(match &own.kind {
                 BlockKind::Shape(shape) => BlockElements::Alike {
-                    shape: shape.clone(),
+                    shape: *shape,
                     connectivity: part("connect", own.block.node_count)?,
                 },
                 BlockKind::Polygons => BlockElements::Polygons {
@@ -424,24 +416,14 @@ impl Selection<'_> {
                     .at_item(name)),
             }
         };
-        for vectors::Joined { name, places, components } in vectors::joined(&self.part.of_nodes) {
-            let stated = match places.first().filter(|_| !is_one) {
+        for array in joined(&self.part.of_nodes) {
+            let stated = match array.places.first().filter(|_| !is_one) {
                 Some(place) => variables.attribute(&format!("vals_nod_var{}", place + 1), "units")?,
                 None => None,
             };
-            let parts: Vec<Stored> = places.into_iter().map(of_node).collect::<Result<_>>()?;
-            let number_type = parts.first().map_or(NumberType::F64, |part| part.number_type);
-            // A vector, or one variable by itself.
-            let stored = match <[Stored; 3]>::try_from(parts) {
-                Ok(axes) => vec![Stored { number_type, ..Stored::joined(&name, axes) }],
-                Err(parts) => parts,
-            };
             let unit = stated.and_then(|text| units::stated(&text));
-            arrays.extend(stored.into_iter().map(|stored| PieceArray {
-                component_names: components.clone(),
-                unit: unit.clone(),
-                ..PieceArray::new(Association::Point, stored)
-            }));
+            let own = PieceArray::new(Association::Point, array.stored(of_node)?);
+            arrays.push(PieceArray { component_names: array.components, unit, ..own });
         }
         Ok(arrays)
     }
@@ -451,15 +433,20 @@ impl Selection<'_> {
         let variables = &self.part.variables;
         let Some(step) = self.step else { return Vec::new() };
         let mut arrays = Vec::new();
-        for vectors::Joined { name, places, components } in vectors::joined(&self.part.of_elements) {
-            let variable =
-                |own: &ReadBlock, place: usize| format!("vals_elem_var{}eb{}", place + 1, own.place + 1);
-            let is_there = |own: &ReadBlock| places.iter().all(|&place| variables.has(&variable(own, place)));
+        let variable = |block: usize, place: usize| format!("vals_elem_var{}eb{}", place + 1, block + 1);
+        let has = |block: usize, place: usize| variables.has(&variable(block, place));
+        // A block that has some components alone would lose them in a vector.
+        let all_or_none = |places: &[usize; 3]| {
+            (0..self.part.blocks.len())
+                .all(|block| places.iter().all(|&place| has(block, place) == has(block, places[0])))
+        };
+        for Joined { name, places, components } in joined_if(&self.part.of_elements, all_or_none) {
+            let is_there = |own: &ReadBlock| places.iter().all(|&place| has(own.place, place));
             let blocks: Vec<(u64, Option<Vec<String>>)> = read
                 .iter()
                 .map(|own| {
-                    let names =
-                        is_there(own).then(|| places.iter().map(|&place| variable(own, place)).collect());
+                    let names = is_there(own)
+                        .then(|| places.iter().map(|&place| variable(own.place, place)).collect());
                     (own.block.element_count, names)
                 })
                 .collect();

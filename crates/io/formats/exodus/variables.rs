@@ -10,7 +10,6 @@ use std::sync::Arc;
 use voltet_core::progress::NoProgress;
 use voltet_core::{Error, Result};
 
-/// An open file.
 pub(super) enum Variables {
     Classic(netcdf::NetcdfFile),
     Hdf5 { root: hdf5::Group, names: HashSet<String> },
@@ -44,7 +43,6 @@ impl Variables {
         }
     }
 
-    /// True if there is a variable of that name.
     pub fn has(&self, name: &str) -> bool {
         match self {
             Variables::Classic(file) => file.variable(name).is_some(),
@@ -73,7 +71,6 @@ impl Variables {
         })
     }
 
-    /// An attribute of text of a variable.
     pub fn attribute(&self, variable: &str, name: &str) -> Result<Option<String>> {
         Ok(match self {
             Variables::Classic(file) => {

@@ -8,7 +8,6 @@ use std::path::PathBuf;
 use voltet_core::grid::{Cells, code};
 use voltet_core::{Error, Result};
 
-/// Files of a mesh.
 #[derive(Clone)]
 pub(super) struct MeshPaths {
     pub points: PathBuf,
@@ -33,7 +32,6 @@ pub(super) struct FaceOwners {
 }
 
 impl FaceOwners {
-    /// Reads them.
     pub fn read(mesh: &MeshPaths) -> Result<FaceOwners> {
         let owner: Vec<u32> = FoamFile::read(&mesh.owner, mesh.part.as_ref(), FoamFile::labels)?;
         let neighbour = neighbours(mesh)?;
@@ -67,7 +65,6 @@ fn neighbours(mesh: &MeshPaths) -> Result<Vec<u32>> {
     }
 }
 
-/// Faces with their cells.
 pub(super) struct FaceCells {
     points: Vec<u32>,
     ends: Vec<u32>,
@@ -77,7 +74,6 @@ pub(super) struct FaceCells {
 }
 
 impl FaceCells {
-    /// Reads them.
     pub fn read(mesh: &MeshPaths) -> Result<FaceCells> {
         let (points, ends) = FoamFile::read(&mesh.faces, mesh.part.as_ref(), FoamFile::faces)?;
         let FaceOwners { owner, neighbour, cell_count } = FaceOwners::read(mesh)?;
@@ -90,7 +86,6 @@ impl FaceCells {
         Ok(FaceCells { points, ends, owner, neighbour, cell_count })
     }
 
-    /// Points of a face.
     fn face(&self, face: usize) -> &[u32] {
         let begin = if face == 0 { 0 } else { self.ends[face - 1] as usize };
         &self.points[begin..self.ends[face] as usize]
@@ -251,7 +246,6 @@ fn tetrahedron(faces: [&[u32; 3]; 4], is_outward: bool) -> Option<[u32; 4]> {
 /// Cells that one task makes.
 const PART: usize = 1 << 12;
 
-/// Zones of the cells of a mesh.
 #[derive(Default)]
 pub(super) struct CellZones {
     /// Names in the order of the file.
@@ -327,7 +321,6 @@ impl CellSelection {
         !blocks.into_iter().any(|&block| self.is_selected.get(block) == Some(&false))
     }
 
-    /// Number of selected cells.
     pub fn count(&self, cell_count: u64) -> u64 {
         if self.is_all() {
             return cell_count;
@@ -347,7 +340,6 @@ fn outward((points, is_outward): Side) -> Vec<u32> {
     if is_outward { points.to_vec() } else { points.iter().rev().copied().collect() }
 }
 
-/// At most eight corners of a cell.
 struct CellCorners([u32; 8], usize);
 
 impl CellCorners {

@@ -4,7 +4,6 @@ use super::file::{FieldValues, FoamFile};
 use super::patterns::Pattern;
 use voltet_core::Result;
 
-/// A patch of a mesh.
 #[derive(Default)]
 pub(super) struct MeshPatch {
     pub name: String,
@@ -33,7 +32,6 @@ pub(super) struct PatchEntry {
     pub values: Option<PatchValues>,
 }
 
-/// Values of a field on a patch.
 pub(super) enum PatchValues {
     /// One tuple for all faces.
     Uniform(Vec<f64>),
@@ -54,7 +52,6 @@ const LIST_TYPES: [(&str, u64, bool); 6] = [
 ];
 
 impl FoamFile {
-    /// The patches of a mesh.
     pub fn patches(&mut self) -> Result<Vec<MeshPatch>> {
         let (count, _) = self.list_head()?;
         let mut patches = Vec::new();

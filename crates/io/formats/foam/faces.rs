@@ -67,7 +67,6 @@ impl FoamFile {
         Ok((points, ends))
     }
 
-    /// Adds the points of a face.
     fn face(&mut self, points: &mut Vec<u32>) -> Result<()> {
         let (count, is_uniform) = self.list_head()?;
         if is_uniform {
@@ -84,7 +83,6 @@ impl FoamFile {
     }
 }
 
-/// Faces of a piece of text.
 struct PlainFaces {
     /// Place in the file.
     start: u64,

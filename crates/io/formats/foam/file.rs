@@ -53,7 +53,6 @@ pub(super) struct CollatedPart {
 /// Places of all parts of the files that were looked at.
 pub(super) type KnownParts = Mutex<HashMap<PathBuf, KnownFile>>;
 
-/// The parts of a file.
 #[derive(Clone)]
 pub(super) struct KnownFile {
     pub parts: Arc<Vec<Range<u64>>>,
@@ -313,7 +312,6 @@ impl FoamFile {
         numbers::parse(number_type, word).map_err(|error| error.at_line(self.cursor.line_number()))
     }
 
-    /// A list of labels.
     pub fn labels<T: Target>(&mut self) -> Result<Vec<T>> {
         let (count, is_uniform) = self.list_head()?;
         if is_uniform {
@@ -338,7 +336,6 @@ impl FoamFile {
         self.numbers(self.scalar, count)
     }
 
-    /// Names of zones with their cells.
     pub fn zones(&mut self) -> Result<Vec<(String, Vec<u32>)>> {
         let (count, _) = self.list_head()?;
         let mut zones = Vec::new();

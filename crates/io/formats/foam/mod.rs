@@ -293,7 +293,6 @@ impl CaseMeshes {
         Ok(CaseMeshes { meshes, blocks, is_selected, warning })
     }
 
-    /// True if a mesh of the region is read.
     fn reads(&self, region: usize) -> bool {
         let mut own = self.meshes.iter().filter(|mesh| mesh.1 == region);
         own.any(|mesh| mesh.3.is_empty() || self.is_selected[mesh.3.clone()].contains(&true))
@@ -361,7 +360,6 @@ const NO_ZONE: &str = "no zone";
 /// Name of the block of a case's own mesh beside those of regions.
 const OWN_REGION: &str = "region0";
 
-/// Name of the block of a zone in a region.
 fn in_region(region: &str, zone: &str) -> String {
     if region.is_empty() { zone.to_owned() } else { format!("{region}/{zone}") }
 }

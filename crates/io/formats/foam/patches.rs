@@ -15,7 +15,6 @@ use voltet_core::{Error, Result};
 /// Kinds of patches that are no boundary, by the beginning of their names.
 const INNER: [&str; 5] = ["processor", "cyclic", "nonConformal", "empty", "wedge"];
 
-/// Faces at the boundary.
 struct BoundaryFaces {
     /// Number of the first in the mesh.
     first: usize,
@@ -37,7 +36,6 @@ impl MeshBoundary {
         Some(Arc::new(MeshBoundary { path, faces: Mutex::default() }))
     }
 
-    /// Keeps the faces at the boundary.
     pub fn keep(&self, faces: &FaceCells) {
         let (first, points, ends, owners) = faces.at_boundary();
         let own = BoundaryFaces { first, points, ends, owners };

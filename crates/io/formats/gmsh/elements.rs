@@ -10,7 +10,6 @@ use std::collections::HashMap;
 use voltet_core::grid::code;
 use voltet_core::{Error, Result};
 
-/// A type of volume elements.
 pub(super) struct GmshElement {
     /// Number of the type.
     pub number: u64,
@@ -69,7 +68,6 @@ pub(super) struct ElementRun<'a> {
 }
 
 impl ElementRun<'_> {
-    /// Number of the elements.
     pub fn count(&self) -> usize {
         self.rows.len() / (1 + self.node_count)
     }
@@ -110,7 +108,7 @@ pub(super) fn entity_head(cursor: &mut Cursor, is_4_0: bool) -> Result<(i64, i64
     Ok(if is_4_0 { (second, first) } else { (first, second) })
 }
 
-/// The type with this number, and how many nodes it has.
+/// The type with this number, `None` for one without volume, and its number of nodes.
 fn element_type(number: u64) -> Result<(Option<&'static GmshElement>, usize)> {
     if let Some(volume) = VOLUMES.iter().find(|volume| volume.number == number) {
         let count = if number == 14 { 14 } else { volume.order.len() };
@@ -339,7 +337,6 @@ fn whole(number: i64) -> std::result::Result<u64, String> {
     u64::try_from(number).map_err(|_| format!("a number of an element is negative, {number}"))
 }
 
-/// Adds the tags of an element and of its nodes.
 fn add_row(tag: i64, nodes: &[i64], to: &mut Vec<u64>) -> std::result::Result<(), String> {
     to.push(whole(tag)?);
     nodes.iter().try_for_each(|&node| whole(node).map(|node| to.push(node)))

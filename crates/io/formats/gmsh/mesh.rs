@@ -14,7 +14,6 @@ use voltet_core::grid::{CellSet, Cells, code};
 use voltet_core::parallel::all_or_first;
 use voltet_core::{Error, Result};
 
-/// A part of the file.
 #[derive(Clone, Default)]
 pub(super) struct MeshSection {
     pub start: u64,
@@ -22,7 +21,6 @@ pub(super) struct MeshSection {
     pub line: usize,
 }
 
-/// Table of contents of a file.
 pub(super) struct MeshFile {
     pub source: Arc<Source>,
     pub version: f64,
@@ -71,7 +69,6 @@ impl Volumes {
         Volumes { connectivity, tags, kinds: Vec::new(), blocks: Vec::new() }
     }
 
-    /// Adds elements of a block.
     fn add(&mut self, run: &ElementRun, block: usize, nodes: &Tags) -> Result<()> {
         let (first, corner) = self.kinds.last().map_or((0, 0), |&(_, end, corner_end)| (end, corner_end));
         let end = first + run.count();
@@ -116,7 +113,6 @@ impl Volumes {
         }
     }
 
-    /// All cells.
     fn into_set(self) -> CellSet {
         let (mut types, mut offsets, mut corner) = (Vec::new(), vec![0], 0);
         for (kind, end, corner_end) in self.kinds {
@@ -171,7 +167,6 @@ impl MeshFile {
         format!("Gmsh {}, {encoding}", self.version)
     }
 
-    /// Number of nodes.
     pub fn node_count(&self) -> Result<u64> {
         let mut cursor = self.cursor(&self.nodes, self.version >= 4.0);
         if self.version >= 4.0 {
@@ -261,7 +256,6 @@ impl MeshFile {
         Ok(volumes)
     }
 
-    /// Points and cells.
     pub fn read_geometry(&self) -> Result<(Vec<DVec3>, Cells)> {
         let points = self.read_nodes()?;
         let cells = self.read_volumes()?;
@@ -300,7 +294,6 @@ fn number_corners(run: &ElementRun, nodes: &Tags, corners: &mut [u32], tags: &mu
     all_or_first(parts).map(drop)
 }
 
-/// Tags and positions of nodes.
 #[derive(Default)]
 struct Nodes {
     tags: Vec<u64>,

@@ -33,7 +33,6 @@ const FIRST_NODES: &str = "$NOD";
 /// The mark of UTF-8 at the head of a file.
 const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
-/// The declaration.
 pub(super) const FORMAT: Format = Format {
     files: "a mesh of Gmsh (.msh)",
     matches: |head, _, _| {
@@ -191,7 +190,6 @@ fn skip_rows(cursor: &mut Cursor, file: &MeshFile, name: &str, mark: &[u8]) -> R
     Ok(())
 }
 
-/// Numbers of physical groups and their names.
 type GroupNames = Vec<(i64, String)>;
 
 /// Physical groups of volumes and their names; how often a number stands without a dimension: the group may be of something else.

@@ -31,7 +31,6 @@ struct CellList {
 }
 
 impl LegacyGeometry {
-    /// Reads what follows a keyword.
     pub fn read(&mut self, keyword: &str, scanner: &mut Scanner) -> Result<()> {
         match keyword {
             "POINTS" => {
@@ -74,7 +73,6 @@ impl LegacyGeometry {
         Ok(())
     }
 
-    /// Numbers of points and cells.
     pub fn counts(&self, kind: &str, scanner: &Scanner) -> Result<(u64, u64)> {
         let point_count = self.points.as_ref().and_then(|points| points.tuple_count).unwrap_or(0);
         if kind == "UNSTRUCTURED_GRID" {

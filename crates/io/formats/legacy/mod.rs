@@ -26,7 +26,6 @@ const MAGIC: &str = "# vtk DataFile Version";
 /// The kinds of data sets with a volume.
 const KINDS: [&str; 4] = ["UNSTRUCTURED_GRID", "STRUCTURED_GRID", "RECTILINEAR_GRID", "STRUCTURED_POINTS"];
 
-/// The declaration.
 pub(super) const FORMAT: Format = Format {
     files: "a legacy VTK file (.vtk)",
     matches: |head, _, _| head.starts_with(MAGIC.as_bytes()),

@@ -43,14 +43,12 @@ impl Scanner {
         self.word()?.ok_or_else(|| self.error("the file ends early").expected(what))
     }
 
-    /// The next word as a number.
     pub fn number<T: std::str::FromStr>(&mut self, what: &str) -> Result<T> {
         let word = self.required(what)?;
         word.parse()
             .map_err(|_| self.error("a number is damaged").got(format_args!("'{word}'")).expected(what))
     }
 
-    /// The next words as numbers.
     pub fn numbers<T: std::str::FromStr + Copy + Default, const N: usize>(
         &mut self,
         what: &str,
@@ -105,7 +103,6 @@ impl Scanner {
         })
     }
 
-    /// The type of colours.
     pub fn color_type(&self) -> NumberType {
         if self.is_binary() { NumberType::U8 } else { NumberType::F32 }
     }

@@ -2,17 +2,14 @@
 
 use super::shapes::{MfemShape, SHAPES};
 
-/// Elements of a mesh.
 #[derive(Default)]
 pub(super) struct MfemElements {
-    /// Numbers of their types.
     pub types: Vec<u8>,
     pub attributes: Vec<i32>,
     /// Vertices of all, from 0.
     pub vertices: Vec<u32>,
 }
 
-/// One element.
 pub(super) struct MfemElement<'a> {
     /// Number of its type.
     pub number: usize,
@@ -23,7 +20,6 @@ pub(super) struct MfemElement<'a> {
 }
 
 impl MfemElements {
-    /// The elements in the order of the file.
     pub fn iter(&self) -> impl Iterator<Item = MfemElement<'_>> {
         self.types.iter().scan(0, |end, &own| {
             let (number, begin) = (usize::from(own), *end);

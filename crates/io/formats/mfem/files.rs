@@ -12,7 +12,6 @@ use voltet_core::{Error, Result, counted};
 /// Ending of root files.
 const ROOT: &str = "mfem_root";
 
-/// True for the name of a root file.
 pub(super) fn is_root(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(ROOT))
 }
@@ -28,9 +27,7 @@ pub(super) enum FieldReason {
     BesideMesh,
 }
 
-/// Files of a result.
 pub(super) struct MfemFiles {
-    /// The mesh of each process.
     pub meshes: Vec<PathBuf>,
     /// Names of fields, and the file of each process.
     pub fields: Vec<(String, Vec<PathBuf>)>,

@@ -37,7 +37,6 @@ pub(super) struct MfemMesh {
     /// Vertices that elements name, ascending, where there are others, which do not count.
     named: Option<Vec<u32>>,
     pub coordinates: Coordinates,
-    /// Named sets of attributes.
     pub sets: Vec<(String, Vec<i32>)>,
 }
 
@@ -118,7 +117,6 @@ impl MfemMesh {
         Ok(())
     }
 
-    /// The nodes of the order that fields have.
     pub fn nodes(&self, order: u32) -> Result<MfemNodes> {
         MfemNodes::new(&self.elements, self.vertex_count, order).map_err(|error| error.in_file(&self.path))
     }
@@ -200,7 +198,6 @@ fn rows(
     Ok(count)
 }
 
-/// Sets of attributes by their names.
 fn attribute_sets(cursor: &mut Cursor, word: &str) -> Result<Vec<(String, Vec<i32>)>> {
     keyword(cursor, word)?;
     let count: u64 = cursor.number(NumberType::U64, "the number of sets")?;

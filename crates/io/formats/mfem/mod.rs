@@ -25,7 +25,7 @@ use super::cursor::Cursor;
 use super::lazy::{GatheredCells, geometry};
 use super::numbers::NumberType;
 use super::request::{Format, Request};
-use super::source::{HEAD, Source};
+use super::source::Source;
 use super::unsupported;
 use super::xml::open_named;
 use glam::DVec3;
@@ -36,7 +36,6 @@ use voltet_core::grid::{Association, Cells};
 use voltet_core::reading::FileArray;
 use voltet_core::{Error, Result, counted};
 
-/// The declaration.
 pub(super) const FORMAT: Format =
     Format { files: "a mesh of MFEM (.mesh, .mfem_root)", matches, open, has_solution: true };
 
@@ -59,7 +58,6 @@ struct MfemPart {
 }
 
 impl MfemPart {
-    /// Names and spaces of the nodes and of the fields.
     fn spaces(&self) -> Vec<(String, FieldSpace)> {
         let nodes = match &self.mesh.coordinates {
             Coordinates::OfNodes(nodes) => Some((nodes.name.clone(), nodes.space)),
@@ -309,10 +307,7 @@ fn piece(part: MfemPart, attributes: &[i32], is_selected: &[bool], order: u32) -
 
 /// The files that reading a path opens besides; none for other formats.
 pub(super) fn files_named(path: &Path, request: &Request) -> Vec<PathBuf> {
-    let Ok(source) = Source::open(path) else { return Vec::new() };
-    if !source.head(HEAD).is_ok_and(|head| matches(&head, path, request)) {
-        return Vec::new();
-    }
+    let Some(source) = Source::open_if(path, |head| matches(head, path, request)) else { return Vec::new() };
     let Ok(files) = MfemFiles::of_source(&source, request) else { return Vec::new() };
     let fields = files.fields.into_iter().flat_map(|field| field.1);
     let named = files.meshes.into_iter().chain(fields);

@@ -24,7 +24,6 @@ pub(super) struct MfemNodes {
 /// A face of four vertices.
 pub(super) struct Quadrilateral {
     pub vertices: [u32; 4],
-    /// Numbers of its edges.
     pub edges: [u32; 4],
     /// Number of the triangles that appear before it.
     pub triangles_before: usize,
@@ -114,7 +113,6 @@ impl MfemNodes {
         Ok(nodes)
     }
 
-    /// Number of nodes.
     pub fn len(&self) -> usize {
         self.vertex_count + self.edges.len() + self.quadrilaterals.len() + self.middles.len()
     }

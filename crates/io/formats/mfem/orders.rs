@@ -18,7 +18,6 @@ pub(super) struct ContinuousLayout<'a> {
     weights: Vec<f64>,
     /// First value within each element with a node in the middle.
     middles: Vec<usize>,
-    /// Number of values.
     pub count: usize,
 }
 

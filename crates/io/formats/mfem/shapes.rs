@@ -5,7 +5,6 @@
 
 use voltet_core::grid::code;
 
-/// A type of elements.
 pub(super) struct MfemShape {
     pub dimension: u64,
     pub vertex_count: usize,

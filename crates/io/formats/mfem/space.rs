@@ -122,7 +122,6 @@ pub(super) struct GridFunction {
     pub name: String,
     path: PathBuf,
     pub space: FieldSpace,
-    /// Name of the space.
     pub collection: String,
     pub component_count: usize,
     /// True if the components of a node stand side by side.

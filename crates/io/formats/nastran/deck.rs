@@ -22,7 +22,6 @@ const LONGEST: usize = 1 << 12;
 pub(super) struct Deck {
     /// Parts of files with entries, in order.
     pub parts: Vec<TextRange>,
-    /// Files that were included.
     pub included: IncludedFiles,
     /// Files that are within one another, the first before those that it includes.
     open: Vec<PathBuf>,
@@ -103,7 +102,6 @@ impl Deck {
     }
 }
 
-/// True for a line that begins with a statement.
 fn starts_with(line: &[u8], statement: &str) -> bool {
     let word = line.trim_ascii_start().get(..statement.len());
     word.is_some_and(|word| word.eq_ignore_ascii_case(statement.as_bytes()))

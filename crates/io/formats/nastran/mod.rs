@@ -10,6 +10,7 @@ mod deck;
 use self::deck::Deck;
 use super::contents::Dataset;
 use super::named_files;
+use super::node_orders::{HEXAHEDRON, IN_ORDER, WEDGE};
 use super::numbers::{self, NumberType};
 use super::request::{Format, Request};
 use super::source::Source;
@@ -24,7 +25,6 @@ use std::sync::Arc;
 use voltet_core::grid::code;
 use voltet_core::{Error, Result};
 
-/// The declaration.
 pub(super) const FORMAT: Format =
     Format { files: "bulk data of Nastran (.bdf, .nas, .dat)", matches, open, has_solution: false };
 
@@ -63,16 +63,11 @@ fn is_entry(line: &str) -> bool {
 }
 
 /// Elements: corners, their code and that with nodes on edges, and the order of these.
-const ELEMENTS: [(&str, usize, [u8; 2], &[usize]); 4] = [
-    ("CTETRA", 4, [code::TETRA, code::QUADRATIC_TETRA], &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]),
-    ("CPYRAM", 5, [code::PYRAMID, code::QUADRATIC_PYRAMID], &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]),
-    ("CPENTA", 6, [code::WEDGE, code::QUADRATIC_WEDGE], &[0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11]),
-    (
-        "CHEXA",
-        8,
-        [code::HEXAHEDRON, code::QUADRATIC_HEXAHEDRON],
-        &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 16, 17, 18, 19, 12, 13, 14, 15],
-    ),
+const ELEMENTS: [(&str, usize, [u8; 2], &[u8]); 4] = [
+    ("CTETRA", 4, [code::TETRA, code::QUADRATIC_TETRA], IN_ORDER.split_at(10).0),
+    ("CPYRAM", 5, [code::PYRAMID, code::QUADRATIC_PYRAMID], IN_ORDER.split_at(13).0),
+    ("CPENTA", 6, [code::WEDGE, code::QUADRATIC_WEDGE], WEDGE.split_at(15).0),
+    ("CHEXA", 8, [code::HEXAHEDRON, code::QUADRATIC_HEXAHEDRON], HEXAHEDRON.split_at(20).0),
 ];
 
 /// Parts of the files, in the order of their entries.
@@ -150,7 +145,6 @@ fn name_of(line: &str) -> Cow<'_, str> {
     }
 }
 
-/// Adds the fields of a line of this name.
 fn add_fields(line: &str, name: &str, fields: &mut Fields) {
     let (width, count) = field_width(name);
     if let Some((_, rest)) = line.split_once(',') {
@@ -197,7 +191,6 @@ fn each_entry<R: Send>(
     })
 }
 
-/// Results of the entries of a piece.
 struct Entries<R> {
     /// Place and text of a line that goes on with an entry before the piece.
     continued: Option<(u64, String)>,
@@ -261,7 +254,6 @@ impl BulkEntry {
         self.fields.get(place)
     }
 
-    /// The point of a GRID.
     fn point(&self) -> Result<SystemPoint> {
         let system = if self.field(1).is_empty() { 0 } else { self.integer(1, "the system")? };
         Ok(SystemPoint { system, position: self.vector(2)?, place: self.place })
@@ -298,7 +290,6 @@ impl BulkEntry {
     }
 }
 
-/// An element of the file.
 struct BulkElement {
     tag: u64,
     code: u8,
@@ -306,15 +297,12 @@ struct BulkElement {
     nodes: Vec<u64>,
 }
 
-/// An entry that places nodes.
 enum PlacingEntry {
     Node(u64, SystemPoint),
-    /// Systems with their numbers.
     Systems(Vec<(u64, SystemEntry)>),
     Nothing,
 }
 
-/// The systems of an entry.
 fn systems(entry: &BulkEntry) -> Result<Vec<(u64, SystemEntry)>> {
     let kind = entry.name.chars().last().unwrap_or('R');
     let define = |first: usize, points: DefiningPoints| {
@@ -351,11 +339,9 @@ fn placing(entry: &BulkEntry) -> Result<PlacingEntry> {
 /// Entries that define systems of coordinates: by three nodes, or by three points; rectangular, cylindrical, spherical.
 const SYSTEMS: [&str; 6] = ["CORD1R", "CORD1C", "CORD1S", "CORD2R", "CORD2C", "CORD2S"];
 
-/// A point in the coordinates of a system.
 struct SystemPoint {
     system: u64,
     position: DVec3,
-    /// Place of its entry.
     place: EntryPlace,
 }
 
@@ -363,7 +349,6 @@ struct SystemPoint {
 struct SystemEntry {
     /// Last letter of the entry's name.
     kind: char,
-    /// Place of its entry.
     place: EntryPlace,
     points: DefiningPoints,
 }
@@ -401,7 +386,6 @@ impl CoordinateSystem {
     }
 }
 
-/// The systems of all files by their numbers.
 struct SystemEntries<'a> {
     parts: &'a [TextRange],
     entries: HashMap<u64, SystemEntry>,
@@ -422,7 +406,6 @@ impl SystemEntries<'_> {
         Ok(())
     }
 
-    /// Nodes that define systems.
     fn nodes(&self) -> HashSet<u64> {
         let of_entry = |entry: &SystemEntry| match entry.points {
             DefiningPoints::Nodes(nodes) => nodes.to_vec(),
@@ -564,15 +547,14 @@ impl TaggedMesh for NastranMesh {
     }
 }
 
-/// The element of an entry.
 fn element(entry: &BulkEntry) -> Result<BulkElement> {
     let Some((_, corners, codes, order)) = ELEMENTS.iter().find(|element| element.0 == entry.name) else {
         return Err(Error::run("an entry is no element").got(&entry.name));
     };
     // The nodes of some edges alone are further ones of the linear cell.
     let is_there = |place: &usize| place < corners || !["", "0"].contains(&entry.field(2 + place));
-    let places = order.iter().filter(|place| is_there(place));
-    let nodes = places.map(|&place| entry.integer(2 + place, "a node")).collect::<Result<Vec<_>>>()?;
+    let places = order.iter().map(|&place| usize::from(place)).filter(is_there);
+    let nodes = places.map(|place| entry.integer(2 + place, "a node")).collect::<Result<Vec<_>>>()?;
     let is_quadratic = nodes.len() == order.len();
     Ok(BulkElement {
         tag: entry.integer(0, "the number")?,

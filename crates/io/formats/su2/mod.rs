@@ -20,7 +20,6 @@ use std::sync::Arc;
 use voltet_core::grid::{CellType, code};
 use voltet_core::{Error, Result};
 
-/// The declaration.
 pub(super) const FORMAT: Format = Format { files: "a mesh of SU2 (.su2)", matches, open, has_solution: true };
 
 fn matches(head: &[u8], path: &Path, _: &Request) -> bool {
@@ -30,7 +29,6 @@ fn matches(head: &[u8], path: &Path, _: &Request) -> bool {
     is_named || [&b"NDIME="[..], b"NZONE="].iter().any(|key| first.starts_with(key))
 }
 
-/// Points and elements of one zone.
 struct Zone {
     name: String,
     elements: (TextRange, u64),
@@ -68,9 +66,8 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
             "IZONE" => zone_name = format!("zone {value}"),
             "NELEM" | "NPOIN" => {
                 let count = count()?;
-                let start = cursor.clone();
-                skip_rows(&mut cursor, count)?;
-                let part = start.range_to(&cursor);
+                let has_words = |line: &[u8]| words(line).next().is_some();
+                let part = cursor.skip_rows(count, has_words, &format!("{count} rows of numbers"))?;
                 let is_new = zones.last().is_none_or(|zone| zone.name != zone_name);
                 if is_new {
                     zones.push(Zone { name: zone_name.clone(), elements: empty(), points: empty() });
@@ -98,23 +95,6 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     Ok(dataset)
 }
 
-/// Passes over so many lines that have numbers.
-fn skip_rows(cursor: &mut Cursor, count: u64) -> Result<()> {
-    let mut left = count;
-    while left > 0
-        && let Some(line) = cursor.line()?
-    {
-        left -= u64::from(words(line).next().is_some());
-    }
-    match left {
-        0 => Ok(()),
-        _ => {
-            let error = cursor.error("the file ends early").got(count - left);
-            Err(error.expected(format_args!("{count} rows of numbers")))
-        }
-    }
-}
-
 /// Words of a line before its comment.
 fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     let text = line.split(|&byte| byte == b'%').next().unwrap_or_default();
@@ -125,7 +105,6 @@ fn number(word: &[u8]) -> Result<f64> {
     numbers::parse(NumberType::F64, word)
 }
 
-/// An element with a volume.
 struct Su2Element {
     code: u8,
     nodes: [u64; 8],
@@ -142,7 +121,6 @@ struct Su2Elements {
 }
 
 impl Su2Elements {
-    /// Adds the element of a line, if it has one.
     fn add(&mut self, line: &[u8]) -> Result<()> {
         let mut words = words(line);
         let Some(first) = words.next() else { return Ok(()) };
@@ -183,7 +161,6 @@ impl Su2Elements {
 /// Numbers of points are below this.
 const MAX_POINT: f64 = (1_u64 << PART_SHIFT) as f64;
 
-/// Number of a point among those of all zones.
 fn tag(zone: usize, point: u64) -> u64 {
     (zone as u64) << PART_SHIFT | point
 }

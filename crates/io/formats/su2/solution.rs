@@ -31,15 +31,12 @@ const PLACES: [&str; 4] = ["PointID", "x", "y", "z"];
 /// A table of the variables of all points.
 pub(super) struct Solution {
     source: Arc<Source>,
-    /// Names of the columns.
     columns: Vec<String>,
-    /// Columns of each array.
     arrays: Vec<Vec<usize>>,
     rows: Rows,
     point_count: u64,
 }
 
-/// Rows of the table.
 enum Rows {
     Text(TextRange),
     /// From this place on.
@@ -66,12 +63,10 @@ impl Solution {
         Ok((Solution { source, columns, arrays, rows, point_count }, heads))
     }
 
-    /// Size of the file.
     pub fn bytes(&self) -> u64 {
         self.source.len()
     }
 
-    /// Path of the file.
     pub fn path(&self) -> &Path {
         self.source.path()
     }

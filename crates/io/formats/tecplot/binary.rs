@@ -18,7 +18,6 @@ use std::sync::Arc;
 use voltet_core::grid::{CellSet, Cells, code};
 use voltet_core::{Error, Result, counted};
 
-/// The declaration.
 pub(super) const FORMAT: Format = Format {
     files: "binary Tecplot data (.plt)",
     matches: |head, _, _| head.starts_with(MAGIC),
@@ -44,7 +43,6 @@ const END_OF_HEAD: f32 = 357.0;
 const POLYGONS: i64 = 6;
 const POLYHEDRA: i64 = 7;
 
-/// One zone.
 struct BinaryZone {
     head: ZoneHead,
     /// The place of each variable that the zone holds, with the distance of two values where others lie between.
@@ -60,11 +58,9 @@ struct BinaryZone {
     has_neighbours: bool,
     /// True if words of unknown number about neighbours follow.
     has_tail: bool,
-    /// Place of the cells.
     connectivity: u64,
 }
 
-/// Zones of a file.
 struct BinaryFile {
     source: Arc<Source>,
     order: ByteOrder,
@@ -81,7 +77,6 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     dataset(&source, format, &heads, file.axes, request, |zone, block| file.piece(zone, block))
 }
 
-/// A position in the file.
 struct BinaryCursor {
     cursor: Cursor,
     source: Arc<Source>,
@@ -295,19 +290,10 @@ impl BinaryCursor {
             let error = self.cursor.error("variables at cells stand side by side with those at nodes");
             return Err(error.expected("all values of a variable in one run"));
         }
-        let none = vec![false; self.variable_count];
-        let head = ZoneHead {
-            name,
-            kind,
-            node_count,
-            cell_count,
-            at_cells,
-            shared: vec![None; self.variable_count],
-            passive: none,
-            shared_cells: None,
-            // A zone of no strand is of all times.
-            time: (strand != -1 && time.is_finite()).then_some(time),
-        };
+        let mut head = ZoneHead::new(name, kind, [node_count, cell_count], self.variable_count);
+        head.at_cells = at_cells;
+        // A zone of no strand is of all times.
+        head.time = (strand != -1 && time.is_finite()).then_some(time);
         Ok(BinaryZone {
             head,
             values: Vec::new(),
@@ -361,7 +347,7 @@ impl BinaryCursor {
                 let Some(other) = self.shared(before)? else { continue };
                 zone.head
                     .share(variable, other, &before[other].head)
-                    .map_err(|error| self.in_place(error))?;
+                    .map_err(|error| self.cursor.locate(error))?;
             }
         }
         zone.head.shared_cells = self.shared(before)?;
@@ -443,10 +429,6 @@ impl BinaryCursor {
             number => Ok(number),
         }
     }
-
-    fn in_place(&self, error: Error) -> Error {
-        error.at_item(format!("byte {}", self.cursor.position()))
-    }
 }
 
 impl BinaryZone {
@@ -480,7 +462,6 @@ impl BinaryFile {
 }
 
 impl BinaryFile {
-    /// A variable in a zone.
     fn stored(&self, zone: usize, variable: usize) -> Stored {
         let (own, name) = (&self.zones[zone].head, &self.variables[variable]);
         let mut holder = &self.zones[zone];
@@ -514,14 +495,12 @@ impl BinaryFile {
         Stored { number_type, order: self.order, ..stored }
     }
 
-    /// Words from a place on.
     fn words(&self, name: &str, place: u64, component_count: u64, tuple_count: u64) -> Stored {
         let encoding = Encoding::Bytes(place);
         let stored = Stored::of_f64(&self.source, name, component_count as usize, tuple_count, encoding);
         Stored { number_type: NumberType::I32, order: self.order, ..stored }
     }
 
-    /// Cells of a zone.
     fn cells(&self, zone: usize, meter: &Meter) -> Result<Cells> {
         let own = &self.zones[zone].head;
         let mut holder = &self.zones[zone];

@@ -16,7 +16,6 @@ use std::sync::Arc;
 use voltet_core::grid::{Cells, code};
 use voltet_core::{Error, Result};
 
-/// The declaration.
 pub(super) const FORMAT: Format =
     Format { files: "Tecplot data as text (.dat, .tec)", matches, open, has_solution: false };
 
@@ -50,7 +49,6 @@ struct TextZone {
     faces: [u64; 2],
 }
 
-/// Zones of a file.
 struct TecplotFile {
     source: Arc<Source>,
     variables: Vec<String>,
@@ -58,7 +56,6 @@ struct TecplotFile {
     zones: Vec<TextZone>,
 }
 
-/// Keys of a head with their values.
 type Entries = Vec<(String, Vec<String>)>;
 
 fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
@@ -175,23 +172,14 @@ impl TecplotFile {
             let error = cursor.error("the zone does not fit the file").got(node_count.max(cell_count));
             return Err(error.expected("numbers of nodes and cells that the file holds"));
         }
-        let none = vec![false; self.variables.len()];
-        let mut zone = ZoneHead {
-            name: value(&["T"]).to_owned(),
-            kind,
-            node_count,
-            cell_count,
-            at_cells: none.clone(),
-            shared: vec![None; self.variables.len()],
-            passive: none,
-            shared_cells: None,
-            time: match value(&["SOLUTIONTIME"]) {
-                "" => None,
-                word => Some(numbers::parse(NumberType::F64, word.as_bytes()).map_err(|_| {
-                    let error = cursor.error("SOLUTIONTIME of a zone is damaged");
-                    error.got(format_args!("'{word}'")).expected("a number")
-                })?),
-            },
+        let counts = [node_count, cell_count];
+        let mut zone = ZoneHead::new(value(&["T"]).to_owned(), kind, counts, self.variables.len());
+        zone.time = match value(&["SOLUTIONTIME"]) {
+            "" => None,
+            word => Some(numbers::parse(NumberType::F64, word.as_bytes()).map_err(|_| {
+                let error = cursor.error("SOLUTIONTIME of a zone is damaged");
+                error.got(format_args!("'{word}'")).expected("a number")
+            })?),
         };
         // Of a zone that says neither, VTK and VisIt take each node's variables to stand side by side.
         // Those of faces are always blocks.
@@ -276,7 +264,6 @@ impl TecplotFile {
         Ok(TextZone { head: zone, is_block, data, has_repeats, connectivity, faces })
     }
 
-    /// Values of a variable in a zone.
     fn values(&self, zone: usize, variable: usize) -> Result<Vec<f64>> {
         let mut own = &self.zones[zone];
         while let Some(other) = own.head.shared[variable] {
@@ -310,7 +297,6 @@ impl TecplotFile {
         Ok(values)
     }
 
-    /// Points and cells of a zone.
     fn read_zone(&self, zone: usize) -> Result<(Vec<DVec3>, Cells)> {
         let [x, y, z] = self.axes.map(|axis| self.values(zone, axis));
         let points = x?.into_iter().zip(y?).zip(z?).map(|((x, y), z)| DVec3::new(x, y, z)).collect();

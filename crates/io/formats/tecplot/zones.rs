@@ -1,14 +1,13 @@
 //! Zones of Tecplot data as both forms have them, and the data set that they are.
 
-use crate::formats::blocks::selected;
+use crate::formats::blocks::{left_out, selected};
 use crate::formats::contents::{Dataset, Piece, PieceArray, Stored};
 use crate::formats::lazy::GatheredCells;
-use crate::formats::request::{Request, list};
+use crate::formats::request::Request;
 use crate::formats::source::Source;
 use voltet_core::grid::{Association, Cells};
 use voltet_core::{Error, Result};
 
-/// Cells of a zone.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum ZoneKind {
     Tetrahedra,
@@ -40,7 +39,6 @@ impl ZoneKind {
     }
 }
 
-/// Head of a zone.
 pub(super) struct ZoneHead {
     pub name: String,
     pub kind: ZoneKind,
@@ -58,12 +56,23 @@ pub(super) struct ZoneHead {
 }
 
 impl ZoneHead {
+    /// A zone of a file of so many variables, which holds all of them at its nodes.
+    pub fn new(
+        name: String,
+        kind: ZoneKind,
+        [node_count, cell_count]: [u64; 2],
+        variable_count: usize,
+    ) -> Self {
+        let (at_cells, passive) = (vec![false; variable_count], vec![false; variable_count]);
+        let (shared, shared_cells, time) = (vec![None; variable_count], None, None);
+        ZoneHead { name, kind, node_count, cell_count, at_cells, shared, passive, shared_cells, time }
+    }
+
     /// True if the zone itself holds numbers of a variable.
     pub fn holds(&self, variable: usize) -> bool {
         self.shared[variable].is_none() && !self.passive[variable]
     }
 
-    /// Number of values of a variable.
     pub fn len(&self, variable: usize) -> u64 {
         if self.at_cells[variable] { self.cell_count } else { self.node_count }
     }
@@ -189,7 +198,6 @@ pub(super) fn dataset(
     };
     let is_flat = |zone: &ZoneHead| matches!(zone.kind, ZoneKind::Flat(_)) && zone.cell_count > 0;
     let flat = zones.iter().filter(|zone| is_flat(zone) && is_of_time(zone)).map(|zone| &*zone.name);
-    let flat: Vec<&str> = flat.collect();
     let blocks: Vec<String> = if volumes.len() > 1 { volumes.iter().map(name).collect() } else { Vec::new() };
     let mut is_selected = selected(&blocks, request)?;
     is_selected.resize(volumes.len(), true);
@@ -202,10 +210,7 @@ pub(super) fn dataset(
         file_bytes: source.len(),
         ..Dataset::default()
     };
-    if !flat.is_empty() {
-        let names = list(flat);
-        dataset.warnings.push(format!("Zones without cells of three dimensions are left out: {names}."));
-    }
+    dataset.warnings.extend(left_out("Zones without cells of three dimensions", flat));
     for (block, &zone) in volumes.iter().enumerate().filter(|(block, _)| is_selected[*block]) {
         check_axes(zones[zone], axes)?;
         dataset.pieces.push(piece(zone, block));

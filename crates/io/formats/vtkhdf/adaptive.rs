@@ -18,7 +18,6 @@ use voltet_core::{Error, Result, counted};
 pub(super) const PATCHES: &str = "OverlappingAMR";
 pub(super) const TREES: &str = "HyperTreeGrid";
 
-/// Patches of a level at a step.
 struct Level {
     group: Group,
     number: usize,
@@ -87,7 +86,6 @@ pub(super) fn add_patches(
     amr::add(dataset, patches, !selected.contains(&false))
 }
 
-/// The levels, each with its patches at the step.
 fn levels(group: &Group, step: &GridStep) -> Result<Vec<Level>> {
     let mut levels = Vec::new();
     while let Some(level) = group.group(&format!("Level{}", levels.len()))? {
@@ -136,7 +134,6 @@ fn at_step(
     number(names[0], number(names[1], otherwise)?)
 }
 
-/// Adds the leaves of hyper trees.
 pub(super) fn add_trees(group: &Group, step: &GridStep, dataset: &mut Dataset) -> Result<()> {
     let part_count = group.required_array("NumberOfTrees")?.shape().first().copied();
     if part_count != Some(1) || step.group.is_some() {

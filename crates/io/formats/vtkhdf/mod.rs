@@ -13,12 +13,12 @@ use crate::formats::contents::{
     extent_dimensions, structured_counts,
 };
 use crate::formats::hdf5::{Array, Extent, Group};
-use crate::formats::request::{Request, list};
+use crate::formats::request::Request;
 use glam::{DMat3, DVec3};
 use shared::{GridArray, GridStep, attributes, components, span};
 use std::collections::HashMap;
 use voltet_core::grid::Association;
-use voltet_core::{Error, Result, agreeing};
+use voltet_core::{Error, Result};
 
 /// Name of the group that holds everything.
 pub(super) const ROOT: &str = "VTKHDF";
@@ -51,12 +51,8 @@ pub(super) fn open(root: &Group, request: &Request) -> Result<Dataset> {
                 flat.push(block);
             }
         }
-        if !flat.is_empty() {
-            let (blocks, are) =
-                (agreeing(&flat.len(), "A block", "Blocks"), agreeing(&flat.len(), "is", "are"));
-            let names = list(flat.into_iter().map(|block| dataset.blocks[block].as_str()));
-            dataset.warnings.push(format!("{blocks} without a volume that is read {are} left out: {names}."));
-        }
+        let flat = flat.into_iter().map(|block| dataset.blocks[block].as_str());
+        dataset.warnings.extend(blocks::blocks_left_out("without a volume that is read", flat));
     } else {
         add(&group, None, request, &mut dataset)?;
     }
@@ -173,7 +169,6 @@ fn named_blocks(group: &Group) -> Result<Vec<(String, Group)>> {
     Ok(blocks.into_iter().map(named).collect())
 }
 
-/// A grid, its step and the arrays on it.
 struct StepGrid<'a> {
     group: &'a Group,
     step: GridStep,
@@ -324,7 +319,6 @@ impl Faces {
     }
 }
 
-/// The only piece of a structured grid.
 fn structured(source: &StepGrid, dimensions: [u64; 3], geometry: Geometry) -> Result<Vec<Piece>> {
     let (point_count, cell_count) = structured_counts(dimensions)?;
     let mut arrays = Vec::new();

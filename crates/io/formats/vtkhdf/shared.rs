@@ -6,7 +6,6 @@ use crate::formats::request::Request;
 use voltet_core::grid::Association;
 use voltet_core::{Error, Result};
 
-/// The step of a grid that is read.
 pub(super) struct GridStep {
     /// `Steps`; `None` where the grid has none.
     pub group: Option<Group>,

@@ -52,7 +52,6 @@ const TOPOLOGIES: &[Topology] = &[
 ];
 
 impl Topology {
-    /// The type of that name.
     pub fn named(name: &str) -> Option<&'static Topology> {
         let plain = name.replace('_', "").to_lowercase();
         TOPOLOGIES.iter().find(|topology| topology.names.contains(&plain.as_str()))
@@ -159,7 +158,6 @@ fn by_number(number: u32) -> Result<&'static Topology> {
     known.ok_or_else(|| Error::run("a cell type of XDMF is not known").got(number))
 }
 
-/// The next numbers.
 fn take<'a>(rest: &mut &'a [u32], count: usize) -> Option<&'a [u32]> {
     let (taken, after) = rest.split_at_checked(count)?;
     *rest = after;

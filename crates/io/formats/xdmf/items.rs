@@ -35,12 +35,10 @@ pub(super) struct Item {
 }
 
 impl Item {
-    /// Numbers in all.
     pub fn count(&self) -> u64 {
         self.stored.tuple_count.unwrap_or(0)
     }
 
-    /// The numbers as tuples.
     pub fn tuples(self, name: &str, component_count: usize) -> Stored {
         let tuple_count = Some(self.count() / component_count.max(1) as u64);
         Stored { name: name.to_owned(), component_count, tuple_count, ..self.stored }
@@ -57,7 +55,6 @@ fn product(shape: &[u64]) -> Result<u64> {
     product.ok_or_else(|| Error::run("the item cannot be that large").got(format_args!("{shape:?}")))
 }
 
-/// Whole numbers of a text.
 pub(super) fn whole(text: &str) -> Option<Vec<u64>> {
     text.split_ascii_whitespace().map(|word| word.parse().ok()).collect()
 }
@@ -137,12 +134,10 @@ impl<'a> Items<'a> {
         })
     }
 
-    /// The data items in an element.
     pub fn of_element(&self, element: &'a Element) -> Result<Vec<&'a Element>> {
         self.document.children_of(element, "DataItem")
     }
 
-    /// The only data item in an element.
     pub fn only(&self, element: &'a Element) -> Result<Item> {
         self.all(element).map(|[item]| item)
     }

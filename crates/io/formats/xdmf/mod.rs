@@ -12,8 +12,8 @@ use super::blocks;
 use super::contents::{
     CellBlocks, Dataset, Geometry, Piece, PieceArray, Stored, StoredCells, structured_counts,
 };
-use super::request::{Format, Request, list};
-use super::source::{HEAD, Source, text_of};
+use super::request::{Format, Request};
+use super::source::{Source, text_of};
 use super::text::has_mark;
 use super::xml::header::{self, Element};
 use cells::Topology;
@@ -25,7 +25,6 @@ use std::sync::Arc;
 use voltet_core::grid::Association;
 use voltet_core::{Error, Result};
 
-/// The declaration.
 pub(super) const FORMAT: Format = Format {
     files: "an XDMF file (.xdmf, .xmf)",
     matches: |head, path, _| matches(head, path),
@@ -53,10 +52,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
 
 /// The files that the data items of a file lie in, for the step of a request, or of all steps; none for other files.
 pub(super) fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf> {
-    let Ok(source) = Source::open(path) else { return Vec::new() };
-    if !source.head(HEAD).is_ok_and(|head| matches(text_of(&head), path)) {
-        return Vec::new();
-    }
+    let Some(source) = Source::open_if(path, |head| matches(text_of(head), path)) else { return Vec::new() };
     let Ok((root, _)) = header::read_as(&source, "Xdmf") else { return Vec::new() };
     let mut reader = Reader::new(&source, &root);
     // What cannot be read is an error of the reading itself.
@@ -69,7 +65,6 @@ pub(super) fn files_named(path: &Path, request: Option<&Request>) -> Vec<PathBuf
     files
 }
 
-/// A reading of one file.
 struct Reader<'a> {
     items: Items<'a>,
     dataset: Dataset,
@@ -122,10 +117,8 @@ impl<'a> Reader<'a> {
                 self.dataset.pieces.extend(piece);
             }
         }
-        if !self.flat.is_empty() {
-            let names = list(self.flat.iter().map(String::as_str));
-            self.dataset.warnings.push(format!("Grids that lie in a plane are left out: {names}."));
-        }
+        let flat = self.flat.iter().map(String::as_str);
+        self.dataset.warnings.extend(blocks::left_out("Grids that lie in a plane", flat));
         if names.len() > 1 {
             self.dataset.blocks = names;
         }
@@ -386,7 +379,6 @@ impl<'a> Reader<'a> {
         Ok((points.tuple_count.unwrap_or(0), cell_count, Geometry::Unstructured { points, cells }))
     }
 
-    /// Points of a geometry that lists them.
     fn points(&self, geometry: &'a Element, form: &str) -> Result<Stored> {
         match form {
             "XYZ" => {

@@ -27,7 +27,6 @@ impl<'a> Document<'a> {
         Document { source, root, visited: Cell::new(0) }
     }
 
-    /// The text of an element.
     pub fn text(&self, element: &Element) -> Result<String> {
         let mut text = String::new();
         for part in &element.text {
@@ -54,7 +53,6 @@ impl<'a> Document<'a> {
         Ok(children)
     }
 
-    /// The children of a tag.
     pub fn children_of(&self, element: &'a Element, tag: &str) -> Result<Vec<&'a Element>> {
         Ok(self.children(element)?.into_iter().filter(|child| child.tag == tag).collect())
     }
@@ -104,7 +102,6 @@ impl<'a> Document<'a> {
         element.map(|element| vec![element]).ok_or_else(|| nothing(places))
     }
 
-    /// The elements of a path.
     fn find(&self, path: &str) -> Result<Vec<&'a Element>> {
         let mut steps = split(path).into_iter().peekable();
         let mut found: Option<Vec<&Element>> = None;
@@ -179,7 +176,6 @@ fn unreadable(path: &str) -> Error {
     error.expected("names, *, //, [number], [@attribute=\"value\"] and [self::name or self::name]")
 }
 
-/// Condition on one element.
 enum Condition<'a> {
     Name(&'a str),
     Attribute(&'a str, &'a str),

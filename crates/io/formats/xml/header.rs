@@ -21,7 +21,6 @@ const GREATEST_DEPTH: usize = 32;
 /// Text that entities stand for, for each byte of the file: they name a file in some items.
 const MAX_REFERRED_PER_BYTE: u64 = 4;
 
-/// An element of the header.
 #[derive(Debug, Default)]
 pub(in crate::formats) struct Element {
     pub tag: String,
@@ -32,7 +31,6 @@ pub(in crate::formats) struct Element {
 }
 
 impl Element {
-    /// The value of an attribute.
     pub fn attribute(&self, name: &str) -> Option<&str> {
         self.attributes.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str())
     }
@@ -77,12 +75,10 @@ impl Element {
         self.tag == "DataItem" && self.attribute("Format").is_some_and(|format| format != "XML")
     }
 
-    /// The first child of that tag.
     pub fn child(&self, tag: &str) -> Option<&Element> {
         self.children.iter().find(|child| child.tag == tag)
     }
 
-    /// All children of that tag.
     pub fn children_of<'a>(&'a self, tag: &'a str) -> impl Iterator<Item = &'a Element> {
         self.children.iter().filter(move |child| child.tag == tag)
     }

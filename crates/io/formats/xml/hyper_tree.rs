@@ -72,7 +72,6 @@ fn counted<T: Target>(context: &Context, section: &Element, name: &str) -> Resul
     loaded(&context.stored(element, Some(count))?)
 }
 
-/// List of one tree, an element.
 fn list_of_tree(context: &Context, tree: &Element) -> Result<TreeList> {
     let number = |name: &str| -> Result<u64> {
         tree.required(name)?;
@@ -90,7 +89,6 @@ fn list_of_tree(context: &Context, tree: &Element) -> Result<TreeList> {
     read().map_err(|error: Error| error.at_item(format!("tree {root}")))
 }
 
-/// List of all trees of a grid.
 fn list_of_all(context: &Context, section: &Element, grid: &Element) -> Result<TreeList> {
     let numbers = |name: &str| counted::<u64>(context, section, name);
     let trees = HyperTree::list(

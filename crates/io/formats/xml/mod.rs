@@ -24,7 +24,6 @@ use std::sync::Arc;
 use trees::Tree;
 use voltet_core::{Error, Result, counted};
 
-/// The declaration.
 pub(super) const FORMAT: Format = Format {
     files: "a VTK XML file (.vtu, .vts, .vtr, .vti, their parallel forms, .vtm, .vthb, .htg, .pvd)",
     matches: |head, _, _| head.starts_with(b"<"),

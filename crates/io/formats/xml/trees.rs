@@ -11,7 +11,7 @@ use crate::formats::amr::{self, Patch};
 use crate::formats::blocks;
 use crate::formats::contents::{CellBlocks, Dataset, Geometry, Piece, extent_dimensions};
 
-use crate::formats::request::{Request, list};
+use crate::formats::request::Request;
 use crate::formats::source::Source;
 use crate::formats::text::has_mark;
 use rayon::prelude::*;
@@ -19,7 +19,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::parallel::all_or_first;
-use voltet_core::{Error, Result, agreeing, counted};
+use voltet_core::{Error, Result, counted};
 
 /// Types of files without cells of three dimensions.
 const WITHOUT_VOLUME: [&str; 4] = ["PolyData", "PPolyData", "Table", "PTable"];
@@ -31,7 +31,6 @@ pub(super) struct Tree {
     leaves: Vec<Leaf>,
     /// Files of trees within.
     files: Vec<PathBuf>,
-    /// Number of adaptive grids.
     adaptive_count: usize,
 }
 
@@ -46,7 +45,6 @@ struct Leaf {
 }
 
 impl Tree {
-    /// The tree of a file.
     pub fn read(path: &Path, root: &Element) -> Result<Tree> {
         let mut tree = Tree::default();
         tree.add(path, root, "")?;
@@ -109,7 +107,6 @@ impl Tree {
         Ok(())
     }
 
-    /// Adds a block of pieces.
     fn add_pieces(&mut self, by: &Path, element: &Element, name: &str) -> Result<()> {
         let block = self.add_block(name.to_owned());
         element.children.iter().for_each(|child| self.add_leaf(by, child, block));
@@ -183,12 +180,8 @@ impl Tree {
         let flat =
             self.leaves.iter().map(|leaf| leaf.block).filter(|&block| is_read(block) && !is_given[block]);
         let flat: BTreeSet<usize> = flat.collect();
-        if !flat.is_empty() {
-            let names = list(flat.iter().map(|&block| self.blocks[block].as_str()));
-            let (blocks, are) =
-                (agreeing(&flat.len(), "A block", "Blocks"), agreeing(&flat.len(), "is", "are"));
-            dataset.warnings.push(format!("{blocks} of surfaces or tables {are} left out: {names}."));
-        }
+        let flat = flat.iter().map(|&block| self.blocks[block].as_str());
+        dataset.warnings.extend(blocks::blocks_left_out("of surfaces or tables", flat));
         if dataset.pieces.is_empty() {
             return Err(Error::run("no block holds a volume grid")
                 .got(counted(self.blocks.len(), "block"))

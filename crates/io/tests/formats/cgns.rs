@@ -2,6 +2,7 @@
 //! same cells of them.
 
 use super::packed::{field, follow, grid, grid_at, path, request, same_files};
+use hdf5_reader::checksum::jenkins_lookup3;
 use voltet_core::grid::Association;
 use voltet_core::progress::NoProgress;
 use voltet_io::formats::{Request, files_read_beside, inspect, read, steps};
@@ -18,6 +19,40 @@ fn every_element_type_is_that_of_the_xml_file() {
     for name in ["polyhedra", "polyhedra_old"] {
         same_files(&format!("cgns_{name}.cgns"), "polyhedra.vtu");
     }
+}
+
+#[test]
+fn components_beside_a_field_of_the_vectors_name_stay_by_themselves() {
+    let folder = tempfile::tempdir().unwrap();
+    let beside = folder.path().join("beside.cgns");
+    let mut bytes = std::fs::read(path("cgns_mixed_3_0.cgns")).unwrap();
+    for place in 0..bytes.len() {
+        if bytes[place..].starts_with(b"v_") {
+            // The part of a header that holds the name ends with its checksum.
+            let is_part =
+                |begin: &usize| [b"OHDR", b"OCHK"].iter().any(|mark| bytes[*begin..].starts_with(*mark));
+            let begin = (0..place).rev().find(is_part).unwrap();
+            let checksum = |bytes: &[u8], end: usize| jenkins_lookup3(&bytes[begin..end]).to_le_bytes();
+            let end = (place..).find(|&end| bytes[end..].starts_with(&checksum(&bytes, end))).unwrap();
+            bytes[place] = b's';
+            let changed = checksum(&bytes, end);
+            bytes[end..end + 4].copy_from_slice(&changed);
+        }
+    }
+    std::fs::write(&beside, bytes).unwrap();
+    let arrays = |path: &std::path::Path| {
+        let summary = inspect(path, &Request::default(), &NoProgress).unwrap();
+        let arrays = summary.arrays.into_iter().filter(|array| array.head.association == Association::Point);
+        let mut arrays: Vec<_> =
+            arrays.map(|array| (array.head.name, array.head.component_count, array.number_type)).collect();
+        arrays.sort();
+        arrays
+    };
+    let of = |name: &str, count: usize, number_type| (name.to_owned(), count, number_type);
+    let s = of("s", 1, "Float32");
+    assert_eq!(arrays(&path("cgns_mixed_3_0.cgns")), [s.clone(), of("v", 3, "Float64")]);
+    let [x, y, z] = ["s_x", "s_y", "s_z"].map(|name| of(name, 1, "Float64"));
+    assert_eq!(arrays(&beside), [s, x, y, z]);
 }
 
 #[test]

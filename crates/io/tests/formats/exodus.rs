@@ -134,6 +134,35 @@ fn a_result_may_be_missing_in_a_block() {
 }
 
 #[test]
+fn a_variable_at_nodes_that_is_listed_again_has_its_number() {
+    let mut bytes = std::fs::read(path("exodus_kinds.exo")).unwrap();
+    let begin = bytes.windows(6).position(|own| own == b"disp_z").unwrap();
+    bytes[begin..begin + 6].copy_from_slice(b"T\0\0\0\0\0");
+    let folder = tempfile::tempdir().unwrap();
+    let twice = folder.path().join("twice.exo");
+    std::fs::write(&twice, bytes).unwrap();
+    let twice = twice.to_str().unwrap();
+    follow(&grid_at(twice, "T", 1), |point| temperature(point, 1.5), "the first");
+    follow(&grid_at(twice, "T (2)", 1), |[x, ..]| 0.375 * x, "the second");
+}
+
+#[test]
+fn a_component_that_a_block_has_alone_stays_by_itself() {
+    let mut bytes = std::fs::read(path("exodus_kinds.exo")).unwrap();
+    let place = |name: &[u8]| bytes.windows(name.len()).position(|own| own == name).unwrap();
+    let [of_nodes, of_elements, of_hexes] =
+        [&b"name_nod_var"[..], b"name_elem_var", b"vals_elem_var1eb1\0"].map(place);
+    // The names at nodes (dimensions, type and place behind a name) are those in elements, too: T, disp_x, disp_y, disp_z.
+    bytes.copy_within(of_nodes + 12..of_nodes + 48, of_elements + 16);
+    bytes[of_hexes + 13] = b'2';
+    let folder = tempfile::tempdir().unwrap();
+    let alone = folder.path().join("alone.exo");
+    std::fs::write(&alone, bytes).unwrap();
+    let hexes = of_blocks(alone.to_str().unwrap(), "disp_x", &["hexes"]);
+    assert!(hexes.scalar.unwrap().iter().all(|&value| value == 1.5));
+}
+
+#[test]
 fn points_are_moved_by_a_displacement() {
     let moved = |name: &str| {
         read(

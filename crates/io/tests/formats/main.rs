@@ -20,6 +20,7 @@ mod parts;
 mod pieces;
 mod plot3d;
 mod real_files;
+mod refusals;
 mod su2;
 mod surfaces;
 mod tecplot;

@@ -1,6 +1,7 @@
 //! Files of several processes and collections of MFEM: text that the tests write, and the files of `tests/files/make_mfem.py`.
 
 use super::mfem::{ONE, TWO, bent, field, folder_of, grid, linear, message, places, request, root};
+use super::refusals::says;
 use voltet_core::progress::NoProgress;
 use voltet_io::formats::{Request, TimeStep, files_beside, files_read_beside, inspect, outline, steps};
 
@@ -90,7 +91,7 @@ fn processes_have_files_of_their_own() {
     ] {
         std::fs::write(&root, text(domains)).unwrap();
         let found = message(&root, &Request::default());
-        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+        says(&found, &words);
     }
 }
 
@@ -156,7 +157,7 @@ fn domains_are_files_of_their_own() {
     ] {
         std::fs::write(&root, root_text(domains, mesh, field)).unwrap();
         let found = message(&root, &request("f"));
-        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+        says(&found, &words);
         assert!(files_beside(&root).is_empty());
     }
     std::fs::write(&root, root_text("1", "mesh", "f")).unwrap();

@@ -1,5 +1,6 @@
 //! Parts of cases of OpenFOAM: regions with meshes of their own, processors, and collated files of several.
 
+use super::refusals::says;
 use crate::openfoam::{copy, grid, request, same, sample};
 use std::path::{Path, PathBuf};
 use voltet_core::progress::NoProgress;
@@ -174,7 +175,7 @@ fn mistakes_in_collated_files_say_what_and_where() {
     ] {
         std::fs::write(&own, text).unwrap();
         let found = read(folder.path(), &request("T"), &NoProgress).unwrap_err().to_string();
-        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+        says(&found, &words);
     }
     // A folder with the range of its processors.
     std::fs::write(&own, sound).unwrap();
@@ -204,6 +205,6 @@ fn folders_of_processors_hold_each_once() {
         ("processors1", None, ["number of parts", "found 2"]),
     ] {
         let found = message(name, other).unwrap_err();
-        assert!(words.iter().all(|word| found.contains(word)), "{found}");
+        says(&found, &words);
     }
 }

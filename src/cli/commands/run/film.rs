@@ -17,9 +17,7 @@ use std::time::Duration;
 /// Type of the node that writes pictures.
 const WRITER: &str = "image-writer";
 
-/// A picture of a frame.
 pub(super) struct DrawnFrame {
-    /// Its file.
     pub path: PathBuf,
     /// Words for the frame.
     pub label: String,

@@ -67,7 +67,6 @@ struct Queue<T> {
 
 struct QueueState<T> {
     next: usize,
-    /// Results that are taken.
     taken: usize,
     is_stopped: bool,
     done: BTreeMap<usize, thread::Result<T>>,

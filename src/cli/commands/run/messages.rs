@@ -34,7 +34,6 @@ pub(super) struct Messages<'a> {
     report: Option<ReportSpool>,
     /// The files of pipelines that failed.
     failures: Vec<String>,
-    /// The series that is drawn.
     series: SeriesMessages,
     /// The exit code so far.
     worst: u8,
@@ -297,7 +296,6 @@ fn failed(labels: &[String], of: &str) -> String {
     format!("{} of {of} failed: {shown}{more}\n", labels.len())
 }
 
-/// A frame in the report.
 fn entry(frame: &Frame, document: &Document, outcome: &Result<Option<RunReport>>) -> Value {
     let marks = &frame.marks;
     let path = document.path.display().to_string();

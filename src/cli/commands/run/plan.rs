@@ -19,9 +19,7 @@ pub(super) struct Plan {
     pub first: Document,
     /// The pipeline as the file states it, with its frames; `None`: it is run for one picture.
     pub frames: Option<Frames>,
-    /// Files that are written.
     pub outputs: Vec<PathBuf>,
-    /// Files that are read.
     inputs: HashSet<PathBuf>,
 }
 

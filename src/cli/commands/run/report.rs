@@ -30,18 +30,15 @@ impl ReportSpool {
         Ok(ReportSpool { file: BufWriter::new(file), run_count: 0, step_count: 0 })
     }
 
-    /// Number of runs.
     pub fn run_count(&self) -> usize {
         self.run_count
     }
 
-    /// Adds a run of one picture.
     pub fn add_run(&mut self, run: &Value) -> Result<()> {
         let text = self.next_run(run);
         self.write(&text)
     }
 
-    /// Begins the run of a series.
     pub fn begin_series(&mut self, file: &str, title: Option<&str>) -> Result<()> {
         self.step_count = 0;
         let text = self.next_run(&json!({ "file": file, "title": title, "steps": [] }));
@@ -50,14 +47,12 @@ impl ReportSpool {
         self.write(&text[..open])
     }
 
-    /// Adds a step of the series.
     pub fn add_step(&mut self, step: &Value) -> Result<()> {
         let comma = if self.step_count > 0 { "," } else { "" };
         self.step_count += 1;
         self.write(&format!("{comma}\n{}", indented(step, STEP)))
     }
 
-    /// Ends the run of the series.
     pub fn end_series(&mut self) -> Result<()> {
         self.write(&format!("\n{0:1$}]\n{0:2$}}}", "", STEP - 2, RUN))
     }

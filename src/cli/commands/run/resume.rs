@@ -38,7 +38,6 @@ fn reason_of(node: &GraphNode) -> Option<String> {
     (!format.carries_provenance()).then(|| format!("{} carries no texts; {all} do", format.name))
 }
 
-/// The format that a node writes.
 fn format_of(node: &GraphNode) -> Option<&'static PictureFormat> {
     let word = node.parameters.text("format").ok()?;
     let named = FORMATS.iter().find(|format| format.name == word);

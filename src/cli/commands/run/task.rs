@@ -21,14 +21,12 @@ pub(super) struct Task<'a> {
 
 /// A picture that was drawn, or was not.
 pub(super) struct Attempt {
-    /// The pipeline of a frame.
     pub document: Option<Document>,
     /// `None`: it was there already.
     pub outcome: Result<Option<RunReport>>,
     pub exhaustive: Option<ExhaustiveComparison>,
 }
 
-/// The pictures of a plan.
 pub(super) fn tasks_of(plan: &Plan) -> Vec<Task<'_>> {
     match &plan.frames {
         None => vec![Task { plan, frame: None }],
