@@ -159,6 +159,18 @@ fn is_movement(before: &NodeEntry, now: &NodeEntry, grip_moves: bool) -> bool {
     (is_moved || grip_moves) && NodeEntry { settings: now.settings.clone(), ..before.clone() } == *now
 }
 
+/// The picture whose sides are divided by so much; where a tile of it is too crowded for a device, one of twice the resolution, up to the
+/// full one, in which a tile has the fewest cells. `draw`: draws with a divisor.
+pub(super) fn finer_where_crowded<T>(divisor: u32, mut draw: impl FnMut(u32) -> Result<T>) -> Result<T> {
+    let mut divisor = divisor;
+    loop {
+        match draw(divisor) {
+            Err(error) if error.kind == ErrorKind::CrowdedTile && divisor > 1 => divisor /= 2,
+            drawn => return drawn,
+        }
+    }
+}
+
 /// The nodes that feed one, and it; in the order of the document.
 pub(super) fn feeding(nodes: &[NodeEntry], name: &str) -> Result<Vec<NodeEntry>> {
     match links::feeding(nodes, name) {

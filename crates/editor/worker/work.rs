@@ -2,15 +2,17 @@
 //! stopped for a newer request; and how many pixels a coarse picture has.
 
 use super::output::WorkerOutput;
-use super::request::{Change, Exchange, Pixels, Query, QueryRun, RenderRequest, wire_values};
+use super::request::{
+    Change, Exchange, Pixels, Query, QueryRun, RenderRequest, finer_where_crowded, wire_values,
+};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
+use voltet_core::error::ErrorKind;
 use voltet_core::{Error, Result};
 use voltet_graph::{NodeEntry, Observer, Registry, Session};
 use voltet_io::memory;
-use voltet_nodes::TILE_ERRORS;
 
 /// A session whose widgets a hand moves.
 fn session() -> Session {
@@ -88,23 +90,35 @@ impl WorkerState<'_> {
     /// the view where it can; at last the picture that a run gives.
     fn picture(&mut self, number: u64, wanted: &RenderRequest) {
         self.pace.look_from(wanted.cameras());
-        // The first picture of a wish is for a hand that moves, whether it is coarse or quick enough to have all pixels.
-        let first = wanted.coarse_first.then(|| self.pace.divisor(wanted.pixels()));
+        let outcome = match self.first_picture(number, wanted) {
+            // What is newer comes before the full picture.
+            Ok(false) if self.shared.newest() != number => return,
+            Ok(false) => self.pass(number, wanted, 1, None),
+            first => first,
+        };
+        self.shared.show(|shown| match outcome {
+            Ok(_) => shown.settled(number),
+            Err(error) => shown.failed(number, error),
+        });
+    }
+
+    /// Draws the first picture of a request: for a hand that moves, whether it is coarse or quick enough to have all pixels. Returns true if it
+    /// is the full one.
+    fn first_picture(&mut self, number: u64, wanted: &RenderRequest) -> Result<bool> {
+        if !wanted.coarse_first {
+            return Ok(false);
+        }
         // A hand at a grip may move what a node makes of the data, such as a slice.
         let stale = || 2.0 * lock(&self.shared.state).output.stale_seconds(wanted);
         let others = Duration::from_secs_f64(if wanted.grip_moves { stale() } else { 0.0 });
-        let passes = first.map(|divisor| (divisor, Some(self.pace.patience(divisor) + others))).into_iter();
-        for (divisor, patience) in passes.chain([(1, None)]) {
-            match self.pass(number, wanted, divisor, patience) {
-                Ok(true) => return self.shared.show(|shown| shown.settled(number)),
-                // What is newer comes before the full picture.
-                Ok(false) if self.shared.newest() != number => return,
-                Ok(false) => {}
-                // A tile of a coarse picture lists more cells than one of the full picture, which a device may hold all the same.
-                Err(error) if divisor > 1 && TILE_ERRORS.contains(&&*error.what) => {}
-                Err(error) => return self.shared.show(|shown| shown.failed(number, error)),
+        let first = self.pace.divisor(wanted.pixels());
+        finer_where_crowded(first, |divisor| {
+            if divisor < first {
+                self.pace.coarsest = Some(divisor);
             }
-        }
+            let patience = self.pace.patience(divisor) + others;
+            self.pass(number, wanted, divisor, Some(patience))
+        })
     }
 
     /// One run, with so many pixels less along each side; `patience`: how long it goes on while a hand moves, for one that may be
@@ -155,7 +169,8 @@ impl WorkerState<'_> {
             self.session = session();
             let text = payload.downcast_ref::<&str>().map(|text| (*text).to_string());
             let text = text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_default();
-            let error = Error::run("the node panicked, which is a fault of its program").got(text);
+            let what = "the node panicked, which is a fault of its program";
+            let error = Error::new(ErrorKind::Panic, what).got(text);
             Err(following.node().into_iter().fold(error, |error, node| error.at_node(node)))
         })
     }
@@ -360,11 +375,11 @@ impl Pass<'_> {
     }
 }
 
-/// Time of a coarse picture (seconds): 25 a second, of which the wires take some.
-const COARSE_SECONDS: f64 = 0.035;
+/// Time of a coarse picture (seconds): thirty a second, of which the window and the wires take a third.
+const COARSE_SECONDS: f64 = 0.022;
 
 /// A full picture that takes no longer needs no coarse one before it, seconds.
-const FULL_SECONDS: f64 = 0.045;
+const FULL_SECONDS: f64 = 0.028;
 
 /// Along each side a coarse picture has at least an eighth of the pixels, or a person sees nothing in it.
 const MAX_DIVISOR: u32 = 8;
@@ -387,6 +402,8 @@ const FIRST_TIME_LIMIT: f64 = 0.2;
 /// pictures first.
 #[derive(Debug, Default)]
 struct FrameTimeModel {
+    /// Greatest divisor that is tried, where tiles of coarser pictures were too crowded for a device since the last full picture.
+    coarsest: Option<u32>,
     full: Option<(f64, f64)>,
     coarse: Option<(f64, f64)>,
     /// Drawing from the engine's cache of the view.
@@ -416,7 +433,7 @@ impl FrameTimeModel {
         // The full picture itself is the better witness.
         let as_measured = self.full.map_or(f64::INFINITY, |(count, seconds)| seconds * pixels / count);
         let of_cells = self.law().map_or(FIRST_DIVISOR, |law| coarsest(law, as_measured));
-        of_kept.unwrap_or(MAX_DIVISOR).min(of_cells)
+        of_kept.unwrap_or(MAX_DIVISOR).min(of_cells).min(self.coarsest.unwrap_or(MAX_DIVISOR))
     }
 
     /// Time limit of the first picture of a request that the user has moved on from: twice the time of the last such
@@ -441,6 +458,7 @@ impl FrameTimeModel {
 
     /// A picture of so many pixels took so long.
     pub fn learn(&mut self, divisor: u32, pixels: f64, seconds: f64) {
+        self.coarsest = self.coarsest.filter(|_| divisor > 1);
         let known = if divisor == 1 { &mut self.full } else { &mut self.coarse };
         *known = Some((pixels.max(1.0), seconds));
         self.kept = self.kept.map(|kept| CachedDrawing { others: kept.others + 1, ..kept });
@@ -526,13 +544,22 @@ mod tests {
         let mut pace = FrameTimeModel::default();
         assert_eq!(pace.divisor(786_432.0), FIRST_DIVISOR, "nothing is known yet");
         pace.learn(1, 786_432.0, 0.4);
-        // 0.4 s / 16 = 0.025 s, / 9 = 0.044 s.
-        assert_eq!(pace.divisor(786_432.0), 4);
+        // 0.4 s / 25 = 0.016 s, / 16 = 0.025 s.
+        assert_eq!(pace.divisor(786_432.0), 5);
         pace.learn(4, 49_152.0, 0.1);
         // 0.08 s of each picture do not follow the pixels: nothing is quick enough.
         assert_eq!(pace.divisor(786_432.0), MAX_DIVISOR);
-        pace.learn(1, 786_432.0, 0.04);
+        pace.learn(1, 786_432.0, 0.025);
         assert_eq!(pace.divisor(786_432.0), 1);
+    }
+
+    #[test]
+    fn pictures_are_no_coarser_than_a_device_draws_until_a_full_one_is_there() {
+        let mut pace = FrameTimeModel { coarsest: Some(2), ..FrameTimeModel::default() };
+        pace.learn(2, 196_608.0, 0.4);
+        assert_eq!(pace.divisor(786_432.0), 2);
+        pace.learn(1, 786_432.0, 0.8);
+        assert_eq!(pace.divisor(786_432.0), MAX_DIVISOR);
     }
 
     #[test]
@@ -544,7 +571,7 @@ mod tests {
         let mut pace = FrameTimeModel::default();
         pace.look_from(view(30));
         pace.learn(1, 786_432.0, 0.4);
-        assert_eq!(pace.divisor(786_432.0), 4);
+        assert_eq!(pace.divisor(786_432.0), 5);
         // 0.16 s for the full one, of which a ninth is quick.
         pace.learn_of_kept(49_152.0, 0.01);
         assert_eq!(pace.divisor(786_432.0), 3);
@@ -554,7 +581,7 @@ mod tests {
         assert_eq!(pace.divisor(786_432.0), 3);
         pace.learn_of_kept(87_381.0, 0.1);
         assert_eq!(pace.divisor(786_432.0), 3);
-        pace.learn_of_kept(87_381.0, 0.004);
+        pace.learn_of_kept(87_381.0, 0.003);
         assert_eq!(pace.divisor(786_432.0), 1);
         // The engine does not keep so much.
         for _ in 0..=UNTIL_KEPT {
