@@ -8,7 +8,7 @@ use crate::panes::Layouts;
 use crate::plugins::LoadPlugin;
 use crate::study::Study;
 use crate::theme;
-use eframe::egui::{Context, RawInput, Ui, Vec2, ViewportBuilder, ViewportCommand};
+use eframe::egui::{Context, RawInput, Ui, Vec2, ViewportBuilder, ViewportCommand, Visuals};
 use eframe::{App, Frame, NativeOptions, Renderer};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -65,6 +65,8 @@ pub fn run(file: Option<&Path>, registry: &Registry, services: Services) -> Resu
         renderer: Renderer::Glow,
         // Text and textures need no depth, and smooth edges come from feathering.
         multisampling: 0,
+        // Pictures are shown as they are, without noise.
+        dithering: false,
         ..NativeOptions::default()
     };
     let failed = |error: &dyn std::fmt::Display| {
@@ -155,6 +157,10 @@ impl App for Window {
         if let Some(file) = self.kept.as_deref().filter(|_| self.size != Vec2::ZERO) {
             self.layouts.write(file, self.size, &self.editor.panels.panes);
         }
+    }
+
+    fn clear_color(&self, visuals: &Visuals) -> [f32; 4] {
+        theme::panel(visuals.dark_mode).to_normalized_gamma_f32()
     }
 
     fn raw_input_hook(&mut self, ctx: &Context, input: &mut RawInput) {

@@ -7,6 +7,7 @@ use super::plane::{
 };
 use super::relative;
 use crate::theme;
+use crate::worker::Distribution;
 use eframe::egui::{self, Color32, Painter, Pos2, Rect, Stroke, StrokeKind, Ui, Vec2, vec2};
 use std::sync::Arc;
 use voltet_core::parameters::Parameters;
@@ -31,6 +32,26 @@ pub(super) struct ScreenWidget {
     pub stated: Vec<Field>,
     /// Error, or the reason for which it is not known yet.
     pub fault: Option<String>,
+}
+
+/// Share of the volume that a widget holds. It is found anew where the widget or the data are others: the bins are too many for each frame.
+#[derive(Default)]
+pub(super) struct HeldVolume {
+    of: Option<(Option<Widget>, Arc<Distribution>)>,
+    share: Option<f64>,
+}
+
+impl HeldVolume {
+    pub fn share(&mut self, widget: &ScreenWidget, data: &Arc<Distribution>) -> Option<f64> {
+        let is_same = |(before, of): &(Option<Widget>, Arc<Distribution>)| {
+            Arc::ptr_eq(of, data) && *before == widget.widget
+        };
+        if !self.of.as_ref().is_some_and(is_same) {
+            self.share = widget.held(&data.histogram);
+            self.of = Some((widget.widget.clone(), data.clone()));
+        }
+        self.share
+    }
 }
 
 impl ScreenWidget {
@@ -108,7 +129,7 @@ impl ScreenWidget {
     }
 
     /// The share of the volume where it is at half of its peak or more; `None` where it does not lie in the plane.
-    pub fn held(&self, histogram: &Histogram) -> Option<f64> {
+    fn held(&self, histogram: &Histogram) -> Option<f64> {
         if !self.shape.as_ref()?.is_in_plane() {
             return None;
         }
