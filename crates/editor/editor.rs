@@ -6,6 +6,7 @@ use crate::graph::GraphView;
 use crate::invitation::invite;
 use crate::jobs::{Arrays, DataSource, Job};
 use crate::keys::{self, GestureTracker};
+use crate::making::{self, Making};
 use crate::panes::Pane;
 use crate::parameters::ParameterPanel;
 use crate::picture::{self, PicturePanel};
@@ -28,12 +29,13 @@ use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 use voltet_document::{Document, Gesture};
 use voltet_graph::{Registry, RunReport};
 
-/// Makes the text of a pipeline for a file that is none, such as data; the second path is where it would be saved.
-pub type Start = Arc<dyn Fn(&Path, &Path) -> Result<String> + Send + Sync>;
+/// Makes the text of a pipeline for a file that is none, such as data; the second path is where it would be saved. It can be stopped.
+pub type Start = Arc<dyn Fn(&Path, &Path, &dyn Progress) -> Result<String> + Send + Sync>;
 
 /// The parts of the window, each with what a hand is doing in it.
 #[derive(Default)]
@@ -60,15 +62,6 @@ pub(crate) enum Next {
     /// The choice of one.
     Choose(FilePurpose),
     Quit,
-}
-
-/// Document that is being made for data.
-pub(crate) struct Making {
-    pub job: Job<Document>,
-    /// Revision of the document that was shown when it was asked for.
-    pub revision: u64,
-    /// The dialog by which the data were chosen.
-    pub dialog: Option<FileDialog>,
 }
 
 /// Requests to the worker, and how far its answers are behind.
@@ -390,6 +383,7 @@ fn show(editor: &mut Editor, ui: &mut Ui) {
     let ctx = &ui.ctx().clone();
     let offers_plugin = editor.offers_plugin();
     changed_on_disk(editor, ui);
+    making::show(editor.made.as_ref(), ui);
     // The panels change; everything else is looked at.
     let mut panels = std::mem::take(&mut editor.panels);
     {

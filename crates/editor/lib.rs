@@ -17,6 +17,7 @@ mod hit_marks;
 mod invitation;
 mod jobs;
 mod keys;
+mod making;
 mod outline;
 mod panes;
 mod parameters;

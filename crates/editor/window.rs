@@ -197,6 +197,7 @@ impl App for Window {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use voltet_core::progress::Progress;
 
     #[test]
     fn without_a_display_there_is_one_clear_line() {
@@ -214,7 +215,7 @@ mod tests {
         let file = folder.path().join("window");
         let lines = ["1000 700 0.4 0.5 0.3\n", "900 600 0.2 0.25 0.1\n"];
         std::fs::write(&file, lines.concat()).unwrap();
-        let start: Start = Arc::new(|_: &Path, _: &Path| Err(Error::usage("no data here")));
+        let start: Start = Arc::new(|_: &Path, _: &Path, _: &dyn Progress| Err(Error::usage("no data here")));
         let editor = Editor::new(Document::new(), &Registry::default(), start, Arc::new(|| {})).unwrap();
         let window = Window::new(editor, Layouts::read(&file));
         assert_eq!(window.editor.panels.panes.each_ref().map(|pane| pane.share_or(0.0)), [0.4, 0.5, 0.3]);

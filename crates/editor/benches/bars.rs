@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 use std::time::{Duration, Instant};
 use voltet_core::Error;
+use voltet_core::progress::Progress;
 use voltet_document::Document;
 use voltet_editor::Editor;
 use voltet_editor::view::View;
@@ -115,7 +116,7 @@ struct Window {
 impl Window {
     fn open(document: Document) -> Option<Window> {
         let registry = voltet_nodes::registry().ok()?;
-        let start = Arc::new(|_: &Path, _: &Path| Err(Error::usage("no data here")));
+        let start = Arc::new(|_: &Path, _: &Path, _: &dyn Progress| Err(Error::usage("no data here")));
         let editor = Editor::new(document, &registry, start, Arc::new(|| {})).ok()?;
         Some(Window { editor, ctx: Context::default(), size: [1600.0, 1000.0], frames: 0, named: Vec::new() })
     }
