@@ -6,7 +6,6 @@ use crate::graph::GraphView;
 use crate::invitation::invite;
 use crate::jobs::{Arrays, DataSource, Job};
 use crate::keys::{self, GestureTracker};
-use crate::making::{self, Making};
 use crate::panes::Pane;
 use crate::parameters::ParameterPanel;
 use crate::picture::{self, PicturePanel};
@@ -22,8 +21,8 @@ use crate::worker::{
     Estimate, NodeState, PixelProbe, RenderRequest, VolumeSource, Worker, WorkerOutput, size_of,
 };
 use eframe::egui::{
-    Align, CentralPanel, Context, Frame, Key, Label, Layout, Modifiers, Panel, Popup, Rect, RichText, Ui,
-    UiBuilder, ViewportCommand, vec2,
+    Align, CentralPanel, Context, Frame, Key, Label, Layout, Modifiers, Panel, Popup, ProgressBar, Rect,
+    RichText, Ui, UiBuilder, ViewportCommand, vec2,
 };
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -62,6 +61,17 @@ pub(crate) enum Next {
     /// The choice of one.
     Choose(FilePurpose),
     Quit,
+}
+
+/// Document that is being made for data.
+pub(crate) struct Making {
+    pub job: Job<Document>,
+    /// The data file, its size, and the memory that is free, in words.
+    pub words: String,
+    /// Revision of the document that was shown when it was asked for.
+    pub revision: u64,
+    /// The dialog by which the data were chosen.
+    pub dialog: Option<FileDialog>,
 }
 
 /// Requests to the worker, and how far its answers are behind.
@@ -383,7 +393,7 @@ fn show(editor: &mut Editor, ui: &mut Ui) {
     let ctx = &ui.ctx().clone();
     let offers_plugin = editor.offers_plugin();
     changed_on_disk(editor, ui);
-    making::show(editor.made.as_ref(), ui);
+    show_making(editor.made.as_ref(), ui);
     // The panels change; everything else is looked at.
     let mut panels = std::mem::take(&mut editor.panels);
     {
@@ -501,6 +511,22 @@ fn status(ui: &mut Ui, editor: &Editor, scene: &Scene, panels: &Panels) {
                     ui.label(RichText::new("F1: keys and mouse").color(theme::weak(dark)));
                 }
             });
+        });
+    });
+}
+
+/// Shows how far the document is that is made for data, and a button that stops that.
+fn show_making(made: Option<&Making>, ui: &mut Ui) {
+    let Some(made) = made else { return };
+    let (stage, fraction) = made.job.progress();
+    Panel::top("making").show(ui, |ui| {
+        ui.horizontal(|ui| {
+            if ui.button("Stop").on_hover_text("what is shown now stays").clicked() {
+                made.job.cancel();
+            }
+            ui.add(ProgressBar::new(fraction as f32).desired_width(180.0).show_percentage());
+            ui.label(stage);
+            ui.label(RichText::new(&made.words).color(theme::weak(ui.visuals().dark_mode)));
         });
     });
 }

@@ -17,7 +17,7 @@ mod hit_marks;
 mod invitation;
 mod jobs;
 mod keys;
-mod making;
+mod new_document;
 mod outline;
 mod panes;
 mod parameters;

@@ -368,12 +368,14 @@ fn first_quantity(arguments: &Start, summary: &Summary) -> Result<ArrayChoice> {
 fn histogram_of(grid: &Grid, s: &[f64], g: &[f64], progress: &dyn Progress) -> Result<Histogram> {
     let s_axis = Axis::over(s, BINS);
     let whole = Axis::over(g, 16 * BINS);
+    progress.report("histogram", 0.0);
     let coarse = histogram(
         grid,
         [s, g],
         [Axis { bins: 1, ..s_axis }, Axis { low: whole.low.min(0.0), ..whole }],
         progress,
     )?;
+    progress.report("histogram", 0.5);
     let high = coarse.nearly_all();
     let low = quiet(&coarse).min(0.5 * high);
     histogram(grid, [s, g], [s_axis, Axis { low, high, bins: BINS }], progress)

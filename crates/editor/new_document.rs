@@ -1,11 +1,10 @@
-//! A document that is made for a data file, on a thread of its own: how far it is, and a button that stops it.
+//! A new document for a data file, made on a thread of its own.
 
-use crate::editor::{Editor, Next};
+use crate::editor::{Editor, Making, Next};
 use crate::files::{FileDialog, free_path};
 use crate::jobs::Job;
-use crate::theme;
 use crate::worker::short_by;
-use eframe::egui::{Context, Panel, ProgressBar, RichText, Ui};
+use eframe::egui::Context;
 use std::path::Path;
 use voltet_core::Result;
 use voltet_core::error::ErrorKind;
@@ -13,17 +12,6 @@ use voltet_core::progress::Progress;
 use voltet_document::Document;
 use voltet_graph::NodeProgress;
 use voltet_io::memory;
-
-/// Document that is being made for data.
-pub(crate) struct Making {
-    pub job: Job<Document>,
-    /// The data file, its size, and the memory that is free, in words.
-    pub words: String,
-    /// Revision of the document that was shown when it was asked for.
-    pub revision: u64,
-    /// The dialog by which the data were chosen.
-    pub dialog: Option<FileDialog>,
-}
 
 impl Editor {
     /// Makes a document for a data file, on a thread of its own. `make`: of the file, and where the document would be saved.
@@ -65,20 +53,4 @@ impl Editor {
             self.unless_unsaved(ctx, Next::Take(Box::new(document)));
         }
     }
-}
-
-/// How far the document is that is made for data, and a button that stops that.
-pub(crate) fn show(made: Option<&Making>, ui: &mut Ui) {
-    let Some(made) = made else { return };
-    let (stage, fraction) = made.job.progress();
-    Panel::top("making").show(ui, |ui| {
-        ui.horizontal(|ui| {
-            if ui.button("Stop").on_hover_text("what is shown now stays").clicked() {
-                made.job.cancel();
-            }
-            ui.add(ProgressBar::new(fraction as f32).desired_width(180.0).show_percentage());
-            ui.label(stage);
-            ui.label(RichText::new(&made.words).color(theme::weak(ui.visuals().dark_mode)));
-        });
-    });
 }
