@@ -1,15 +1,19 @@
 //! Pictures beside the shown one: without a widget, by the 64-bit reference, and small ones of other nodes.
 
-use super::request::{Pixels, Query, QueryRun, RenderRequest, finer_where_crowded, retain_widgets};
+use super::query::{Query, QueryRun};
+use super::request::{Pixels, RenderRequest, retain_widgets};
 use std::sync::Arc;
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 use voltet_graph::{Demand, Registry, RunReport};
 
-/// Pixels that are compared, at most.
+/// Pixels that are compared, at most; where a device does not hold so coarse a picture, more.
 const PIXELS: f64 = 3072.0;
 
-/// Pixels of a small picture, at most: as many as a node has room for.
+/// Pixels that the reference draws, at most: it is the slowest way to draw them.
+const REFERENCE_PIXELS: f64 = 16.0 * PIXELS;
+
+/// Pixels of a small picture, at most: as many as a node has room for; where a device does not hold so coarse a picture, more.
 const PREVIEW_PIXELS: f64 = 160.0 * 120.0;
 
 /// Parameter of a node's integrator, and the integrator that others are compared with.
@@ -17,7 +21,7 @@ const INTEGRATOR: &str = "integrator";
 const REFERENCE: &str = "reference";
 
 /// Query for the error of a picture against the reference: the largest difference of a premultiplied channel, and the root of the
-/// mean square.
+/// mean square. Errors: a device does not hold pictures that are coarse enough for the reference.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Estimate(pub RenderRequest);
 
@@ -26,12 +30,14 @@ impl Query for Estimate {
     const WAITS: bool = false;
 
     fn answer(&self, run: &mut QueryRun) -> Result<[f64; 2]> {
-        let better = by_reference(&self.0, run.registry)?;
+        let QueryRun { session, registry, observer, crowding } = run;
+        let better = by_reference(&self.0, registry)?;
         let mut draw = |wanted: &RenderRequest, divisor| {
-            let report = run.session.run(&wanted.graph(run.registry, divisor)?, run.observer)?;
+            let report = session.run(&wanted.graph(registry, divisor)?, *observer)?;
             self.0.picture_of(&report)
         };
-        finer_where_crowded(self.0.divisor_for(PIXELS), |divisor| {
+        let divisors = [PIXELS, REFERENCE_PIXELS].map(|enough| self.0.divisor_for(enough));
+        crowding.finer_where_crowded(&self.0, divisors, |divisor| {
             Ok(difference(&*draw(&self.0, divisor)?, &*draw(&better, divisor)?))
         })
     }
@@ -122,11 +128,12 @@ impl Query for ShareQuery {
 
     /// A coarse picture with the widget and without it, and one of it alone for its cells.
     fn answer(&self, run: &mut QueryRun) -> Result<Share> {
+        let QueryRun { session, registry, observer, crowding } = run;
         let mut draw = |wanted: &RenderRequest, divisor| -> Result<(Arc<Picture>, RunReport)> {
-            let report = run.session.run(&wanted.graph(run.registry, divisor)?, run.observer)?;
+            let report = session.run(&wanted.graph(registry, divisor)?, *observer)?;
             Ok((wanted.picture_of(&report)?, report))
         };
-        finer_where_crowded(self.wanted.divisor_for(PIXELS), |divisor| {
+        crowding.finer_where_crowded(&self.wanted, [self.wanted.divisor_for(PIXELS), 1], |divisor| {
             let (with, _) = draw(&self.wanted, divisor)?;
             let (without, _) = draw(&self.with(|place| place != self.widget), divisor)?;
             let (_, alone) = draw(&self.with(|place| place == self.widget), divisor)?;
@@ -151,10 +158,11 @@ impl Query for PreviewQuery {
     /// The picture, without the nodes that it does not need being forgotten as a run forgets them.
     fn answer(&self, run: &mut QueryRun) -> Result<Pixels> {
         let wanted = &self.0;
-        finer_where_crowded(wanted.divisor_for(PREVIEW_PIXELS), |divisor| {
-            let graph = wanted.graph(run.registry, divisor)?;
+        let QueryRun { session, registry, observer, crowding } = run;
+        crowding.finer_where_crowded(wanted, [wanted.divisor_for(PREVIEW_PIXELS), 1], |divisor| {
+            let graph = wanted.graph(registry, divisor)?;
             let place = graph.nodes.len() - 1;
-            let (fed, _) = run.session.feed(&graph, place, &Demand::default(), run.observer)?;
+            let (fed, _) = session.feed(&graph, place, &Demand::default(), *observer)?;
             let fed = graph.nodes[place].inputs.iter().zip(fed);
             let mut pictures = fed
                 .filter(|(edge, _)| graph.nodes[edge.node].name == wanted.node)

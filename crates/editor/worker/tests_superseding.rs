@@ -258,8 +258,8 @@ fn a_steady_drag_shows_pictures() {
 }
 
 /// Numbers of runs of the node that draws fine pictures alone: its errors are of a tile, are others, it panics, or they are of a tile and
-/// queries ask.
-static FINE_RUNS: [AtomicUsize; 4] = [const { AtomicUsize::new(0) }; 4];
+/// queries ask, of which the last is that for the error.
+static FINE_RUNS: [AtomicUsize; 5] = [const { AtomicUsize::new(0) }; 5];
 
 /// Draws pictures of more than 8 pixels across alone.
 fn fine(call: &voltet_graph::RunContext, kind: usize) -> Result<Outputs> {
@@ -267,7 +267,7 @@ fn fine(call: &voltet_graph::RunContext, kind: usize) -> Result<Outputs> {
     let [width, height] = call.camera("camera")?.size.map(|side| side as usize);
     match (width > 8, kind) {
         (true, _) => Ok(vec![Value::Image(Arc::new(Picture::transparent(width, height)))]),
-        (false, 0 | 3) => Err(Error::new(ErrorKind::CrowdedTile, "a tile is crowded").got(width)),
+        (false, 0 | 3 | 4) => Err(Error::new(ErrorKind::CrowdedTile, "a tile is crowded").got(width)),
         (false, 1) => Err(Error::run("the device is lost")),
         (false, _) => panic!("a mistake"),
     }
@@ -278,6 +278,18 @@ const OF_TILE: Node = Node { run: &|call| fine(call, 0), ..TIMED };
 const OTHER: Node = Node { run: &|call| fine(call, 1), ..TIMED };
 const PANICKING: Node = Node { run: &|call| fine(call, 2), ..TIMED };
 const ASKED: Node = Node { run: &|call| fine(call, 3), ..TIMED };
+/// One that integrates.
+const COMPARED: Node = Node {
+    run: &|call| fine(call, 4),
+    parameters: &[voltet_graph::Parameter {
+        name: "integrator",
+        parameter_type: voltet_graph::ParameterType::Choice(&[("fast", "as ever"), ("reference", "slowly")]),
+        unit: "",
+        default: voltet_graph::DefaultValue::Text("fast"),
+        help: "how it integrates",
+    }],
+    ..TIMED
+};
 /// One that is not known to be quick.
 const ELSEWHERE: Node = Node { name: "elsewhere", ..OF_TILE };
 
@@ -334,6 +346,31 @@ fn small_pictures_and_shares_are_finer_where_a_tile_has_too_many_cells() {
         std::thread::sleep(Duration::from_millis(2));
     }
     assert_eq!(answers(), Some((480_000, [16, 30_000])));
+    // Divisors of 13, 6, 3 and 1 for the share; the small picture of the same pixels is not drawn anew.
+    assert_eq!(FINE_RUNS[3].load(Ordering::SeqCst), 4);
+}
+
+/// The reference would draw a full picture for minutes.
+#[test]
+fn the_error_is_estimated_in_finer_pictures_up_to_a_number_of_pixels() {
+    let estimated = |size: [u32; 2]| {
+        let (worker, request) = worker_of(&COMPARED, size);
+        let before = FINE_RUNS[4].load(Ordering::SeqCst);
+        worker.ask(|output| &mut output.estimate, Estimate(request));
+        let start = Instant::now();
+        while worker.shown(|shown| shown.estimate.answer().is_none()) {
+            assert!(start.elapsed() < Duration::from_secs(60), "there is no answer");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        let answer = worker.shown(|shown| shown.estimate.answer().cloned().unwrap());
+        (answer, FINE_RUNS[4].load(Ordering::SeqCst) - before)
+    };
+    // Divisors of 4, in vain, and of 2, there with the reference, too.
+    let (answer, runs) = estimated([32, 960]);
+    assert_eq!((answer.unwrap(), runs), ([0.0; 2], 3));
+    // Of 13, 6 and 4.
+    let (answer, runs) = estimated([16, 30_000]);
+    assert_eq!((answer.unwrap_err().kind, runs), (ErrorKind::CrowdedTile, 3));
 }
 
 #[test]

@@ -1,10 +1,10 @@
 //! The thread's own work: the newest request first, panics caught; the state that it shares with the window's thread; when a pass is
 //! stopped for a newer request; and how many pixels a coarse picture has.
 
+use super::crowding::Crowding;
 use super::output::WorkerOutput;
-use super::request::{
-    Change, Exchange, Pixels, Query, QueryRun, RenderRequest, finer_where_crowded, wire_values,
-};
+use super::query::{Exchange, Query, QueryRun};
+use super::request::{Change, Pixels, RenderRequest, wire_values};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -26,13 +26,14 @@ struct WorkerState<'a> {
     /// The session that read data ahead, which keeps them until they are drawn.
     ahead: Option<Session>,
     pace: FrameTimeModel,
+    crowding: Crowding,
 }
 
 /// Works at the newest request, and at queries where there is none, until the worker ends.
 pub(super) fn run(shared: &Shared) {
     let registry = lock(&shared.state).registry.clone();
-    let mut own =
-        WorkerState { shared, registry, session: session(), ahead: None, pace: FrameTimeModel::default() };
+    let (pace, crowding) = (FrameTimeModel::default(), Crowding::default());
+    let mut own = WorkerState { shared, registry, session: session(), ahead: None, pace, crowding };
     loop {
         let mut state = lock(&shared.state);
         while !std::mem::take(&mut state.has_news) {
@@ -112,13 +113,13 @@ impl WorkerState<'_> {
         let stale = || 2.0 * lock(&self.shared.state).output.stale_seconds(wanted);
         let others = Duration::from_secs_f64(if wanted.grip_moves { stale() } else { 0.0 });
         let first = self.pace.divisor(wanted.pixels());
-        finer_where_crowded(first, |divisor| {
-            if divisor < first {
-                self.pace.coarsest = Some(divisor);
-            }
-            let patience = self.pace.patience(divisor) + others;
+        let mut crowding = std::mem::take(&mut self.crowding);
+        let drawn = crowding.finer_where_crowded(wanted, [first, 1], |divisor| {
+            let patience = self.pace.patience(divisor, wanted.pixels()) + others;
             self.pass(number, wanted, divisor, Some(patience))
-        })
+        });
+        self.crowding = crowding;
+        drawn
     }
 
     /// One run, with so many pixels less along each side; `patience`: how long it goes on while a hand moves, for one that may be
@@ -193,9 +194,12 @@ impl WorkerState<'_> {
         let stop =
             |_: &dyn Fn() -> Option<String>| shared.newest() != newest || (!Q::WAITS && is_superseded());
         let following = Following::new(shared, &stop, false);
+        let mut crowding = std::mem::take(&mut self.crowding);
         let outcome = self.guarded(&following, |session| {
-            query.answer(&mut QueryRun { session, registry, observer: &following })
+            let (observer, crowding) = (&following, &mut crowding);
+            query.answer(&mut QueryRun { session, registry, observer, crowding })
         });
+        self.crowding = crowding;
         shared.show(|output| {
             if let Some(output) = output.since(newest) {
                 of(output).settle(number, outcome);
@@ -376,7 +380,7 @@ impl Pass<'_> {
 }
 
 /// Time of a coarse picture (seconds): thirty a second, of which the window and the wires take a third.
-const COARSE_SECONDS: f64 = 0.022;
+const COARSE_SECONDS: f64 = 2.0 / 3.0 / 30.0;
 
 /// A full picture that takes no longer needs no coarse one before it, seconds.
 const FULL_SECONDS: f64 = 0.028;
@@ -386,10 +390,6 @@ const MAX_DIVISOR: u32 = 8;
 
 /// Before anything was drawn.
 const FIRST_DIVISOR: u32 = 4;
-
-/// Shortest time limit of the first picture of a request that the user has moved on from (seconds), so that 20 a second are
-/// shown.
-const MIN_TIME_LIMIT: f64 = 0.05;
 
 /// Time limit before any picture was drawn (seconds).
 const FIRST_TIME_LIMIT: f64 = 0.2;
@@ -402,8 +402,6 @@ const FIRST_TIME_LIMIT: f64 = 0.2;
 /// pictures first.
 #[derive(Debug, Default)]
 struct FrameTimeModel {
-    /// Greatest divisor that is tried, where tiles of coarser pictures were too crowded for a device since the last full picture.
-    coarsest: Option<u32>,
     full: Option<(f64, f64)>,
     coarse: Option<(f64, f64)>,
     /// Drawing from the engine's cache of the view.
@@ -433,15 +431,16 @@ impl FrameTimeModel {
         // The full picture itself is the better witness.
         let as_measured = self.full.map_or(f64::INFINITY, |(count, seconds)| seconds * pixels / count);
         let of_cells = self.law().map_or(FIRST_DIVISOR, |law| coarsest(law, as_measured));
-        of_kept.unwrap_or(MAX_DIVISOR).min(of_cells).min(self.coarsest.unwrap_or(MAX_DIVISOR))
+        of_kept.unwrap_or(MAX_DIVISOR).min(of_cells)
     }
 
-    /// Time limit of the first picture of a request that the user has moved on from: twice the time of the last such
-    /// picture.
-    pub fn patience(&self, divisor: u32) -> Duration {
-        let last = if divisor == 1 { self.full } else { self.coarse };
-        let usual = last.map_or(FIRST_TIME_LIMIT, |(_, seconds)| 2.0 * seconds);
-        Duration::from_secs_f64(usual.max(MIN_TIME_LIMIT))
+    /// Time limit of the first picture of a request that the user has moved on from: twice that of the last such picture, in proportion where
+    /// this one has more pixels, and at least twice that of a coarse one. `pixels`: of the full picture.
+    pub fn patience(&self, divisor: u32, pixels: f64) -> Duration {
+        let last = if divisor == 1 { self.full.or(self.coarse) } else { self.coarse };
+        let more = |count: f64| (pixels / f64::from(divisor * divisor) / count).max(1.0);
+        let usual = last.map_or(FIRST_TIME_LIMIT, |(count, seconds)| 2.0 * seconds * more(count));
+        Duration::from_secs_f64(usual.max(2.0 * COARSE_SECONDS))
     }
 
     /// Seconds of a picture and of a pixel, through what was measured last.
@@ -458,7 +457,6 @@ impl FrameTimeModel {
 
     /// A picture of so many pixels took so long.
     pub fn learn(&mut self, divisor: u32, pixels: f64, seconds: f64) {
-        self.coarsest = self.coarsest.filter(|_| divisor > 1);
         let known = if divisor == 1 { &mut self.full } else { &mut self.coarse };
         *known = Some((pixels.max(1.0), seconds));
         self.kept = self.kept.map(|kept| CachedDrawing { others: kept.others + 1, ..kept });
@@ -554,12 +552,16 @@ mod tests {
     }
 
     #[test]
-    fn pictures_are_no_coarser_than_a_device_draws_until_a_full_one_is_there() {
-        let mut pace = FrameTimeModel { coarsest: Some(2), ..FrameTimeModel::default() };
-        pace.learn(2, 196_608.0, 0.4);
-        assert_eq!(pace.divisor(786_432.0), 2);
-        pace.learn(1, 786_432.0, 0.8);
-        assert_eq!(pace.divisor(786_432.0), MAX_DIVISOR);
+    fn a_picture_has_twice_the_time_that_one_of_as_many_pixels_took() {
+        let mut pace = FrameTimeModel::default();
+        let seconds = |pace: &FrameTimeModel, divisor| pace.patience(divisor, 786_432.0).as_secs_f64();
+        assert_eq!([1, 8].map(|divisor| seconds(&pace, divisor)), [FIRST_TIME_LIMIT; 2]);
+        pace.learn(8, 12_288.0, 0.025);
+        assert_eq!([8, 4, 2, 1].map(|divisor| seconds(&pace, divisor)), [0.05, 0.2, 0.8, 3.2]);
+        // The full picture itself is the better witness; a coarser one than the last has no less time.
+        pace.learn(1, 786_432.0, 0.4);
+        pace.learn(2, 196_608.0, 0.1);
+        assert_eq!([1, 2, 8].map(|divisor| seconds(&pace, divisor)), [0.8, 0.2, 0.2]);
     }
 
     #[test]
