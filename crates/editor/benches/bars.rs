@@ -8,7 +8,7 @@
 use eframe::egui::accesskit::NodeId;
 use eframe::egui::{Context, Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2, vec2};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 use voltet_core::Error;
 use voltet_core::progress::Progress;
@@ -32,6 +32,10 @@ fn row(what: &str, milliseconds: f64, bar: f64) {
     println!("| {what} | {milliseconds:.1} ms | {bar:.0} ms |");
 }
 
+fn milliseconds(since: Instant) -> f64 {
+    since.elapsed().as_secs_f64() * 1e3
+}
+
 /// So many nodes in view, in rows of five wired pipelines.
 fn interface(count: usize) {
     let chains = count / 4;
@@ -51,10 +55,10 @@ fn interface(count: usize) {
             text += &format!("{name}_{i} = [{}, {y}]\n", x + 230 * k);
         }
     }
-    let begun = thread_time();
+    let begun = Instant::now();
     let Some(mut window) = Window::open(Document::from_text(text, None)) else { return };
     window.frame(Vec::new());
-    let opened = thread_time() - begun;
+    let opened = milliseconds(begun);
     (0..20).for_each(|_| _ = window.frame(Vec::new()));
     let of = format!("{count} nodes in view");
     row(&format!("opening, {of}"), opened, 50.0);
@@ -94,14 +98,6 @@ fn interface(count: usize) {
     }
 }
 
-/// Milliseconds for which this thread was on a processor; where the system does not say, those that went by.
-fn thread_time() -> f64 {
-    static BEGUN: LazyLock<Instant> = LazyLock::new(Instant::now);
-    let stated = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let nanoseconds = stated.and_then(|text| text.split(' ').next()?.parse::<f64>().ok());
-    nanoseconds.map_or_else(|| BEGUN.elapsed().as_secs_f64() * 1e3, |nanoseconds| nanoseconds * 1e-6)
-}
-
 /// The interface without a window.
 struct Window {
     editor: Editor,
@@ -121,16 +117,16 @@ impl Window {
         Some(Window { editor, ctx: Context::default(), size: [1600.0, 1000.0], frames: 0, named: Vec::new() })
     }
 
-    /// Milliseconds of processor time of a frame with these events, which the worker's threads do not lengthen.
+    /// Milliseconds that a frame with these events takes, with all that it waits for.
     fn frame(&mut self, events: Vec<Event>) -> f64 {
         self.frames += 1;
         let (screen_rect, time) =
             (Some(Rect::from_min_size(Pos2::ZERO, self.size.into())), Some(f64::from(self.frames) / 60.0));
-        let begun = thread_time();
+        let begun = Instant::now();
         let input = RawInput { screen_rect, time, events, ..RawInput::default() };
         let output = self.ctx.run_ui(input, |ui| self.editor.frame(ui));
         let meshes = self.ctx.tessellate(output.shapes, output.pixels_per_point);
-        let spent = thread_time() - begun;
+        let spent = milliseconds(begun);
         assert!(!meshes.is_empty());
         if let Some(update) = output.platform_output.accesskit_update {
             let place = |node: &eframe::egui::accesskit::Node| {
@@ -215,7 +211,7 @@ fn until(worker: &Worker, number: u64, begun: Instant) -> [f64; 2] {
             println!("{failure}");
             break;
         }
-        let now = begun.elapsed().as_secs_f64() * 1e3;
+        let now = milliseconds(begun);
         match shown {
             Some((of, true)) if of == number => return [first.unwrap_or(now), now],
             Some((of, _)) if of == number => first = first.or(Some(now)),
@@ -274,7 +270,7 @@ fn drawing(file: Option<&Path>) {
         while drawn().is_none() && begun.elapsed() < Duration::from_secs(10) {
             std::thread::sleep(Duration::from_micros(500));
         }
-        seconds.push(begun.elapsed().as_secs_f64() * 1e3);
+        seconds.push(milliseconds(begun));
         pixels.extend(drawn().map(|pixels| (pixels.size()[0] * pixels.size()[1]) as f64));
     }
     let (times, sizes) = (median(seconds.split_off(20)), median(pixels.split_off(20)));
