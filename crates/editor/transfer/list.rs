@@ -360,8 +360,8 @@ impl TransferPanel {
                     .into(),
             ));
         }
-        let distribution = look.scene.distribution.as_ref();
-        if let Some(held) = distribution.and_then(|data| self.held_volume.share(widget, data)) {
+        let (distribution, axes) = (look.scene.distribution.as_ref(), (look.axes.clone(), look.scales));
+        if let Some(held) = distribution.and_then(|data| self.held_volume.share(widget, data, &axes)) {
             let text = format!("holds {} % of the volume", percent(held));
             texts.push((text, "where the widget is at half of its peak or more".into()));
         }
