@@ -97,6 +97,10 @@ impl<T> Job<T> {
     pub fn cancel(&self) {
         self.observer.is_cancelled.store(true, Ordering::Relaxed);
     }
+
+    pub fn is_cancelled(&self) -> bool {
+        self.observer.is_cancelled.load(Ordering::Relaxed)
+    }
 }
 
 impl<T> Drop for Job<T> {

@@ -181,22 +181,27 @@ fn work_that_is_done_while_a_pipeline_is_made_is_asked_about() {
 #[test]
 fn what_is_made_for_data_says_how_far_it_is_and_can_be_stopped() {
     let mut hand = Hand::new(TEXT);
+    let (go, wait) = std::sync::mpsc::channel::<()>();
+    let wait = std::sync::Mutex::new(wait);
+    // It has gone too far to be stopped, and gives a document all the same.
     hand.editor.start = Arc::new(move |_: &Path, _: &Path, progress: &dyn Progress| {
         progress.report("reading", 0.25);
-        while !progress.cancelled() {
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        progress.check_cancelled().map(|()| String::new())
+        wait.lock().unwrap().recv().unwrap();
+        Ok(TEXT.replace("The wavelet", "A data file"))
     });
     let data = hand.folder.path().join("data.vtu");
     std::fs::write(&data, vec![0; 20_000_000]).unwrap();
-    let ctx = hand.ctx.clone();
+    hand.frames(2);
+    let (ctx, places) = (hand.ctx.clone(), ["node grid", "node picture"].map(|name| hand.rect(name)));
     hand.editor.open_any(&ctx, &data);
     until(&mut hand, "no progress is said", |hand| hand.texts("reading").len() == 1);
     assert_eq!((hand.texts("25%").len(), hand.text()), (1, TEXT.to_string()));
-    let words = format!("{}, 0.02 GB", data.display());
-    assert_eq!(hand.shown_beginning(&words).len(), 1);
+    assert_eq!(hand.shown_beginning("making a pipeline for data.vtu of 20 MB …").len(), 1);
+    // Nothing is pushed from under a hand.
+    assert_eq!(["node grid", "node picture"].map(|name| hand.rect(name)), places);
     hand.click_on("Stop");
+    assert_eq!((hand.texts("Stop").len(), hand.texts("stopping …").len()), (0, 1));
+    go.send(()).unwrap();
     until(&mut hand, "it is not stopped", |hand| hand.editor.made.is_none());
     hand.frames(2);
     assert_eq!(
