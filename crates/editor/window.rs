@@ -197,6 +197,7 @@ impl App for Window {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use eframe::egui::{Color32, Theme};
     use voltet_core::progress::Progress;
 
     #[test]
@@ -207,6 +208,21 @@ mod tests {
         assert!(refuse_without_display(&|name| name == "WAYLAND_DISPLAY").is_ok());
         let of_driver = "winit EventLoopError: os error at /home/a/src/x11/mod.rs:42: XOpenDisplayFailed";
         assert_eq!(without_place(of_driver), "XOpenDisplayFailed");
+    }
+
+    #[test]
+    fn the_window_is_cleared_to_the_colour_of_panels_which_are_clear() {
+        let ctx = Context::default();
+        theme::apply(&ctx);
+        let start: Start = Arc::new(|_: &Path, _: &Path, _: &dyn Progress| Err(Error::usage("no data here")));
+        let editor = Editor::new(Document::new(), &Registry::default(), start, Arc::new(|| {})).unwrap();
+        let window = Window::new(editor, Layouts::default());
+        for (of, dark) in [(Theme::Dark, true), (Theme::Light, false)] {
+            let visuals = ctx.style_of(of).visuals.clone();
+            assert_eq!((visuals.dark_mode, visuals.panel_fill), (dark, Color32::TRANSPARENT));
+            let gray = f32::from(theme::panel(dark).r()) / 255.0;
+            assert_eq!(window.clear_color(&visuals), [gray, gray, gray, 1.0]);
+        }
     }
 
     #[test]
