@@ -50,12 +50,6 @@ mod wavelet;
 pub use camera::VIEW_PARAMETERS;
 pub use color_scale::{ScalarColors, scalar_colors};
 pub use transfer_function::load_image as table_image;
-#[cfg(feature = "gpu")]
-pub use voltet_gpu::TILE_ERRORS;
-
-/// No engine has tiles that a device might not hold.
-#[cfg(not(feature = "gpu"))]
-pub const TILE_ERRORS: [&str; 0] = [];
 
 use std::path::Path;
 use voltet_core::Result;

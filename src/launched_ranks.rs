@@ -4,6 +4,7 @@
 //! While it starts MPI adds variables to the environment, and the C library does not guard readers against that. So whoever starts it reads
 //! before what is needed of the environment, and nothing else may read there until MPI has started ([`Ranks::wait_for_start`]).
 
+use crate::core::error::ErrorKind;
 use crate::core::{Error, Result};
 use crate::graph::ranks::Ranks;
 use crate::mpi_ranks::{self, MpiRanks};
@@ -54,7 +55,7 @@ impl LaunchedRanks {
             let result = match started {
                 Ok((ranks, _)) => {
                     let called = catch_unwind(AssertUnwindSafe(|| call(ranks)));
-                    called.unwrap_or_else(|_| Err(Error::run("a call of MPI panicked")))
+                    called.unwrap_or_else(|_| Err(Error::new(ErrorKind::Panic, "a call of MPI panicked")))
                 }
                 Err(error) => Err(error.clone()),
             };
@@ -137,7 +138,7 @@ mod tests {
         let ranks = LaunchedRanks::start(0, 1).unwrap();
         ranks.wait_for_start().unwrap();
         let failed = ranks.call::<()>(|_| panic!("a defect")).unwrap_err();
-        assert!(failed.to_string().contains("panicked"), "{failed}");
+        assert_eq!(failed.kind, ErrorKind::Panic, "{failed}");
         assert!(ranks.machine().is_some_and(|name| !name.is_empty()));
         assert_eq!(ranks.exchange(vec![vec![3]]).unwrap(), [[3]]);
     }

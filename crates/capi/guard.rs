@@ -61,6 +61,7 @@ fn status_and_message(
         Ok(Err(error)) => match error.kind {
             ErrorKind::Usage => (USAGE, error.to_string()),
             ErrorKind::Cancelled => (CANCELLED, error.to_string()),
+            ErrorKind::Panic => (PANIC, error.to_string()),
             _ => (FAILED, error.to_string()),
         },
         Err(panic) => (PANIC, voltet::panic_message(panic.as_ref())),
@@ -185,6 +186,10 @@ mod tests {
         let status = unsafe { with(&handle, |_| panic!("seven of {}", 6)) };
         assert_eq!(status, PANIC);
         assert!(text(&handle).contains("seven of 6"), "{}", text(&handle));
+        // One that was caught further in, such as on another thread.
+        let caught = || Err(Error::new(ErrorKind::Panic, "a call panicked"));
+        // SAFETY: as before.
+        assert_eq!(unsafe { with(&handle, |_| caught()) }, PANIC);
         // SAFETY: as before.
         assert_eq!(unsafe { with(&handle, |_| Ok(())) }, DONE);
     }

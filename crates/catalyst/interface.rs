@@ -5,7 +5,6 @@
 #![allow(clippy::missing_safety_doc)]
 
 use crate::conduit::Node;
-use crate::lockstep;
 use crate::simulation::Simulation;
 use std::any::Any;
 use std::ffi::{c_int, c_void};
@@ -59,7 +58,7 @@ fn guarded(name: &str, work: impl FnOnce(&mut Option<Simulation>) -> Result<()>)
     let (status, text) = match outcome {
         Ok(Ok(())) => return DONE,
         // Its own process shows it.
-        Ok(Err(error)) if lockstep::is_of_other(&error) => return FAILED,
+        Ok(Err(error)) if error.kind == ErrorKind::OtherProcess => return FAILED,
         Ok(Err(error)) => (status_of(&error), error.to_string()),
         Err(panic) => {
             drop_after_panic(&mut simulation);
@@ -74,7 +73,7 @@ fn guarded(name: &str, work: impl FnOnce(&mut Option<Simulation>) -> Result<()>)
 
 fn status_of(error: &Error) -> c_int {
     match error.kind {
-        _ if lockstep::is_panic(error) => PANIC,
+        ErrorKind::Panic => PANIC,
         ErrorKind::Usage => WRONG,
         _ => FAILED,
     }

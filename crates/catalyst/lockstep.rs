@@ -3,6 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use voltet_core::error::ErrorKind;
 use voltet_core::{Error, Result};
 use voltet_graph::ranks::Ranks;
 
@@ -10,29 +11,13 @@ use voltet_graph::ranks::Ranks;
 const GOES_ON: u8 = 0;
 const HAS_FAILED: u8 = 1;
 
-/// Begin of the errors for the failure of another process.
-const OTHER_FAILED: &str = "another process failed";
-
-/// True if an error is that of another process, which shows it.
-pub fn is_of_other(error: &Error) -> bool {
-    error.what == OTHER_FAILED
-}
-
-/// Begin of the errors for a mistake of voltet, as of [`voltet::panic_message`].
-const MISTAKE: &str = "this is a mistake of voltet itself";
-
-/// True if an error is that of a panic.
-pub fn is_panic(error: &Error) -> bool {
-    error.what.starts_with(MISTAKE)
-}
-
-/// Outcome of work, of which a panic is an error: other processes wait for it.
+/// Outcome of work, of which a panic is an error of that kind: other processes wait for it.
 ///
 /// # Errors
 /// - those of the work.
 pub fn caught<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
     let outcome = catch_unwind(AssertUnwindSafe(work));
-    outcome.unwrap_or_else(|panic| Err(Error::run(voltet::panic_message(panic.as_ref()))))
+    outcome.unwrap_or_else(|panic| Err(Error::new(ErrorKind::Panic, voltet::panic_message(panic.as_ref()))))
 }
 
 /// The processes of a simulation. Between [`Lockstep::agree`] and the next one all of them exchange equally often, or one fails.
@@ -93,7 +78,8 @@ impl Lockstep {
 
     fn other_failed(&self) -> Error {
         let failed = self.failed.lock().unwrap_or_else(PoisonError::into_inner).unwrap_or_default();
-        Error::run(OTHER_FAILED).got(format!("rank {failed} of {}, which says why", self.count()))
+        Error::new(ErrorKind::OtherProcess, "another process failed")
+            .got(format!("rank {failed} of {}, which says why", self.count()))
     }
 
     /// Exchanges messages that begin with a byte for what becomes of the sender; gives them without it.
@@ -138,7 +124,8 @@ mod tests {
     #[test]
     fn a_panic_is_an_error_that_is_told_from_others() {
         let panic = caught(|| -> Result<()> { panic!("seven of {}", 6) }).unwrap_err();
-        assert!(is_panic(&panic) && panic.what.contains("seven of 6"), "{panic}");
-        assert!(!is_panic(&caught(|| -> Result<()> { Err(Error::run("no")) }).unwrap_err()));
+        assert!(panic.kind == ErrorKind::Panic && panic.what.contains("seven of 6"), "{panic}");
+        let failure = caught(|| -> Result<()> { Err(Error::run("this is a mistake of voltet itself")) });
+        assert_eq!(failure.unwrap_err().kind, ErrorKind::Run);
     }
 }

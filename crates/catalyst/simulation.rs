@@ -1,7 +1,7 @@
 //! The pipelines of a simulation, and its steps: in each the meshes of the channels take the place of the files that the pipelines read.
 
 use crate::conduit::{Loan, Node};
-use crate::lockstep::{Lockstep, caught, is_of_other, is_panic};
+use crate::lockstep::{Lockstep, caught};
 use crate::mesh::{self, FieldSelection};
 use crate::piece;
 use std::collections::{BTreeMap, BTreeSet};
@@ -12,6 +12,7 @@ use voltet::nodes::in_memory_grid::HostGrid;
 use voltet::series::names::{self, MarkValues, Varying};
 use voltet::series::{file_names, written};
 use voltet::{Pipeline, RunStatus, build_grid, run_in_background, unnamed_scalar};
+use voltet_core::error::ErrorKind;
 use voltet_core::grid::{CellValues, Options};
 use voltet_core::{Error, Result};
 use voltet_graph::ranks::Ranks;
@@ -119,13 +120,13 @@ impl Simulation {
             script.warn(ranks.rank() == 0);
             let Err(mut error) = outcome else { continue };
             // What is half done on one process is not taken for done on another.
-            if is_panic(&error) || ranks.count() > 1 {
+            if error.kind == ErrorKind::Panic || ranks.count() > 1 {
                 script.pipeline.reset();
             }
-            if failure.is_some() && !is_of_other(&error) {
+            if failure.is_some() && error.kind != ErrorKind::OtherProcess {
                 eprintln!("voltet: {}: {error}", script.name);
             } else if failure.is_none() {
-                if !is_only && !is_of_other(&error) && !is_panic(&error) {
+                if !is_only && !matches!(error.kind, ErrorKind::OtherProcess | ErrorKind::Panic) {
                     error.what = format!("{}: {}", script.name, error.what);
                 }
                 failure = Some(error);

@@ -8,16 +8,22 @@ use std::fmt;
 /// Result of the library.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Category of an error: the user's mistake or a failed run; decides the exit code of the program.
+/// Category of an error, by which callers tell what to do about it; the program's exit code is 2 for the user's mistake, else 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ErrorKind {
-    /// The command line or the pipeline file is wrong: exit code 2.
+    /// The command line or the pipeline file is wrong.
     Usage,
-    /// The run failed (a data file is damaged, an output cannot be written, memory ends): exit code 1.
+    /// The run failed (a data file is damaged, an output cannot be written, memory ends).
     Run,
-    /// The user stopped the run: exit code 1.
+    /// The user stopped the run.
     Cancelled,
+    /// One tile of a picture has more cells than a device holds or sorts; in a picture of more pixels a tile has fewer.
+    CrowdedTile,
+    /// Another of several processes failed, and shows why.
+    OtherProcess,
+    /// A mistake of the program itself.
+    Panic,
 }
 
 /// Location of an error, from the outermost to the innermost place known.
@@ -66,7 +72,8 @@ impl Error {
         Self::new(ErrorKind::Cancelled, "the run was stopped")
     }
 
-    fn new(kind: ErrorKind, what: impl Into<String>) -> Self {
+    /// An error of a category.
+    pub fn new(kind: ErrorKind, what: impl Into<String>) -> Self {
         Error { kind, what: what.into(), got: None, expected: None, location: Box::default() }
     }
 

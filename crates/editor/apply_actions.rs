@@ -1,9 +1,9 @@
 //! Application of the actions that the parts of the window requested: edits, commands, the clipboard, runs; the document's file, which is
 //! opened or made for data, saved, changed by another program, recovered after a crash.
 
-use crate::editor::{Editor, Making, Next, Panels};
+use crate::editor::{Editor, Next, Panels};
 use crate::eyes;
-use crate::files::{Disk, FileDialog, Recover, age, ask, free_path, is_pipeline};
+use crate::files::{Disk, FileDialog, Recover, age, ask, is_pipeline};
 use crate::jobs::{Arrays, Job};
 use crate::picture::milliseconds;
 use crate::scene::{Action, Command, FilePurpose, error_text};
@@ -56,7 +56,9 @@ impl Editor {
             }
             FilePurpose::Data(template) => {
                 let registry = self.registry.clone();
-                self.make(ctx, file, Some(dialog), move |file, at| template.filled(file, at, &registry));
+                self.make(ctx, file, Some(dialog), move |file, at, progress| {
+                    template.filled(file, at, &registry, progress)
+                });
             }
             FilePurpose::SaveAs => self.save_as(file),
             FilePurpose::Film => {
@@ -71,7 +73,7 @@ impl Editor {
     }
 
     /// Shows the dialog again by which a file was chosen that cannot be opened, with the reason, unless another is open.
-    fn ask_again(&mut self, dialog: Option<FileDialog>) {
+    pub(crate) fn ask_again(&mut self, dialog: Option<FileDialog>) {
         if let (Some(mut dialog), Some((text, true)), None) = (dialog, &self.message, &self.file_dialog) {
             dialog.fault = Some(text.clone());
             self.file_dialog = Some(dialog);
@@ -412,39 +414,9 @@ impl Editor {
             return;
         }
         let start = self.start.clone();
-        self.make(ctx, path, dialog, move |file, at| begun(start(file, at)?, Some(at.to_path_buf())));
-    }
-
-    /// Makes a document for a data file, on a thread of its own. `make`: of the file, and where the document would be saved.
-    fn make(
-        &mut self,
-        ctx: &Context,
-        path: &Path,
-        dialog: Option<FileDialog>,
-        make: impl FnOnce(&Path, &Path) -> Result<Document> + Send + 'static,
-    ) {
-        self.recent.add(path);
-        let (at, path) = (free_path(path), path.to_path_buf());
-        let name = path.display().to_string();
-        let made = Job::start("start", ctx, move |_| make(&path, &at));
-        match self.check(made) {
-            Some(job) => {
-                self.say(format!("making a pipeline for {name} …"));
-                self.made = Some(Making { job, revision: self.document.revision(), dialog });
-            }
-            None => self.ask_again(dialog),
-        }
-    }
-
-    pub(crate) fn take_made(&mut self, ctx: &Context) {
-        let Some(made) = self.made.as_ref().and_then(|made| made.job.result()) else { return };
-        let Some(Making { revision, dialog, .. }) = self.made.take() else { return };
-        let Some(document) = self.check(made) else { return self.ask_again(dialog) };
-        if self.document.revision() == revision {
-            self.take(document);
-        } else {
-            self.unless_unsaved(ctx, Next::Take(Box::new(document)));
-        }
+        self.make(ctx, path, dialog, move |file, at, progress| {
+            begun(start(file, at, progress)?, Some(at.to_path_buf()))
+        });
     }
 
     /// Saves the document in its own file, or asks for one; and asks where another program wrote it meanwhile.

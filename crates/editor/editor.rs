@@ -21,19 +21,20 @@ use crate::worker::{
     Estimate, NodeState, PixelProbe, RenderRequest, VolumeSource, Worker, WorkerOutput, size_of,
 };
 use eframe::egui::{
-    Align, CentralPanel, Context, Frame, Key, Label, Layout, Modifiers, Panel, Popup, Rect, RichText, Ui,
-    UiBuilder, ViewportCommand, vec2,
+    Align, Button, CentralPanel, Context, Frame, Key, Label, Layout, Modifiers, Panel, Popup, ProgressBar,
+    Rect, RichText, Ui, UiBuilder, ViewportCommand, vec2,
 };
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 use voltet_document::{Document, Gesture};
 use voltet_graph::{Registry, RunReport};
 
-/// Makes the text of a pipeline for a file that is none, such as data; the second path is where it would be saved.
-pub type Start = Arc<dyn Fn(&Path, &Path) -> Result<String> + Send + Sync>;
+/// Makes the text of a pipeline for a file that is none, such as data; the second path is where it would be saved. It can be stopped.
+pub type Start = Arc<dyn Fn(&Path, &Path, &dyn Progress) -> Result<String> + Send + Sync>;
 
 /// The parts of the window, each with what a hand is doing in it.
 #[derive(Default)]
@@ -65,6 +66,8 @@ pub(crate) enum Next {
 /// Document that is being made for data.
 pub(crate) struct Making {
     pub job: Job<Document>,
+    /// The data file, with its folder.
+    pub path: String,
     /// Revision of the document that was shown when it was asked for.
     pub revision: u64,
     /// The dialog by which the data were chosen.
@@ -486,6 +489,7 @@ fn status(ui: &mut Ui, editor: &Editor, scene: &Scene, panels: &Panels) {
                 ui.label(RichText::new(text).color(theme::weak(dark)));
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                let making = editor.made.as_ref().map(|made| show_making(made, ui));
                 // The parameters of the selected node say what is wrong with it.
                 let is_said = |fault: &&Error| {
                     let node = fault.location.node.as_ref();
@@ -502,13 +506,27 @@ fn status(ui: &mut Ui, editor: &Editor, scene: &Scene, panels: &Panels) {
                 let held = held.map(|name| (format!("drop {name} here to take it up"), theme::accent(dark)));
                 if let Some((text, color)) = held.or(said) {
                     let label = Label::new(RichText::new(&text).color(color)).truncate();
-                    ui.add(label).on_hover_text(text);
+                    ui.add(label)
+                        .on_hover_text(making.map_or(text.clone(), |path| format!("{text}\n{path}")));
                 } else {
                     ui.label(RichText::new("F1: keys and mouse").color(theme::weak(dark)));
                 }
             });
         });
     });
+}
+
+/// Shows how far the document is that is made for data, and a button that stops that. Returns the path of the data.
+fn show_making<'a>(made: &'a Making, ui: &mut Ui) -> &'a str {
+    let is_stopping = made.job.is_cancelled();
+    let stop = Button::new(if is_stopping { "stopping …" } else { "Stop" }).small();
+    if ui.add_enabled(!is_stopping, stop).on_hover_text("what is shown now stays").clicked() {
+        made.job.cancel();
+    }
+    let (stage, fraction) = made.job.progress();
+    ui.add(ProgressBar::new(fraction as f32).desired_width(120.0).show_percentage());
+    ui.label(stage);
+    &made.path
 }
 
 fn changed_on_disk(editor: &mut Editor, ui: &mut Ui) {

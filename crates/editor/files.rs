@@ -272,7 +272,7 @@ impl ListedFile {
 }
 
 /// Size of a file in words: "12 kB".
-fn size(bytes: u64) -> String {
+pub(crate) fn size(bytes: u64) -> String {
     let mut size = bytes as f64;
     for unit in ["bytes", "kB", "MB", "GB"] {
         if size < 1000.0 {

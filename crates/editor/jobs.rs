@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, PoisonError};
+use voltet_core::error::ErrorKind;
 use voltet_core::progress::NoProgress;
 use voltet_core::{Error, Result};
 use voltet_document::Document;
@@ -66,7 +67,8 @@ impl<T> Job<T> {
         let of_thread = observer.clone();
         let spawned = std::thread::Builder::new().name(name.into()).spawn(move || {
             let found = catch_unwind(AssertUnwindSafe(|| work(&*of_thread)));
-            let mistake = |_| Err(Error::run("the work panicked, which is a fault of the program"));
+            let mistake =
+                |_| Err(Error::new(ErrorKind::Panic, "the work panicked, which is a fault of the program"));
             // The receiver is gone if the job was cancelled.
             let _ = sender.send(found.unwrap_or_else(mistake));
             of_thread.ctx.request_repaint();
@@ -94,6 +96,10 @@ impl<T> Job<T> {
 
     pub fn cancel(&self) {
         self.observer.is_cancelled.store(true, Ordering::Relaxed);
+    }
+
+    pub fn is_cancelled(&self) -> bool {
+        self.observer.is_cancelled.load(Ordering::Relaxed)
     }
 }
 

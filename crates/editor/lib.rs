@@ -17,6 +17,7 @@ mod hit_marks;
 mod invitation;
 mod jobs;
 mod keys;
+mod new_document;
 mod outline;
 mod panes;
 mod parameters;

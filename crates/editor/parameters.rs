@@ -19,7 +19,7 @@ use voltet_core::expression::Expression;
 use voltet_document::panel::{Control, Row, default_value, to_text, typed};
 use voltet_document::{Edit, Path};
 use voltet_graph::{
-    DefaultValue, LocatedValue, NodeEntry, ParameterType, ParameterValue, Range, VariantSchema,
+    DefaultValue, LocatedValue, NodeEntry, ParameterType, ParameterValue, Range, SourceSpan, VariantSchema,
 };
 use voltet_io::formats::Association;
 
@@ -186,7 +186,7 @@ impl ParameterPanel {
         self.head(ui, scene, entry);
         let rows = scene.document.rows(scene.registry, name);
         ScrollArea::vertical().auto_shrink([false, false]).id_salt(("parameters", name)).show(ui, |ui| {
-            let is_pointed_at = |fault: &&Error| rows.iter().any(|row| is_of_expression(row, fault));
+            let is_pointed_at = |fault: &&Error| rows.iter().any(|row| is_of_expression(entry, row, fault));
             let own = scene.faults.iter().filter(|fault| fault.location.node.as_deref() == Some(name));
             for fault in own.filter(|fault| !is_pointed_at(fault)) {
                 ui.label(RichText::new(error_text(fault, scene.document)).color(theme::wrong(dark)));
@@ -549,11 +549,13 @@ impl ParameterPanel {
     }
 }
 
-/// True if a fault is that of the expression in a row, whose field points at it: at none where it is empty.
-fn is_of_expression(row: &Row, fault: &Error) -> bool {
-    let text = row.value().filter(|_| matches!(row.control, Control::Expression)).map(to_text);
-    let text = text.filter(|text| !text.is_empty());
-    text.and_then(|text| Expression::parse(&text).err()).is_some_and(|(error, _)| error.what == fault.what)
+/// True if a fault lies in the expression of a row, and its field points at it: it does where that is not empty and cannot be parsed.
+fn is_of_expression(entry: &NodeEntry, row: &Row, fault: &Error) -> bool {
+    let stated = entry.setting(row.parameter.name).filter(|_| matches!(row.control, Control::Expression));
+    let (Some(stated), Some(place)) = (stated, &fault.location.span) else { return false };
+    let is_wrong = stated.text().is_some_and(|text| !text.is_empty() && Expression::parse(text).is_err());
+    is_wrong
+        && matches!(&stated.origin, SourceSpan::Span(all) if all.start <= place.start && place.end <= all.end)
 }
 
 fn swatch(ui: &mut Ui, rows: &[Row]) {

@@ -15,7 +15,7 @@ use eframe::egui::scroll_area::ScrollSource;
 use eframe::egui::{
     Align2, Button, Color32, ColorImage, ComboBox, CursorIcon, FontId, PointerButton, Pos2, Rect, Response,
     RichText, ScrollArea, Sense, Stroke, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, WidgetType,
-    vec2,
+    pos2, vec2,
 };
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -114,7 +114,6 @@ impl PicturePanel {
         let room = own.unwrap_or(whole.size()) * ui.pixels_per_point();
         self.room = [room.x.round().max(1.0) as u32, room.y.round().max(1.0) as u32];
         self.take(ui, scene);
-        ui.painter().rect_filled(whole, 0.0, Color32::BLACK);
         let aspect = scene.picture_size.map_or(4.0 / 3.0, |[width, height]| width as f32 / height as f32);
         let size = if rect.width() > rect.height() * aspect {
             vec2(rect.height() * aspect, rect.height())
@@ -123,7 +122,13 @@ impl PicturePanel {
         };
         let picture = Rect::from_center_size(rect.center(), own.unwrap_or(size));
         self.rect = Some(picture);
-        if let Some(texture) = self.texture.as_ref().filter(|_| scene.pixels.is_some()) {
+        let texture = self.texture.as_ref().filter(|_| scene.pixels.is_some());
+        // The opaque picture covers what is not filled.
+        let inner = if texture.is_some() { picture.shrink(1.0) } else { Rect::NOTHING };
+        for around in beside(whole, inner) {
+            ui.painter().rect_filled(around, 0.0, Color32::BLACK);
+        }
+        if let Some(texture) = texture {
             ui.painter().image(texture.id(), picture, WHOLE, theme::tint(scene.is_earlier()));
         }
         self.compare.over(ui, scene, whole, picture);
@@ -367,6 +372,18 @@ impl PicturePanel {
             scene.actions.push(Action::MoveCamera(to));
         }
     }
+}
+
+/// The parts of a box above, below, left and right of another, or all of it where that is none.
+fn beside(whole: Rect, inner: Rect) -> Vec<Rect> {
+    let inner = inner.intersect(whole);
+    if !inner.is_positive() {
+        return vec![whole];
+    }
+    let left = Rect { max: pos2(inner.left(), inner.bottom()), min: pos2(whole.left(), inner.top()) };
+    let right = Rect { min: pos2(inner.right(), inner.top()), max: pos2(whole.right(), inner.bottom()) };
+    let (above, below) = (whole.with_max_y(inner.top()), whole.with_min_y(inner.bottom()));
+    [above, below, left, right].into_iter().filter(Rect::is_positive).collect()
 }
 
 /// Buttons below what is wrong with a node: to its parameters where it is not selected, and to another file where it reads one.

@@ -2,7 +2,7 @@
 
 use crate::jobs::reads;
 use std::path::{Path, PathBuf};
-use voltet_core::progress::NoProgress;
+use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 use voltet_document::panel::{Control, Row};
 use voltet_document::{Document, Edit};
@@ -117,7 +117,13 @@ fn has_number(stated: &ParameterValue, count: usize) -> bool {
 impl Template {
     /// A document of it for a data file; its reader draws the array that `voltet start` would, its pictures are named after the pipeline.
     /// `at`: where it would be saved. Errors: the data cannot be read, or nothing in them can be drawn.
-    pub fn filled(&self, data: &Path, at: &Path, registry: &Registry) -> Result<Document> {
+    pub fn filled(
+        &self,
+        data: &Path,
+        at: &Path,
+        registry: &Registry,
+        progress: &dyn Progress,
+    ) -> Result<Document> {
         let mut document = Document::from_text(self.text.to_string(), Some(at.to_path_buf()));
         let nodes = document.pipeline().nodes.clone();
         let reader = nodes.iter().find(|node| reads(node, registry));
@@ -127,7 +133,7 @@ impl Template {
         entry.settings = vec![Field::new("path", path.as_str())];
         document.edit(&Edit::set(reader, ["path"], path.into()))?;
         let (path, request) = request_of(&entry, &document.folder(), registry)?;
-        let summary = inspect(&path, &request, &NoProgress)?;
+        let summary = inspect(&path, &request, progress)?;
         let of_data = |what: &str, expected: &str| Error::run(what).expected(expected).in_file(data);
         if !summary.has_volume() {
             return Err(of_data(

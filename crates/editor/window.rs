@@ -8,7 +8,7 @@ use crate::panes::Layouts;
 use crate::plugins::LoadPlugin;
 use crate::study::Study;
 use crate::theme;
-use eframe::egui::{Context, RawInput, Ui, Vec2, ViewportBuilder, ViewportCommand};
+use eframe::egui::{Context, RawInput, Ui, Vec2, ViewportBuilder, ViewportCommand, Visuals};
 use eframe::{App, Frame, NativeOptions, Renderer};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -65,6 +65,8 @@ pub fn run(file: Option<&Path>, registry: &Registry, services: Services) -> Resu
         renderer: Renderer::Glow,
         // Text and textures need no depth, and smooth edges come from feathering.
         multisampling: 0,
+        // Pictures are shown as they are, without noise.
+        dithering: false,
         ..NativeOptions::default()
     };
     let failed = |error: &dyn std::fmt::Display| {
@@ -157,6 +159,10 @@ impl App for Window {
         }
     }
 
+    fn clear_color(&self, visuals: &Visuals) -> [f32; 4] {
+        theme::panel(visuals.dark_mode).to_normalized_gamma_f32()
+    }
+
     fn raw_input_hook(&mut self, ctx: &Context, input: &mut RawInput) {
         if self.presses.cut(input) {
             ctx.request_repaint();
@@ -191,6 +197,8 @@ impl App for Window {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use eframe::egui::{Color32, Theme};
+    use voltet_core::progress::Progress;
 
     #[test]
     fn without_a_display_there_is_one_clear_line() {
@@ -203,12 +211,27 @@ mod tests {
     }
 
     #[test]
+    fn the_window_is_cleared_to_the_colour_of_panels_which_are_clear() {
+        let ctx = Context::default();
+        theme::apply(&ctx);
+        let start: Start = Arc::new(|_: &Path, _: &Path, _: &dyn Progress| Err(Error::usage("no data here")));
+        let editor = Editor::new(Document::new(), &Registry::default(), start, Arc::new(|| {})).unwrap();
+        let window = Window::new(editor, Layouts::default());
+        for (of, dark) in [(Theme::Dark, true), (Theme::Light, false)] {
+            let visuals = ctx.style_of(of).visuals.clone();
+            assert_eq!((visuals.dark_mode, visuals.panel_fill), (dark, Color32::TRANSPARENT));
+            let gray = f32::from(theme::panel(dark).r()) / 255.0;
+            assert_eq!(window.clear_color(&visuals), [gray, gray, gray, 1.0]);
+        }
+    }
+
+    #[test]
     fn the_next_window_has_the_shares_of_the_last_at_any_size() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("window");
         let lines = ["1000 700 0.4 0.5 0.3\n", "900 600 0.2 0.25 0.1\n"];
         std::fs::write(&file, lines.concat()).unwrap();
-        let start: Start = Arc::new(|_: &Path, _: &Path| Err(Error::usage("no data here")));
+        let start: Start = Arc::new(|_: &Path, _: &Path, _: &dyn Progress| Err(Error::usage("no data here")));
         let editor = Editor::new(Document::new(), &Registry::default(), start, Arc::new(|| {})).unwrap();
         let window = Window::new(editor, Layouts::read(&file));
         assert_eq!(window.editor.panels.panes.each_ref().map(|pane| pane.share_or(0.0)), [0.4, 0.5, 0.3]);

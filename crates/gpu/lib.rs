@@ -20,5 +20,4 @@ pub use engine::{ENGINE, GpuEngine};
 pub use frame::draw::{PendingFrame, SubmittedFrame, begin, draw};
 pub use frame::inputs::can_serve;
 pub use frame::output::FrameOutput;
-pub use frame::passes::TILE_ERRORS;
 pub use frame::renderer::Renderer;

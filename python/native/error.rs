@@ -13,6 +13,7 @@ fn kind(error: &Error) -> &'static str {
     match error.kind {
         ErrorKind::Usage => "usage",
         ErrorKind::Cancelled => "cancelled",
+        ErrorKind::Panic => "bug",
         _ => "run",
     }
 }

@@ -1,14 +1,17 @@
-//! Times of the editor, printed: a frame of the interface with 200 and 400 nodes; the first coarse picture and the full one
-//! after a widget's move; orbiting; the first picture of a larger file.
+//! Times of the editor, printed: with 200 and 400 nodes a frame of the interface, opening, tidying, the steps of a drag, undo; the first coarse
+//! picture and the full one after a widget's move; orbiting, and the full picture after it; the first picture of a larger file, and where that
+//! is a pipeline frames of the interface meanwhile.
 //!
 //! `cargo bench -p voltet-editor -- [BLUNT_FIN.vtu [POST.vtu]]`: VTK's example data, with an array `density` the one and `energy`
 //! the other; without files the wavelet stands in. A pipeline that `voltet start` wrote for data can stand for these.
 
-use eframe::egui::{Context, Pos2, RawInput, Rect, vec2};
+use eframe::egui::accesskit::NodeId;
+use eframe::egui::{Context, Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2, vec2};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use voltet_core::Error;
+use voltet_core::progress::Progress;
 use voltet_document::Document;
 use voltet_editor::Editor;
 use voltet_editor::view::View;
@@ -27,6 +30,10 @@ fn main() {
 
 fn row(what: &str, milliseconds: f64, bar: f64) {
     println!("| {what} | {milliseconds:.1} ms | {bar:.0} ms |");
+}
+
+fn milliseconds(since: Instant) -> f64 {
+    since.elapsed().as_secs_f64() * 1e3
 }
 
 /// So many nodes in view, in rows of five wired pipelines.
@@ -48,28 +55,97 @@ fn interface(count: usize) {
             text += &format!("{name}_{i} = [{}, {y}]\n", x + 230 * k);
         }
     }
-    let document = Document::from_text(text, None);
-    let registry = voltet_nodes::registry().unwrap_or_default();
-    let start = Arc::new(|_: &Path, _: &Path| Err(Error::usage("no data here")));
-    let Ok(mut editor) = Editor::new(document, &registry, start, Arc::new(|| {})) else { return };
-    let ctx = Context::default();
-    let mut time = 0.0;
-    let mut frame = |editor: &mut Editor| {
-        time += 1.0 / 60.0;
-        let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, vec2(2560.0, 1440.0)));
-        let begun = Instant::now();
-        let output = ctx
-            .run_ui(RawInput { screen_rect, time: Some(time), ..RawInput::default() }, |ui| editor.frame(ui));
-        let meshes = ctx.tessellate(output.shapes, output.pixels_per_point);
-        assert!(!meshes.is_empty());
-        begun.elapsed().as_secs_f64() * 1e3
+    let begun = Instant::now();
+    let Some(mut window) = Window::open(Document::from_text(text, None)) else { return };
+    window.frame(Vec::new());
+    let opened = milliseconds(begun);
+    (0..20).for_each(|_| _ = window.frame(Vec::new()));
+    let of = format!("{count} nodes in view");
+    row(&format!("opening, {of}"), opened, 50.0);
+    for (size, bar) in [([1600.0, 1000.0], 16.0), ([2560.0, 1440.0], 16.0)] {
+        window.size = size;
+        (0..10).for_each(|_| _ = window.frame(Vec::new()));
+        let times: Vec<f64> = (0..100).map(|_| window.frame(Vec::new())).collect();
+        let [width, height] = size;
+        row(&format!("a frame of {width} × {height}, {of} (median of 100)"), median(times.clone()), bar);
+        row(&format!("a frame of {width} × {height}, {of} (99 %)"), at_share(times, 0.99), bar);
+    }
+    let Some(corner) = window.place_of("node grid_0") else { return };
+    let at = corner + vec2(12.0, 6.0);
+    window.frame(vec![Event::PointerMoved(at)]);
+    let button = |pos, pressed| {
+        let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+        vec![Event::PointerMoved(pos), Event::PointerButton { pos, button, pressed, modifiers }]
     };
-    (0..10).for_each(|_| {
-        frame(&mut editor);
-    });
-    let mut times: Vec<f64> = (0..60).map(|_| frame(&mut editor)).collect();
-    times.sort_by(f64::total_cmp);
-    row(&format!("a frame of the interface, {count} nodes in view (median of 60)"), times[30], 16.0);
+    window.frame(button(at, true));
+    let way = |i: u8| at + f32::from(i) * vec2(0.5, 1.0);
+    let steps: Vec<f64> = (1..60).map(|i| window.frame(vec![Event::PointerMoved(way(i))])).collect();
+    window.frame(button(way(59), false));
+    assert!(window.editor.document().history().position().0 == 1, "no node was dragged");
+    row(&format!("a step of a node's drag, {of} (median of 59)"), median(steps.clone()), 16.0);
+    row(&format!("a step of a node's drag, {of} (99 %)"), at_share(steps, 0.99), 50.0);
+    window.frame(vec![Event::PointerMoved(pos2(5.0, 500.0))]);
+    for (what, key, modifiers) in [
+        ("undo", Key::Z, Modifiers::COMMAND),
+        ("all nodes selected", Key::A, Modifiers::COMMAND),
+        ("tidying", Key::L, Modifiers::NONE),
+    ] {
+        let event = |pressed| Event::Key { key, physical_key: None, pressed, repeat: false, modifiers };
+        let pressed = window.frame(vec![Event::ModifiersChanged(modifiers), event(true)]);
+        let released = window.frame(vec![event(false), Event::ModifiersChanged(Modifiers::NONE)]);
+        let time = pressed.max(released);
+        row(&format!("{what}, {of}"), time, 50.0);
+    }
+}
+
+/// The interface without a window.
+struct Window {
+    editor: Editor,
+    ctx: Context,
+    /// Width and height, points.
+    size: [f32; 2],
+    frames: u32,
+    /// Places of what has a name, with it, in the last frame.
+    named: Vec<(String, Pos2)>,
+}
+
+impl Window {
+    fn open(document: Document) -> Option<Window> {
+        let registry = voltet_nodes::registry().ok()?;
+        let start = Arc::new(|_: &Path, _: &Path, _: &dyn Progress| Err(Error::usage("no data here")));
+        let editor = Editor::new(document, &registry, start, Arc::new(|| {})).ok()?;
+        Some(Window { editor, ctx: Context::default(), size: [1600.0, 1000.0], frames: 0, named: Vec::new() })
+    }
+
+    /// Milliseconds that a frame with these events takes, with all that it waits for.
+    fn frame(&mut self, events: Vec<Event>) -> f64 {
+        self.frames += 1;
+        let (screen_rect, time) =
+            (Some(Rect::from_min_size(Pos2::ZERO, self.size.into())), Some(f64::from(self.frames) / 60.0));
+        let begun = Instant::now();
+        let input = RawInput { screen_rect, time, events, ..RawInput::default() };
+        let output = self.ctx.run_ui(input, |ui| self.editor.frame(ui));
+        let meshes = self.ctx.tessellate(output.shapes, output.pixels_per_point);
+        let spent = milliseconds(begun);
+        assert!(!meshes.is_empty());
+        if let Some(update) = output.platform_output.accesskit_update {
+            let place = |node: &eframe::egui::accesskit::Node| {
+                let bounds = node.bounds()?;
+                Some((node.label()?.to_string(), pos2(bounds.x0 as f32, bounds.y0 as f32)))
+            };
+            let nodes: Vec<(NodeId, eframe::egui::accesskit::Node)> = update.nodes;
+            self.named = nodes.iter().filter_map(|(_, node)| place(node)).collect();
+        }
+        spent
+    }
+
+    /// The upper left corner of what has a name.
+    fn place_of(&mut self, name: &str) -> Option<Pos2> {
+        self.ctx.enable_accesskit();
+        (0..2).for_each(|_| _ = self.frame(Vec::new()));
+        self.ctx.disable_accesskit();
+        self.named.iter().find(|(known, _)| known == name).map(|(_, at)| *at)
+    }
 }
 
 /// A pipeline over an array of a file, or the wavelet.
@@ -135,7 +211,7 @@ fn until(worker: &Worker, number: u64, begun: Instant) -> [f64; 2] {
             println!("{failure}");
             break;
         }
-        let now = begun.elapsed().as_secs_f64() * 1e3;
+        let now = milliseconds(begun);
         match shown {
             Some((of, true)) if of == number => return [first.unwrap_or(now), now],
             Some((of, _)) if of == number => first = first.or(Some(now)),
@@ -153,9 +229,14 @@ fn draw(worker: &Worker, nodes: &[NodeEntry]) -> [f64; 2] {
     until(worker, number, begun)
 }
 
-fn median(mut all: Vec<f64>) -> f64 {
+fn median(all: Vec<f64>) -> f64 {
+    at_share(all, 0.5)
+}
+
+/// The number below which this share of them lies.
+fn at_share(mut all: Vec<f64>, share: f64) -> f64 {
     all.sort_by(f64::total_cmp);
-    all.get(all.len() / 2).copied().unwrap_or(f64::NAN)
+    all.get((share * all.len() as f64) as usize).copied().unwrap_or(f64::NAN)
 }
 
 fn drawing(file: Option<&Path>) {
@@ -189,7 +270,7 @@ fn drawing(file: Option<&Path>) {
         while drawn().is_none() && begun.elapsed() < Duration::from_secs(10) {
             std::thread::sleep(Duration::from_micros(500));
         }
-        seconds.push(begun.elapsed().as_secs_f64() * 1e3);
+        seconds.push(milliseconds(begun));
         pixels.extend(drawn().map(|pixels| (pixels.size()[0] * pixels.size()[1]) as f64));
     }
     let (times, sizes) = (median(seconds.split_off(20)), median(pixels.split_off(20)));
@@ -210,9 +291,20 @@ fn drawing(file: Option<&Path>) {
         }
     }
     println!(
-        "| pictures a second while orbiting (coarse) | {:.1} | 20 or more |",
+        "| pictures a second while orbiting (coarse) | {:.1} | 30 or more |",
         f64::from(seen) / begun.elapsed().as_secs_f64()
     );
+    // It rests: the picture of its last place, while the one before is drawn.
+    let after = (0..9).map(|_| {
+        for _ in 0..20 {
+            turn(&mut nodes, 0.01);
+            worker.draw(wanted(&nodes));
+            std::thread::sleep(Duration::from_micros(16_600));
+        }
+        turn(&mut nodes, 0.01);
+        draw(&worker, &nodes)[1]
+    });
+    row("the full picture after orbiting (1024×768)", median(after.collect()), 150.0);
 }
 
 fn opening(file: Option<&Path>) {
@@ -233,6 +325,29 @@ fn opening(file: Option<&Path>) {
     let [first, full] = until(&worker, number, begun);
     row("opening: first picture", first, 1500.0);
     println!("| opening: the full one | {full:.0} ms | |");
+    drop(worker);
+    if let Some(document) = file.filter(|file| file.extension().is_some_and(|end| end == "toml")) {
+        Document::open(document).map(beside_work).unwrap_or_else(|error| println!("{error}"));
+    }
+}
+
+/// Frames of the interface, sixty a second, while the data of a pipeline are read and drawn, and the pointer moves.
+fn beside_work(document: Document) {
+    let Some(mut window) = Window::open(document) else { return };
+    let (begun, mut times) = (Instant::now(), Vec::new());
+    let is_drawn = |window: &Window| {
+        window
+            .editor
+            .worker()
+            .shown(|shown| shown.failure.is_some() || shown.pixels.is_some() && !shown.is_busy)
+    };
+    while !is_drawn(&window) && begun.elapsed() < Duration::from_secs(120) {
+        let at = pos2(20.0 + (times.len() % 60) as f32 * 10.0, 300.0);
+        times.push(window.frame(vec![Event::PointerMoved(at)]));
+        std::thread::sleep(Duration::from_micros(16_600));
+    }
+    row("a frame while data are read and drawn (median)", median(times.clone()), 16.0);
+    row("the longest one", times.into_iter().fold(0.0, f64::max), 50.0);
 }
 
 fn turn(nodes: &mut [NodeEntry], by: f64) {

@@ -337,7 +337,7 @@ impl TransferPanel {
     }
 
     /// Share of the data in the selected widget, and its contribution to the picture.
-    fn figures(&self, ui: &mut Ui, look: &EditedFunction) {
+    fn figures(&mut self, ui: &mut Ui, look: &EditedFunction) {
         let Some(widget) = look.widgets.get(self.chosen) else { return };
         let color = theme::weak(ui.visuals().dark_mode);
         let weak = |text: String| RichText::new(text).small().color(color);
@@ -360,7 +360,8 @@ impl TransferPanel {
                     .into(),
             ));
         }
-        if let Some(held) = look.histogram().and_then(|histogram| widget.held(histogram)) {
+        let (distribution, axes) = (look.scene.distribution.as_ref(), (look.axes.clone(), look.scales));
+        if let Some(held) = distribution.and_then(|data| self.held_volume.share(widget, data, &axes)) {
             let text = format!("holds {} % of the volume", percent(held));
             texts.push((text, "where the widget is at half of its peak or more".into()));
         }

@@ -26,7 +26,7 @@ use images::Images;
 use plane::{Change, Counts, Handle, Plane, S_AND_G};
 use relative::PlaneAxes;
 pub(crate) use relative::in_numbers;
-use screen_widget::{Drag, ScreenWidget};
+use screen_widget::{Drag, HeldVolume, ScreenWidget};
 use std::collections::BTreeSet;
 use voltet_document::{Edit, Path};
 use voltet_graph::{ArrayRef, LocatedValue, ParameterValue, find_setting};
@@ -52,6 +52,8 @@ pub(crate) struct TransferPanel {
     hovered: Option<(usize, Option<Handle>)>,
     drag: Option<Drag>,
     counts: Counts,
+    /// Share of the volume that the widget in hand holds.
+    held_volume: HeldVolume,
     images: Images,
     /// Widget that the pointer is about to add.
     proposed: Option<ParameterValue>,

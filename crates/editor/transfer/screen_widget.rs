@@ -7,11 +7,12 @@ use super::plane::{
 };
 use super::relative;
 use crate::theme;
+use crate::worker::Distribution;
 use eframe::egui::{self, Color32, Painter, Pos2, Rect, Stroke, StrokeKind, Ui, Vec2, vec2};
 use std::sync::Arc;
 use voltet_core::parameters::Parameters;
 use voltet_core::probing::Histogram;
-use voltet_core::transfer::{self, ColorSource, UnreadFiles, WIDGET_KINDS, Widget};
+use voltet_core::transfer::{self, AxisScale, ColorSource, UnreadFiles, WIDGET_KINDS, Widget};
 use voltet_core::{Error, Result};
 use voltet_graph::{ArrayRef, Field, LocatedValue, SourceSpan, find_setting};
 
@@ -31,6 +32,35 @@ pub(super) struct ScreenWidget {
     pub stated: Vec<Field>,
     /// Error, or the reason for which it is not known yet.
     pub fault: Option<String>,
+}
+
+/// Axes of a plane and their scales.
+pub(super) type ScaledAxes = ([ArrayRef; 2], [AxisScale; 2]);
+
+/// Share of the volume that a widget holds. It is found anew where the widget, the data or the axes are others: the bins are too many for
+/// each frame.
+#[derive(Default)]
+pub(super) struct HeldVolume(Option<(Option<Widget>, Arc<Distribution>, ScaledAxes, f64)>);
+
+impl HeldVolume {
+    /// `axes`: those that the widget is drawn on. `None` where it does not lie in their plane.
+    pub fn share(
+        &mut self,
+        widget: &ScreenWidget,
+        data: &Arc<Distribution>,
+        axes: &ScaledAxes,
+    ) -> Option<f64> {
+        widget.shape.as_ref().filter(|shape| shape.is_in_plane())?;
+        if let Some((of, known, on, share)) = &self.0
+            && (of, on) == (&widget.widget, axes)
+            && Arc::ptr_eq(known, data)
+        {
+            return Some(*share);
+        }
+        let share = widget.held(&data.histogram);
+        self.0 = Some((widget.widget.clone(), data.clone(), axes.clone(), share));
+        Some(share)
+    }
 }
 
 impl ScreenWidget {
@@ -107,11 +137,8 @@ impl ScreenWidget {
         }
     }
 
-    /// The share of the volume where it is at half of its peak or more; `None` where it does not lie in the plane.
-    pub fn held(&self, histogram: &Histogram) -> Option<f64> {
-        if !self.shape.as_ref()?.is_in_plane() {
-            return None;
-        }
+    /// The share of the volume where it is at half of its peak or more; for one that lies in the plane.
+    fn held(&self, histogram: &Histogram) -> f64 {
         let [s, g] = histogram.axes;
         let mut sum = 0.0;
         for (j, row) in histogram.volumes.chunks(s.bins).enumerate() {
@@ -122,7 +149,7 @@ impl ScreenWidget {
                 }
             }
         }
-        Some(sum / histogram.total)
+        sum / histogram.total
     }
 
     pub fn handles(&self, plane: &Plane) -> Vec<(Handle, [f64; 2])> {

@@ -3,6 +3,7 @@ use super::super::plane::{Change, Handle, Plane, S_AND_G, list, rows};
 use super::super::relative::PlaneAxes;
 use super::*;
 use crate::worker::DataScales;
+use voltet_core::probing::Axis;
 use voltet_core::transfer::AxisScale;
 use voltet_graph::ParameterValue;
 
@@ -467,4 +468,36 @@ fn each_grip_acts() {
             assert_ne!(after, fields, "{} {handle:?}", drawn.kind);
         }
     }
+}
+
+#[test]
+fn the_held_share_is_of_the_widget_the_data_and_the_axes_at_hand() {
+    let data = |volumes: &[f64; 4]| {
+        let axis = |high| Axis { low: 0.0, high, bins: 2 };
+        let (axes, volumes) = ([axis(40.0), axis(8.0)], volumes.to_vec());
+        let histogram = Histogram { axes, volumes, total: 4.0, outside: 0.0, not_finite: 0.0 };
+        Arc::new(Distribution { histogram, known: DataScales::default() })
+    };
+    let (first, second) = (data(&[1.0, 1.0, 1.0, 1.0]), data(&[3.0, 1.0, 0.0, 0.0]));
+    let mut fields = gaussian_widget();
+    let (here, axes) = (read(&fields), (S_AND_G, Default::default()));
+    fields[3] = field("centre", list(&[30.0, 2.0]));
+    let there = read(&fields);
+    let mut held = HeldVolume::default();
+    // Of the middles of bins, 10 and 30 by 2 and 6, each lies on one.
+    for (widget, data, share) in
+        [(&here, &first, 0.25), (&here, &second, 0.75), (&there, &second, 0.25), (&here, &second, 0.75)]
+    {
+        assert_eq!(held.share(widget, data, &axes), Some(share));
+    }
+    // Drawn on other axes, of which one is none of its own; and on these again.
+    let (other, images) = ([S_AND_G[0].clone(), ArrayRef::Array("p".into())], Images::default());
+    let on = PlaneContext { axes: &other, scales: axes.1, extent: EXTENT, known: None, images: &images };
+    let elsewhere = ScreenWidget::new(&gaussian_widget(), &on);
+    assert_eq!(held.share(&elsewhere, &second, &(other.clone(), axes.1)), None);
+    assert_eq!(held.share(&here, &second, &axes), Some(0.75));
+    // Along a logarithm of s, where its bin lies elsewhere.
+    let scales = [AxisScale::Log, AxisScale::Linear];
+    let bent = read_on(&gaussian_widget(), None, scales);
+    assert_eq!(held.share(&bent, &second, &(S_AND_G, scales)), Some(0.0));
 }

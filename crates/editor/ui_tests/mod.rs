@@ -41,6 +41,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 use voltet_core::Error;
+use voltet_core::progress::Progress;
 use voltet_document::Document;
 use voltet_graph::Registry;
 
@@ -119,7 +120,7 @@ impl Hand {
         let path = folder.path().join("scene.toml");
         std::fs::write(&path, text).unwrap();
         let document = Document::open(&path).unwrap();
-        let start = Arc::new(|_: &Path, _: &Path| Err(Error::usage("no data here")));
+        let start = Arc::new(|_: &Path, _: &Path, _: &dyn Progress| Err(Error::usage("no data here")));
         let editor = Editor::new(document, registry, start, Arc::new(|| {})).unwrap();
         let harness = Harness::builder().with_size(size).build_eframe(|context| {
             crate::theme::apply(&context.egui_ctx);

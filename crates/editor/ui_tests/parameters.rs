@@ -286,7 +286,7 @@ fn a_wrong_number_stays_until_another_is_typed() {
 fn what_is_unknown_is_said_with_the_plugins_that_were_asked() {
     let mut registry = voltet_nodes::registry().unwrap();
     registry.tell_plugins("of the plug-ins: one with nothing".into());
-    let start = Arc::new(|_: &Path, _: &Path| Err(Error::usage("no data here")));
+    let start = Arc::new(|_: &Path, _: &Path, _: &dyn Progress| Err(Error::usage("no data here")));
     let document = Document::new();
     let editor = Editor::new(document, &registry, start, Arc::new(|| {})).unwrap();
     for error in [editor.registry.find_filter("gone").map(drop), editor.registry.find("gone").map(drop)]

@@ -131,7 +131,8 @@ fn how_wrong_the_picture_is_can_be_asked() {
 #[test]
 fn data_are_opened_with_a_pipeline_made_for_them() {
     let mut hand = Hand::new(TEXT);
-    hand.editor.start = Arc::new(|_: &Path, _: &Path| Ok(TEXT.replace("The wavelet", "A data file")));
+    hand.editor.start =
+        Arc::new(|_: &Path, _: &Path, _: &dyn Progress| Ok(TEXT.replace("The wavelet", "A data file")));
     let data = hand.folder.path().join("data.vtu");
     std::fs::write(&data, "").unwrap();
     let ctx = hand.ctx.clone();
@@ -155,7 +156,7 @@ fn work_that_is_done_while_a_pipeline_is_made_is_asked_about() {
     let mut hand = Hand::new(TEXT);
     let (go, wait) = std::sync::mpsc::channel::<()>();
     let wait = std::sync::Mutex::new(wait);
-    hand.editor.start = Arc::new(move |_: &Path, _: &Path| {
+    hand.editor.start = Arc::new(move |_: &Path, _: &Path, _: &dyn Progress| {
         wait.lock().unwrap().recv().unwrap();
         Ok(TEXT.replace("The wavelet", "A data file"))
     });
@@ -175,6 +176,38 @@ fn work_that_is_done_while_a_pipeline_is_made_is_asked_about() {
         assert_eq!(hand.text().contains("A data file"), is_taken);
         assert!(is_taken || hand.text() == text);
     }
+}
+
+#[test]
+fn what_is_made_for_data_says_how_far_it_is_and_can_be_stopped() {
+    let mut hand = Hand::new(TEXT);
+    let (go, wait) = std::sync::mpsc::channel::<()>();
+    let wait = std::sync::Mutex::new(wait);
+    // It has gone too far to be stopped, and gives a document all the same.
+    hand.editor.start = Arc::new(move |_: &Path, _: &Path, progress: &dyn Progress| {
+        progress.report("reading", 0.25);
+        wait.lock().unwrap().recv().unwrap();
+        Ok(TEXT.replace("The wavelet", "A data file"))
+    });
+    let data = hand.folder.path().join("data.vtu");
+    std::fs::write(&data, vec![0; 20_000_000]).unwrap();
+    hand.frames(2);
+    let (ctx, places) = (hand.ctx.clone(), ["node grid", "node picture"].map(|name| hand.rect(name)));
+    hand.editor.open_any(&ctx, &data);
+    until(&mut hand, "no progress is said", |hand| hand.texts("reading").len() == 1);
+    assert_eq!((hand.texts("25%").len(), hand.text()), (1, TEXT.to_string()));
+    assert_eq!(hand.shown_beginning("making a pipeline for data.vtu of 20 MB …").len(), 1);
+    // Nothing is pushed from under a hand.
+    assert_eq!(["node grid", "node picture"].map(|name| hand.rect(name)), places);
+    hand.click_on("Stop");
+    assert_eq!((hand.texts("Stop").len(), hand.texts("stopping …").len()), (0, 1));
+    go.send(()).unwrap();
+    until(&mut hand, "it is not stopped", |hand| hand.editor.made.is_none());
+    hand.frames(2);
+    assert_eq!(
+        (hand.said().as_str(), hand.text(), hand.texts("reading").len()),
+        ("stopped; what was shown stays", TEXT.to_string(), 0)
+    );
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::templates::{Template, templates};
+use voltet_core::progress::NoProgress;
 
 /// A cube of a thousandth's side, whose points have a vector beside two scalars, of which one does not vary.
 const CUBE: &str = "# vtk DataFile Version 3.0\ncube\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 8 double\n\
@@ -48,7 +49,8 @@ fn each_template_draws_data_of_two_unlike_kinds() {
             let folder = tempfile::tempdir().unwrap();
             let file = folder.path().join(name);
             std::fs::write(&file, &data).unwrap();
-            let made = template.filled(&file, &folder.path().join("scene.toml"), &registry).unwrap();
+            let made =
+                template.filled(&file, &folder.path().join("scene.toml"), &registry, &NoProgress).unwrap();
             assert!(
                 !made.is_saved() && made.text().contains(&format!("scalar = \"{scalar}\"")),
                 "{}",
@@ -77,7 +79,10 @@ fn data_that_cannot_be_drawn_are_refused() {
     let filled = |content: &str| {
         let file = folder.path().join("data.vtk");
         std::fs::write(&file, content).unwrap();
-        all()[0].filled(&file, &folder.path().join("scene.toml"), &registry).unwrap_err().to_string()
+        all()[0]
+            .filled(&file, &folder.path().join("scene.toml"), &registry, &NoProgress)
+            .unwrap_err()
+            .to_string()
     };
     let even = CUBE.split("POINT_DATA").next().unwrap().to_string()
         + "POINT_DATA 8\nFIELD all 1\nsame 1 8 double\n4 4 4 4 4 4 4 4\n";

@@ -1,15 +1,19 @@
 //! Pictures beside the shown one: without a widget, by the 64-bit reference, and small ones of other nodes.
 
-use super::request::{Pixels, Query, QueryRun, RenderRequest, retain_widgets};
+use super::query::{Query, QueryRun};
+use super::request::{Pixels, RenderRequest, retain_widgets};
 use std::sync::Arc;
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
-use voltet_graph::{Demand, Graph, Registry, RunReport};
+use voltet_graph::{Demand, Registry, RunReport};
 
-/// Pixels that are compared, at most.
+/// Pixels that are compared, at most; where a device does not hold so coarse a picture, more.
 const PIXELS: f64 = 3072.0;
 
-/// Pixels of a small picture, at most: as many as a node has room for.
+/// Pixels that the reference draws, at most: it is the slowest way to draw them.
+const REFERENCE_PIXELS: f64 = 16.0 * PIXELS;
+
+/// Pixels of a small picture, at most: as many as a node has room for; where a device does not hold so coarse a picture, more.
 const PREVIEW_PIXELS: f64 = 160.0 * 120.0;
 
 /// Parameter of a node's integrator, and the integrator that others are compared with.
@@ -17,7 +21,7 @@ const INTEGRATOR: &str = "integrator";
 const REFERENCE: &str = "reference";
 
 /// Query for the error of a picture against the reference: the largest difference of a premultiplied channel, and the root of the
-/// mean square.
+/// mean square. Errors: a device does not hold pictures that are coarse enough for the reference.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Estimate(pub RenderRequest);
 
@@ -26,17 +30,21 @@ impl Query for Estimate {
     const WAITS: bool = false;
 
     fn answer(&self, run: &mut QueryRun) -> Result<[f64; 2]> {
-        let mut pictures = Vec::new();
-        for graph in &graphs(&self.0, run.registry)? {
-            let report = run.session.run(graph, run.observer)?;
-            pictures.push(self.0.picture_of(&report)?);
-        }
-        Ok(difference(&pictures[0], &pictures[1]))
+        let QueryRun { session, registry, observer, crowding } = run;
+        let better = by_reference(&self.0, registry)?;
+        let mut draw = |wanted: &RenderRequest, divisor| {
+            let report = session.run(&wanted.graph(registry, divisor)?, *observer)?;
+            self.0.picture_of(&report)
+        };
+        let divisors = [PIXELS, REFERENCE_PIXELS].map(|enough| self.0.divisor_for(enough));
+        crowding.finer_where_crowded(&self.0, divisors, |divisor| {
+            Ok(difference(&*draw(&self.0, divisor)?, &*draw(&better, divisor)?))
+        })
     }
 }
 
-fn graphs(wanted: &RenderRequest, registry: &Registry) -> Result<[Graph; 2]> {
-    let divisor = wanted.divisor_for(PIXELS);
+/// The request for the same picture by the reference. Errors: the node integrates nothing.
+fn by_reference(wanted: &RenderRequest, registry: &Registry) -> Result<RenderRequest> {
     let mut better = wanted.clone();
     let drawing = better.nodes.iter_mut().find(|node| node.name == wanted.node);
     let known = drawing.as_ref().and_then(|node| registry.node_type(node));
@@ -51,7 +59,7 @@ fn graphs(wanted: &RenderRequest, registry: &Registry) -> Result<[Graph; 2]> {
         drawing.set("engine", &[], "auto".into())?;
     }
     drawing.settings.retain(|field| !["compositor", "adapter"].contains(&field.name.as_str()));
-    Ok([wanted.graph(registry, divisor)?, better.graph(registry, divisor)?])
+    Ok(better)
 }
 
 /// The largest difference of a premultiplied channel, and the root of the mean square.
@@ -120,15 +128,17 @@ impl Query for ShareQuery {
 
     /// A coarse picture with the widget and without it, and one of it alone for its cells.
     fn answer(&self, run: &mut QueryRun) -> Result<Share> {
-        let mut draw = |wanted: &RenderRequest| -> Result<(Arc<Picture>, RunReport)> {
-            let graph = wanted.graph(run.registry, wanted.divisor_for(PIXELS))?;
-            let report = run.session.run(&graph, run.observer)?;
+        let QueryRun { session, registry, observer, crowding } = run;
+        let mut draw = |wanted: &RenderRequest, divisor| -> Result<(Arc<Picture>, RunReport)> {
+            let report = session.run(&wanted.graph(registry, divisor)?, *observer)?;
             Ok((wanted.picture_of(&report)?, report))
         };
-        let (with, _) = draw(&self.wanted)?;
-        let (without, _) = draw(&self.with(|place| place != self.widget))?;
-        let (_, alone) = draw(&self.with(|place| place == self.widget))?;
-        Ok(Share { cells: cells(&alone), ..Share::between(&with, &without) })
+        crowding.finer_where_crowded(&self.wanted, [self.wanted.divisor_for(PIXELS), 1], |divisor| {
+            let (with, _) = draw(&self.wanted, divisor)?;
+            let (without, _) = draw(&self.with(|place| place != self.widget), divisor)?;
+            let (_, alone) = draw(&self.with(|place| place == self.widget), divisor)?;
+            Ok(Share { cells: cells(&alone), ..Share::between(&with, &without) })
+        })
     }
 }
 
@@ -148,16 +158,18 @@ impl Query for PreviewQuery {
     /// The picture, without the nodes that it does not need being forgotten as a run forgets them.
     fn answer(&self, run: &mut QueryRun) -> Result<Pixels> {
         let wanted = &self.0;
-        let divisor = wanted.divisor_for(PREVIEW_PIXELS);
-        let graph = wanted.graph(run.registry, divisor)?;
-        let place = graph.nodes.len() - 1;
-        let (fed, _) = run.session.feed(&graph, place, &Demand::default(), run.observer)?;
-        let fed = graph.nodes[place].inputs.iter().zip(fed);
-        let mut pictures = fed
-            .filter(|(edge, _)| graph.nodes[edge.node].name == wanted.node)
-            .filter_map(|(_, value)| value.picture().cloned());
-        let picture = pictures.next().ok_or_else(|| wanted.no_picture())?;
-        Ok(Pixels::new(picture, wanted, divisor, 0))
+        let QueryRun { session, registry, observer, crowding } = run;
+        crowding.finer_where_crowded(wanted, [wanted.divisor_for(PREVIEW_PIXELS), 1], |divisor| {
+            let graph = wanted.graph(registry, divisor)?;
+            let place = graph.nodes.len() - 1;
+            let (fed, _) = session.feed(&graph, place, &Demand::default(), *observer)?;
+            let fed = graph.nodes[place].inputs.iter().zip(fed);
+            let mut pictures = fed
+                .filter(|(edge, _)| graph.nodes[edge.node].name == wanted.node)
+                .filter_map(|(_, value)| value.picture().cloned());
+            let picture = pictures.next().ok_or_else(|| wanted.no_picture())?;
+            Ok(Pixels::new(picture, wanted, divisor, 0))
+        })
     }
 }
 

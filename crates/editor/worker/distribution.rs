@@ -1,7 +1,8 @@
 //! The distribution of the data over two quantities, weighted by volume, and statistics of the quantities (of this volume, or of all
 //! steps of its series): ranges, and the volume below each value, by which numbers relative to data become absolute ones and back.
 
-use super::request::{Query, QueryRun, VolumeSource};
+use super::query::{Query, QueryRun};
+use super::request::VolumeSource;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};

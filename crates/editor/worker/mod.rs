@@ -6,10 +6,12 @@
 //! picture, and a node that writes feeds nothing. Each query waits until no picture is wanted, and is given up for one.
 
 mod comparison;
+mod crowding;
 mod distribution;
 mod hits;
 mod output;
 mod probing;
+mod query;
 mod request;
 #[cfg(test)]
 mod tests;
@@ -25,7 +27,7 @@ pub(crate) use hits::{Hit, HitCell};
 pub use output::WorkerOutput;
 pub(crate) use output::{NodeState, NodeStatus, Preview};
 pub(crate) use probing::{PixelProbe, ProbeQuery, Section, SectionQuery};
-use request::{Exchange, Query};
+use query::{Exchange, Query};
 pub use request::{Pixels, RenderRequest};
 pub(crate) use request::{
     VolumeSource, retain_widgets, short, short_by, size_of, widget_count, without_zeros,

@@ -3,7 +3,8 @@
 use super::comparison::{Estimate, PreviewQuery, ShareQuery};
 use super::distribution::DistributionQuery;
 use super::probing::{ProbeQuery, SectionQuery};
-use super::request::{Change, Exchange, Pixels, RenderRequest, Values, WIRES};
+use super::query::Exchange;
+use super::request::{Change, Pixels, RenderRequest, Values, WIRES};
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -2,7 +2,8 @@
 //! picture of it, linear in each cell.
 
 use super::hits::{Hit, first_hit};
-use super::request::{Query, QueryRun, VolumeSource};
+use super::query::{Query, QueryRun};
+use super::request::VolumeSource;
 use crate::view::View;
 use glam::{DMat3, DVec2, DVec3};
 use std::collections::BTreeSet;

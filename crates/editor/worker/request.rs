@@ -1,5 +1,5 @@
-//! Requests to the worker: pictures, of nodes as a document states them, as a screen shows them; and queries beside them. A node that takes
-//! every output and does nothing lets a run be made for a picture and nothing else, and gives what runs through the wires.
+//! Requests for pictures, of nodes as a document states them, as a screen shows them. A node that takes every output and does nothing lets a
+//! run be made for a picture and nothing else, and gives what runs through the wires.
 
 use eframe::egui::{Color32, ColorImage};
 use glam::DVec3;
@@ -7,7 +7,6 @@ use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::{Arc, LazyLock};
-use voltet_core::error::ErrorKind;
 use voltet_core::grid::Grid;
 use voltet_core::grid::extent::{bounds, range};
 use voltet_core::picture::Picture;
@@ -15,8 +14,8 @@ use voltet_core::{Error, Result, counted, noun_of, with_commas};
 use voltet_document::Series;
 use voltet_document::links::{self, upstream};
 use voltet_graph::{
-    DefaultValue, Demand, Field, Graph, NoObserver, Node, NodeEntry, Observer, Parameter, ParameterType,
-    ParameterValue, Port, PortType, Registry, RunContext, RunReport, Session, Value,
+    DefaultValue, Demand, Graph, NoObserver, Node, NodeEntry, Parameter, ParameterType, ParameterValue, Port,
+    PortType, Registry, RunReport, Session, Value,
 };
 use voltet_io::encode::srgb_from_linear;
 
@@ -190,35 +189,6 @@ pub(crate) struct VolumeSource {
     pub output: String,
 }
 
-impl VolumeSource {
-    /// Feeds the volume, with these arrays and with *g* where there is a gradient, and other outputs, each a port's name and
-    /// `"node.port"`, to a function.
-    pub(super) fn feed<T>(
-        &self,
-        run: &mut QueryRun,
-        arrays: &BTreeSet<String>,
-        others: &[(&str, &str)],
-        work: impl FnOnce(&RunContext) -> Result<T>,
-    ) -> Result<T> {
-        let fed = [("volume", &*self.output)].into_iter().chain(others.iter().copied());
-        let mut nodes: Vec<NodeEntry> = Vec::new();
-        for (_, source) in fed.clone() {
-            for node in feeding(&self.nodes, links::source(source, &self.nodes).0)? {
-                if !nodes.iter().any(|known| known.name == node.name) {
-                    nodes.push(node);
-                }
-            }
-        }
-        let arrays: ParameterValue = arrays.iter().map(String::as_str).collect();
-        let fed = fed.map(|(port, source)| (port, source.to_string()));
-        nodes.push(NodeEntry::of_program(&WIRES, vec![Field::new(ARRAYS, arrays)], fed));
-        let graph = Graph::build(&nodes, run.registry, self.folder.clone())?;
-        let of_volumes = Demand { gradient_magnitude: true, ..Demand::default() };
-        let place = graph.nodes.len() - 1;
-        Ok(run.session.stand_in(&graph, place, &of_volumes, run.observer, work)?.0)
-    }
-}
-
 fn is_camera(node: &NodeEntry) -> bool {
     node.node_type.text() == Some(CAMERA)
 }
@@ -286,7 +256,7 @@ pub(super) static WIRES: Node = Node {
 };
 
 /// Parameter of the node: arrays that the volume is to have.
-const ARRAYS: &str = "arrays";
+pub(super) const ARRAYS: &str = "arrays";
 
 #[derive(Default)]
 pub(super) struct Values {
@@ -439,108 +409,6 @@ impl Pixels {
 
     pub(super) fn count(&self) -> f64 {
         self.image.pixels.len() as f64
-    }
-}
-
-/// A question that is answered while no picture is wanted.
-pub(crate) trait Query: Clone + PartialEq + 'static {
-    type Reply;
-
-    /// True if it is asked again after the picture that it was given up for.
-    const WAITS: bool;
-
-    /// The answer, found on the worker's thread. Errors: a newer picture is wanted; those of a run.
-    fn answer(&self, run: &mut QueryRun) -> Result<Self::Reply>;
-}
-
-pub(crate) struct QueryRun<'a> {
-    pub session: &'a mut Session,
-    pub registry: &'a Registry,
-    /// Reports that a newer picture is wanted.
-    pub observer: &'a dyn Observer,
-}
-
-/// The newest query of a kind, and the newest answer.
-pub(crate) struct Exchange<Q: Query> {
-    asked: Option<Q>,
-    number: u64,
-    is_open: bool,
-    answer: Option<(u64, Result<Q::Reply>)>,
-}
-
-impl<Q: Query> Default for Exchange<Q> {
-    fn default() -> Self {
-        Exchange { asked: None, number: 0, is_open: false, answer: None }
-    }
-}
-
-impl<Q: Query> Exchange<Q> {
-    pub fn asked(&self) -> Option<&Q> {
-        self.asked.as_ref()
-    }
-
-    pub fn answer(&self) -> Option<&Result<Q::Reply>> {
-        self.answer.as_ref().filter(|(number, _)| *number == self.number).map(|(_, found)| found)
-    }
-
-    /// The newest answer, whatever was asked since.
-    pub fn last(&self) -> Option<&Result<Q::Reply>> {
-        self.answer.as_ref().map(|(_, found)| found)
-    }
-
-    pub fn is_waiting(&self) -> bool {
-        self.asked.is_some() && self.answer().is_none()
-    }
-
-    pub(super) fn ask(&mut self, query: Q) {
-        if self.asked.as_ref() != Some(&query) {
-            self.asked = Some(query);
-            self.number += 1;
-            self.is_open = true;
-        }
-    }
-
-    /// Numbers of the newest query, and of the one that the newest answer is to.
-    pub fn numbers(&self) -> [u64; 2] {
-        [self.number, self.answer.as_ref().map_or(0, |(number, _)| *number)]
-    }
-
-    /// As if nothing had been asked; the answer stays as that of an earlier query.
-    pub(super) fn forget_query(&mut self) {
-        (self.asked, self.is_open) = (None, false);
-        self.number += 1;
-    }
-
-    /// Forgets the query and its answer, which belong to nothing that is shown.
-    pub(super) fn forget(&mut self) {
-        self.forget_query();
-        self.answer = None;
-    }
-
-    /// Takes over what was found for the query of a number.
-    pub(super) fn settle(&mut self, number: u64, found: Result<Q::Reply>) {
-        match found {
-            Err(error) if error.kind == ErrorKind::Cancelled => match Q::WAITS {
-                true => self.is_open = self.asked.is_some(),
-                false if number == self.number => self.forget_query(),
-                false => {}
-            },
-            // What is not asked again is of use for the newest query alone.
-            found if Q::WAITS || number == self.number => self.answer = Some((number, found)),
-            _ => {}
-        }
-    }
-
-    /// Takes over a query whose answer is known.
-    pub(super) fn adopt(&mut self, query: Q, found: Result<Q::Reply>) {
-        self.ask(query);
-        (self.is_open, self.answer) = (false, Some((self.number, found)));
-    }
-
-    /// The query to be answered next, with its number, if it is open.
-    pub(super) fn take(&mut self) -> Option<(u64, Q)> {
-        let query = self.asked.clone().filter(|_| std::mem::take(&mut self.is_open))?;
-        Some((self.number, query))
     }
 }
 

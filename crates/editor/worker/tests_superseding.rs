@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize};
 use std::time::{Duration, Instant};
+use voltet_core::error::ErrorKind;
 use voltet_core::picture::Picture;
 use voltet_graph::{Node, Outputs, ParameterValue, Port, PortType, Value};
 
@@ -256,8 +257,9 @@ fn a_steady_drag_shows_pictures() {
     assert!(seen.len() >= 5, "{seen:?}");
 }
 
-/// Numbers of runs of the node that draws fine pictures alone: its errors are of a tile, are others, or it panics.
-static FINE_RUNS: [AtomicUsize; 3] = [const { AtomicUsize::new(0) }; 3];
+/// Numbers of runs of the node that draws fine pictures alone: its errors are of a tile, are others, it panics, or they are of a tile and
+/// queries ask, of which the last is that for the error.
+static FINE_RUNS: [AtomicUsize; 5] = [const { AtomicUsize::new(0) }; 5];
 
 /// Draws pictures of more than 8 pixels across alone.
 fn fine(call: &voltet_graph::RunContext, kind: usize) -> Result<Outputs> {
@@ -265,9 +267,7 @@ fn fine(call: &voltet_graph::RunContext, kind: usize) -> Result<Outputs> {
     let [width, height] = call.camera("camera")?.size.map(|side| side as usize);
     match (width > 8, kind) {
         (true, _) => Ok(vec![Value::Image(Arc::new(Picture::transparent(width, height)))]),
-        (false, 0) => {
-            Err(Error::run(voltet_nodes::TILE_ERRORS.first().copied().unwrap_or_default()).got(width))
-        }
+        (false, 0 | 3 | 4) => Err(Error::new(ErrorKind::CrowdedTile, "a tile is crowded").got(width)),
         (false, 1) => Err(Error::run("the device is lost")),
         (false, _) => panic!("a mistake"),
     }
@@ -277,12 +277,24 @@ fn fine(call: &voltet_graph::RunContext, kind: usize) -> Result<Outputs> {
 const OF_TILE: Node = Node { run: &|call| fine(call, 0), ..TIMED };
 const OTHER: Node = Node { run: &|call| fine(call, 1), ..TIMED };
 const PANICKING: Node = Node { run: &|call| fine(call, 2), ..TIMED };
+const ASKED: Node = Node { run: &|call| fine(call, 3), ..TIMED };
+/// One that integrates.
+const COMPARED: Node = Node {
+    run: &|call| fine(call, 4),
+    parameters: &[voltet_graph::Parameter {
+        name: "integrator",
+        parameter_type: voltet_graph::ParameterType::Choice(&[("fast", "as ever"), ("reference", "slowly")]),
+        unit: "",
+        default: voltet_graph::DefaultValue::Text("fast"),
+        help: "how it integrates",
+    }],
+    ..TIMED
+};
 /// One that is not known to be quick.
 const ELSEWHERE: Node = Node { name: "elsewhere", ..OF_TILE };
 
-/// Size of the picture of a new worker that draws a node with so many pixels across, coarse at first; whether it failed, and how often
-/// the node ran.
-fn drawn_by(node: &'static Node, kind: usize, width: u32) -> (Option<[usize; 2]>, bool, usize) {
+/// A new worker, and the request for a picture of that size by a node, coarse at first.
+fn worker_of(node: &'static Node, [width, height]: [u32; 2]) -> (Worker, RenderRequest) {
     let shipped = voltet_nodes::registry().unwrap();
     let mut registry = Registry::new();
     registry.add(shipped.find("camera").unwrap()).unwrap();
@@ -290,23 +302,75 @@ fn drawn_by(node: &'static Node, kind: usize, width: u32) -> (Option<[usize; 2]>
     let worker = Worker::start(&registry, Arc::new(|| {})).unwrap();
     let text = format!(
         "[pipeline]\nformat = 1\n[nodes.view]\ntype = \"camera\"\neye = [9.0, 0.0, 0.0]\ntarget = [0.0, 0.0, 0.0]\n\
-         fov_y = 25.0\nsize = [{width}, 6]\n[nodes.picture]\ntype = \"{}\"\ninputs = {{ camera = \"view\" }}\n",
+         fov_y = 25.0\nsize = [{width}, {height}]\n[nodes.picture]\ntype = \"{}\"\ninputs = {{ camera = \"view\" }}\n",
         node.name
     );
+    (worker, RenderRequest { coarse_first: true, ..wanted(nodes(&text), &PathBuf::new()) })
+}
+
+/// Size of the picture of a node with so many pixels across; whether it failed, and how often the node ran.
+fn drawn_by(node: &'static Node, kind: usize, width: u32) -> (Option<[usize; 2]>, bool, usize) {
+    let (worker, request) = worker_of(node, [width, 6]);
     let before = FINE_RUNS[kind].load(Ordering::SeqCst);
-    worker.draw(RenderRequest { coarse_first: true, ..wanted(nodes(&text), &PathBuf::new()) });
+    worker.draw(request);
     settle(&worker);
     let runs = FINE_RUNS[kind].load(Ordering::SeqCst) - before;
     worker.shown(|shown| (shown.pixels.as_ref().map(Pixels::size), shown.failure.is_some(), runs))
 }
 
+/// With divisors of 4, 2 and 1.
 #[test]
-#[cfg_attr(not(feature = "gpu"), ignore = "no engine draws by tiles of a device")]
-fn where_a_tile_of_a_coarse_picture_has_too_many_cells_the_full_one_is_drawn() {
-    assert_eq!(drawn_by(&OF_TILE, 0, 16), (Some([16, 6]), false, 2));
-    assert_eq!(drawn_by(&ELSEWHERE, 0, 16), (Some([16, 6]), false, 2));
+fn where_a_tile_of_a_coarse_picture_has_too_many_cells_a_finer_one_is_drawn() {
+    assert_eq!(drawn_by(&OF_TILE, 0, 16), (Some([16, 6]), false, 3));
+    assert_eq!(drawn_by(&ELSEWHERE, 0, 16), (Some([16, 6]), false, 3));
     // Where the full one fails, too, its error is told.
-    assert_eq!(drawn_by(&OF_TILE, 0, 8), (None, true, 2));
+    assert_eq!(drawn_by(&OF_TILE, 0, 8), (None, true, 3));
+}
+
+/// As coarse pictures are; so narrow a one is too coarse until it is drawn in full.
+#[test]
+fn small_pictures_and_shares_are_finer_where_a_tile_has_too_many_cells() {
+    let (worker, request) = worker_of(&ASKED, [16, 30_000]);
+    let (look, wanted) = (String::new(), request.clone());
+    worker.ask(|output| &mut output.share, ShareQuery { picture: 1, look, wanted, widget: 0 });
+    worker.ask(|output| output.preview("picture"), PreviewQuery(request));
+    let answers = || {
+        worker.shown(|shown| {
+            let share = shown.share.answer()?.clone().map(|share| share.pixels);
+            let preview = shown.previews["picture"].answer()?.as_ref().map(Pixels::size);
+            Some((share.unwrap(), preview.unwrap()))
+        })
+    };
+    let start = Instant::now();
+    while answers().is_none() && start.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    assert_eq!(answers(), Some((480_000, [16, 30_000])));
+    // Divisors of 13, 6, 3 and 1 for the share; the small picture of the same pixels is not drawn anew.
+    assert_eq!(FINE_RUNS[3].load(Ordering::SeqCst), 4);
+}
+
+/// The reference would draw a full picture for minutes.
+#[test]
+fn the_error_is_estimated_in_finer_pictures_up_to_a_number_of_pixels() {
+    let estimated = |size: [u32; 2]| {
+        let (worker, request) = worker_of(&COMPARED, size);
+        let before = FINE_RUNS[4].load(Ordering::SeqCst);
+        worker.ask(|output| &mut output.estimate, Estimate(request));
+        let start = Instant::now();
+        while worker.shown(|shown| shown.estimate.answer().is_none()) {
+            assert!(start.elapsed() < Duration::from_secs(60), "there is no answer");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        let answer = worker.shown(|shown| shown.estimate.answer().cloned().unwrap());
+        (answer, FINE_RUNS[4].load(Ordering::SeqCst) - before)
+    };
+    // Divisors of 4, in vain, and of 2, there with the reference, too.
+    let (answer, runs) = estimated([32, 960]);
+    assert_eq!((answer.unwrap(), runs), ([0.0; 2], 3));
+    // Of 13, 6 and 4.
+    let (answer, runs) = estimated([16, 30_000]);
+    assert_eq!((answer.unwrap_err().kind, runs), (ErrorKind::CrowdedTile, 3));
 }
 
 #[test]

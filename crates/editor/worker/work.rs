@@ -1,16 +1,18 @@
 //! The thread's own work: the newest request first, panics caught; the state that it shares with the window's thread; when a pass is
 //! stopped for a newer request; and how many pixels a coarse picture has.
 
+use super::crowding::Crowding;
 use super::output::WorkerOutput;
-use super::request::{Change, Exchange, Pixels, Query, QueryRun, RenderRequest, wire_values};
+use super::query::{Exchange, Query, QueryRun};
+use super::request::{Change, Pixels, RenderRequest, wire_values};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
+use voltet_core::error::ErrorKind;
 use voltet_core::{Error, Result};
 use voltet_graph::{NodeEntry, Observer, Registry, Session};
 use voltet_io::memory;
-use voltet_nodes::TILE_ERRORS;
 
 /// A session whose widgets a hand moves.
 fn session() -> Session {
@@ -24,13 +26,14 @@ struct WorkerState<'a> {
     /// The session that read data ahead, which keeps them until they are drawn.
     ahead: Option<Session>,
     pace: FrameTimeModel,
+    crowding: Crowding,
 }
 
 /// Works at the newest request, and at queries where there is none, until the worker ends.
 pub(super) fn run(shared: &Shared) {
     let registry = lock(&shared.state).registry.clone();
-    let mut own =
-        WorkerState { shared, registry, session: session(), ahead: None, pace: FrameTimeModel::default() };
+    let (pace, crowding) = (FrameTimeModel::default(), Crowding::default());
+    let mut own = WorkerState { shared, registry, session: session(), ahead: None, pace, crowding };
     loop {
         let mut state = lock(&shared.state);
         while !std::mem::take(&mut state.has_news) {
@@ -88,23 +91,35 @@ impl WorkerState<'_> {
     /// the view where it can; at last the picture that a run gives.
     fn picture(&mut self, number: u64, wanted: &RenderRequest) {
         self.pace.look_from(wanted.cameras());
-        // The first picture of a wish is for a hand that moves, whether it is coarse or quick enough to have all pixels.
-        let first = wanted.coarse_first.then(|| self.pace.divisor(wanted.pixels()));
+        let outcome = match self.first_picture(number, wanted) {
+            // What is newer comes before the full picture.
+            Ok(false) if self.shared.newest() != number => return,
+            Ok(false) => self.pass(number, wanted, 1, None),
+            first => first,
+        };
+        self.shared.show(|shown| match outcome {
+            Ok(_) => shown.settled(number),
+            Err(error) => shown.failed(number, error),
+        });
+    }
+
+    /// Draws the first picture of a request: for a hand that moves, whether it is coarse or quick enough to have all pixels. Returns true if it
+    /// is the full one.
+    fn first_picture(&mut self, number: u64, wanted: &RenderRequest) -> Result<bool> {
+        if !wanted.coarse_first {
+            return Ok(false);
+        }
         // A hand at a grip may move what a node makes of the data, such as a slice.
         let stale = || 2.0 * lock(&self.shared.state).output.stale_seconds(wanted);
         let others = Duration::from_secs_f64(if wanted.grip_moves { stale() } else { 0.0 });
-        let passes = first.map(|divisor| (divisor, Some(self.pace.patience(divisor) + others))).into_iter();
-        for (divisor, patience) in passes.chain([(1, None)]) {
-            match self.pass(number, wanted, divisor, patience) {
-                Ok(true) => return self.shared.show(|shown| shown.settled(number)),
-                // What is newer comes before the full picture.
-                Ok(false) if self.shared.newest() != number => return,
-                Ok(false) => {}
-                // A tile of a coarse picture lists more cells than one of the full picture, which a device may hold all the same.
-                Err(error) if divisor > 1 && TILE_ERRORS.contains(&&*error.what) => {}
-                Err(error) => return self.shared.show(|shown| shown.failed(number, error)),
-            }
-        }
+        let first = self.pace.divisor(wanted.pixels());
+        let mut crowding = std::mem::take(&mut self.crowding);
+        let drawn = crowding.finer_where_crowded(wanted, [first, 1], |divisor| {
+            let patience = self.pace.patience(divisor, wanted.pixels()) + others;
+            self.pass(number, wanted, divisor, Some(patience))
+        });
+        self.crowding = crowding;
+        drawn
     }
 
     /// One run, with so many pixels less along each side; `patience`: how long it goes on while a hand moves, for one that may be
@@ -155,7 +170,8 @@ impl WorkerState<'_> {
             self.session = session();
             let text = payload.downcast_ref::<&str>().map(|text| (*text).to_string());
             let text = text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_default();
-            let error = Error::run("the node panicked, which is a fault of its program").got(text);
+            let what = "the node panicked, which is a fault of its program";
+            let error = Error::new(ErrorKind::Panic, what).got(text);
             Err(following.node().into_iter().fold(error, |error, node| error.at_node(node)))
         })
     }
@@ -178,9 +194,12 @@ impl WorkerState<'_> {
         let stop =
             |_: &dyn Fn() -> Option<String>| shared.newest() != newest || (!Q::WAITS && is_superseded());
         let following = Following::new(shared, &stop, false);
+        let mut crowding = std::mem::take(&mut self.crowding);
         let outcome = self.guarded(&following, |session| {
-            query.answer(&mut QueryRun { session, registry, observer: &following })
+            let (observer, crowding) = (&following, &mut crowding);
+            query.answer(&mut QueryRun { session, registry, observer, crowding })
         });
+        self.crowding = crowding;
         shared.show(|output| {
             if let Some(output) = output.since(newest) {
                 of(output).settle(number, outcome);
@@ -360,21 +379,17 @@ impl Pass<'_> {
     }
 }
 
-/// Time of a coarse picture (seconds): 25 a second, of which the wires take some.
-const COARSE_SECONDS: f64 = 0.035;
+/// Time of a coarse picture (seconds): thirty a second, of which the window and the wires take a third.
+const COARSE_SECONDS: f64 = 2.0 / 3.0 / 30.0;
 
 /// A full picture that takes no longer needs no coarse one before it, seconds.
-const FULL_SECONDS: f64 = 0.045;
+const FULL_SECONDS: f64 = 0.028;
 
 /// Along each side a coarse picture has at least an eighth of the pixels, or a person sees nothing in it.
 const MAX_DIVISOR: u32 = 8;
 
 /// Before anything was drawn.
 const FIRST_DIVISOR: u32 = 4;
-
-/// Shortest time limit of the first picture of a request that the user has moved on from (seconds), so that 20 a second are
-/// shown.
-const MIN_TIME_LIMIT: f64 = 0.05;
 
 /// Time limit before any picture was drawn (seconds).
 const FIRST_TIME_LIMIT: f64 = 0.2;
@@ -419,12 +434,13 @@ impl FrameTimeModel {
         of_kept.unwrap_or(MAX_DIVISOR).min(of_cells)
     }
 
-    /// Time limit of the first picture of a request that the user has moved on from: twice the time of the last such
-    /// picture.
-    pub fn patience(&self, divisor: u32) -> Duration {
-        let last = if divisor == 1 { self.full } else { self.coarse };
-        let usual = last.map_or(FIRST_TIME_LIMIT, |(_, seconds)| 2.0 * seconds);
-        Duration::from_secs_f64(usual.max(MIN_TIME_LIMIT))
+    /// Time limit of the first picture of a request that the user has moved on from: twice that of the last such picture, in proportion where
+    /// this one has more pixels, and at least twice that of a coarse one. `pixels`: of the full picture.
+    pub fn patience(&self, divisor: u32, pixels: f64) -> Duration {
+        let last = if divisor == 1 { self.full.or(self.coarse) } else { self.coarse };
+        let more = |count: f64| (pixels / f64::from(divisor * divisor) / count).max(1.0);
+        let usual = last.map_or(FIRST_TIME_LIMIT, |(count, seconds)| 2.0 * seconds * more(count));
+        Duration::from_secs_f64(usual.max(2.0 * COARSE_SECONDS))
     }
 
     /// Seconds of a picture and of a pixel, through what was measured last.
@@ -526,13 +542,26 @@ mod tests {
         let mut pace = FrameTimeModel::default();
         assert_eq!(pace.divisor(786_432.0), FIRST_DIVISOR, "nothing is known yet");
         pace.learn(1, 786_432.0, 0.4);
-        // 0.4 s / 16 = 0.025 s, / 9 = 0.044 s.
-        assert_eq!(pace.divisor(786_432.0), 4);
+        // 0.4 s / 25 = 0.016 s, / 16 = 0.025 s.
+        assert_eq!(pace.divisor(786_432.0), 5);
         pace.learn(4, 49_152.0, 0.1);
         // 0.08 s of each picture do not follow the pixels: nothing is quick enough.
         assert_eq!(pace.divisor(786_432.0), MAX_DIVISOR);
-        pace.learn(1, 786_432.0, 0.04);
+        pace.learn(1, 786_432.0, 0.025);
         assert_eq!(pace.divisor(786_432.0), 1);
+    }
+
+    #[test]
+    fn a_picture_has_twice_the_time_that_one_of_as_many_pixels_took() {
+        let mut pace = FrameTimeModel::default();
+        let seconds = |pace: &FrameTimeModel, divisor| pace.patience(divisor, 786_432.0).as_secs_f64();
+        assert_eq!([1, 8].map(|divisor| seconds(&pace, divisor)), [FIRST_TIME_LIMIT; 2]);
+        pace.learn(8, 12_288.0, 0.025);
+        assert_eq!([8, 4, 2, 1].map(|divisor| seconds(&pace, divisor)), [0.05, 0.2, 0.8, 3.2]);
+        // The full picture itself is the better witness; a coarser one than the last has no less time.
+        pace.learn(1, 786_432.0, 0.4);
+        pace.learn(2, 196_608.0, 0.1);
+        assert_eq!([1, 2, 8].map(|divisor| seconds(&pace, divisor)), [0.8, 0.2, 0.2]);
     }
 
     #[test]
@@ -544,7 +573,7 @@ mod tests {
         let mut pace = FrameTimeModel::default();
         pace.look_from(view(30));
         pace.learn(1, 786_432.0, 0.4);
-        assert_eq!(pace.divisor(786_432.0), 4);
+        assert_eq!(pace.divisor(786_432.0), 5);
         // 0.16 s for the full one, of which a ninth is quick.
         pace.learn_of_kept(49_152.0, 0.01);
         assert_eq!(pace.divisor(786_432.0), 3);
@@ -554,7 +583,7 @@ mod tests {
         assert_eq!(pace.divisor(786_432.0), 3);
         pace.learn_of_kept(87_381.0, 0.1);
         assert_eq!(pace.divisor(786_432.0), 3);
-        pace.learn_of_kept(87_381.0, 0.004);
+        pace.learn_of_kept(87_381.0, 0.003);
         assert_eq!(pace.divisor(786_432.0), 1);
         // The engine does not keep so much.
         for _ in 0..=UNTIL_KEPT {

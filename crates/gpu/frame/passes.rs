@@ -9,6 +9,7 @@ use crate::frame::output::{FrameOutput, Readback, counters};
 use crate::frame::renderer::{FrameBuffers, ReadbackBuffers};
 use crate::grid::GrowingSplitBuffer;
 use crate::raster::{Blending, OUTLINES, Raster, TRIANGLES, Target};
+use voltet_core::error::ErrorKind;
 use voltet_core::picture::Picture;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result, counted};
@@ -273,11 +274,6 @@ const MIN_BUDGET: u32 = 1 << 6;
 /// Dispatches in which every tile gets further, so that far fewer suffice.
 const MAX_DISPATCHES: u32 = 100_000;
 
-/// Messages of errors about one tile of a picture that has too many cells. With more pixels a tile has fewer.
-pub const TILE_ERRORS: [&str; 2] = [LONG_TILE, LARGE_TILE];
-const LONG_TILE: &str = "a software driver does not sort so many cells of one tile";
-const LARGE_TILE: &str = "the list of one tile of the picture does not fit one binding of the device";
-
 /// Cells of one tile that a software driver sorts within those rounds.
 const LONGEST_SOFTWARE: u32 = 20_000;
 
@@ -354,7 +350,8 @@ impl FrameInputs<'_> {
                 return Ok(None);
             }
             if device.is_software && self.sorted && counts[counters::LONGEST] > LONGEST_SOFTWARE {
-                return Err(Error::run(LONG_TILE)
+                let what = "a software driver does not sort so many cells of one tile";
+                return Err(Error::new(ErrorKind::CrowdedTile, what)
                     .got(counts[counters::LONGEST])
                     .expected(format!("at most {LONGEST_SOFTWARE}, or engine = \"cpu\"")));
             }
@@ -525,7 +522,9 @@ impl SubmittedPicture {
 /// A window cut in two along its longer side.
 fn halves([x, y, width, height]: [u32; 4]) -> Result<[[u32; 4]; 2]> {
     if width == 1 && height == 1 {
-        return Err(Error::run(LARGE_TILE).expected("a closer view, a smaller grid, or engine = \"cpu\""));
+        let what = "the list of one tile of the picture does not fit one binding of the device";
+        return Err(Error::new(ErrorKind::CrowdedTile, what)
+            .expected("a closer view, a smaller grid, or engine = \"cpu\""));
     }
     Ok(if width >= height {
         let half = width / 2;

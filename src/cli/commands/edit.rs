@@ -1,6 +1,6 @@
 //! `voltet edit`: the node editor.
 
-use super::shared::{DONE, Outcome, with_bar};
+use super::shared::{DONE, Outcome};
 use super::{plugins, run::film_of, start, study as measured};
 use crate::cli::arguments::{Edit, Start};
 use crate::core::Result;
@@ -18,7 +18,9 @@ pub fn edit(arguments: &Edit, registry: &Registry) -> Outcome {
     let known = Arc::new(Mutex::new(registry.clone()));
     let [start, study, film, plugin] = [(); 4].map(|()| known.clone());
     let services = Services {
-        start: Arc::new(move |path: &Path, at: &Path| pipeline_for(path, at, &current(&start))),
+        start: Arc::new(move |path: &Path, at: &Path, progress: &dyn Progress| {
+            pipeline_for(path, at, &current(&start), progress)
+        }),
         study: Arc::new(move |of: &StudyRequest, observer: &dyn Observer| {
             studied(of, &current(&study), observer)
         }),
@@ -75,12 +77,12 @@ fn studied(of: &StudyRequest, registry: &Registry, observer: &dyn Observer) -> R
 
 /// The text of a pipeline for a file that is none: what a picture carries, or what is found for data. `at`: where it would be
 /// saved.
-fn pipeline_for(path: &Path, at: &Path, registry: &Registry) -> Result<String> {
+fn pipeline_for(path: &Path, at: &Path, registry: &Registry, progress: &dyn Progress) -> Result<String> {
     if super::info::is_picture(path) {
         return Ok(Source::read(path)?.text);
     }
     let (data, output) = (path.to_path_buf(), Some(at.to_path_buf()));
     // The editor has the plane of s and g beside the picture.
     let arguments = Start { data, output, plain: true, ..Start::default() };
-    with_bar(true, |_, progress| start::pipeline(&arguments, registry, at, progress)).map(|(text, _)| text)
+    start::pipeline(&arguments, registry, at, progress).map(|(text, _)| text)
 }

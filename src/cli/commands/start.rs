@@ -104,7 +104,7 @@ pub fn pipeline(
     let scalar = grid.scalar.clone().unwrap_or_default();
     // Gradients of what is the same everywhere are roundings.
     let Some([low, high]) = range(&scalar).filter(|&[low, high]| differ(low, high, f64::EPSILON)) else {
-        return Err(without_boundary(arguments, &asked, &named, progress));
+        return Err(without_boundary(arguments, &asked, &named, progress)?);
     };
     if high - low < MIN_RANGE {
         return Err(Error::run(format!(
@@ -319,16 +319,24 @@ inputs = {{ image = \"picture\", volume = \"gradient\", transfer_function = \"lo
 }
 
 /// The error for an array that is the same everywhere; names those that are not.
-fn without_boundary(arguments: &Start, asked: &Request, named: &str, progress: &dyn Progress) -> Error {
+///
+/// # Errors
+/// - the file cannot be read once more; the user stops that.
+fn without_boundary(
+    arguments: &Start,
+    asked: &Request,
+    named: &str,
+    progress: &dyn Progress,
+) -> Result<Error> {
     let error = Error::run(format!("'{named}' has no boundary: it is the same everywhere"));
-    let found = inspect(&arguments.data, asked, progress).map(|summary| summary.arrays).unwrap_or_default();
+    let found = inspect(&arguments.data, asked, progress)?.arrays;
     let others: Vec<String> =
         found.iter().filter(|a| a.varies()).map(|a| ArrayChoice::from_head(&a.head, &[]).scalar).collect();
     let expected = match others.is_empty() {
         true => "a file with an array whose values differ: this one has none".into(),
         false => format!("another array after --scalar: {}", others.join(", ")),
     };
-    error.expected(expected).in_file(&arguments.data)
+    Ok(error.expected(expected).in_file(&arguments.data))
 }
 
 /// The array of the option `--scalar`.
@@ -368,12 +376,14 @@ fn first_quantity(arguments: &Start, summary: &Summary) -> Result<ArrayChoice> {
 fn histogram_of(grid: &Grid, s: &[f64], g: &[f64], progress: &dyn Progress) -> Result<Histogram> {
     let s_axis = Axis::over(s, BINS);
     let whole = Axis::over(g, 16 * BINS);
+    progress.report("histogram", 0.0);
     let coarse = histogram(
         grid,
         [s, g],
         [Axis { bins: 1, ..s_axis }, Axis { low: whole.low.min(0.0), ..whole }],
         progress,
     )?;
+    progress.report("histogram", 0.5);
     let high = coarse.nearly_all();
     let low = quiet(&coarse).min(0.5 * high);
     histogram(grid, [s, g], [s_axis, Axis { low, high, bins: BINS }], progress)
