@@ -67,12 +67,12 @@ impl Error {
     }
 
     fn new(kind: ErrorKind, what: impl Into<String>) -> Self {
-        Error { kind, what: what.into(), got: None, expected: None, location: Box::default() }
+        Error { kind, what: without_number(what.into()), got: None, expected: None, location: Box::default() }
     }
 
     /// Adds what was found.
     pub fn got(mut self, found: impl fmt::Display) -> Self {
-        self.got = Some(found.to_string());
+        self.got = Some(without_number(found.to_string()));
         self
     }
 
@@ -119,6 +119,18 @@ impl Error {
     }
 }
 
+/// A message that may hold one of the system, without the system's number: "no such file or directory" of "No such file or directory (os error 2)".
+fn without_number(mut message: String) -> String {
+    const NUMBER: &str = " (os error ";
+    while let Some(at) = message.find(NUMBER) {
+        let Some(end) = message[at..].find(')') else { break };
+        message.replace_range(at..=at + end, "");
+        let begin = message[..at].rfind(": ").map_or(0, |colon| colon + 2);
+        message[begin..].get_mut(..1).into_iter().for_each(str::make_ascii_lowercase);
+    }
+    message
+}
+
 impl From<std::io::Error> for Error {
     fn from(error: std::io::Error) -> Self {
         Self::run(error.to_string())
@@ -152,5 +164,22 @@ impl fmt::Display for Error {
             write!(f, " ({})", parts.join(", "))?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_of_the_system_has_words_and_no_number() {
+        let error = || std::io::Error::from_raw_os_error(2);
+        let words = error().to_string();
+        let words = words.strip_suffix(" (os error 2)").expect("a number").to_lowercase();
+        assert_eq!(Error::from(error()).to_string(), words);
+        assert_eq!(Error::run("unreadable").got(error()).to_string(), format!("unreadable: found {words}"));
+        let twice = format!("Reading: {}; writing: {}", error(), error());
+        assert_eq!(Error::run(twice).to_string(), format!("Reading: {words}; writing: {words}"));
+        assert_eq!(Error::run("A (os error").to_string(), "A (os error");
     }
 }
