@@ -1,9 +1,12 @@
 //! Numbers relative to data: the widgets of a transfer function before and after the data are known, what the numbers became in words
 //! and figures, and the statistics that they refer to: ranges and percentiles of one volume, or of steps of a time series.
 
+mod places;
 mod several;
 mod statistics;
 
+pub use places::placed;
+pub(crate) use places::{MIDDLE, NORMAL, ORIGIN, POSITION, RADIUS, SpatialRegion};
 pub(crate) use several::VolumeView;
 pub use statistics::values;
 pub(crate) use statistics::volumes;

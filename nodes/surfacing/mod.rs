@@ -3,8 +3,7 @@
 
 pub mod tubing;
 
-use crate::probe::SpatialRegion;
-use crate::relative::{self, DataScope, note_numbers};
+use crate::relative::{self, DataScope, SpatialRegion, note_numbers};
 use crate::transfer_function::FilesFrom;
 use glam::DVec3;
 use std::sync::Arc;

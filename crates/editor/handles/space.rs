@@ -9,12 +9,14 @@ use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use std::rc::Rc;
 use voltet_core::arithmetic::{decimal, unit_vector};
-use voltet_core::clip::ClipShape;
+use voltet_core::clip::{Clip, ClipShape};
 use voltet_core::grid::extent::{corners, diagonal};
 use voltet_document::{Edit, Path, links};
-use voltet_graph::{Field, LocatedValue, NodeEntry, ParameterValue, Relative, find_setting};
-use voltet_nodes::drawing::CLIP;
-use voltet_nodes::relative::{DataScope, RELATIVE_TO};
+use voltet_graph::{
+    Field, LocatedValue, NodeEntry, ParameterValue, Parameters, Relative, SourceSpan, find_setting,
+};
+use voltet_nodes::drawing::{CLIP, clips};
+use voltet_nodes::relative::{DataScope, RELATIVE_TO, placed};
 
 /// Length of the arrow along a normal, and a step of the keys, as shares of the diagonal of the data.
 const ARROW: f64 = 0.2;
@@ -86,16 +88,17 @@ pub(super) fn objects<'a>(
     view: View,
     nodes: impl Iterator<Item = &'a NodeEntry> + Clone,
 ) -> Vec<Rc<dyn Movable>> {
-    let clips = |node: &&NodeEntry| {
+    let has_clips = |node: &&NodeEntry| {
         let is_declared = scene.node_type(node).is_some_and(|known| known.parameter(CLIP.name).is_some());
         is_declared && node.setting(CLIP.name).is_some()
     };
-    let several = nodes.clone().filter(clips).count() > 1;
+    let several = nodes.clone().filter(has_clips).count() > 1;
     let mut found: Vec<Rc<dyn Movable>> = Vec::new();
     for node in nodes {
         let Some(bounds) = bounds_at(scene, node) else { continue };
         let mut add = |title: &str, path: Path, stated: &[Field], is_slice: bool| {
-            let Some(shape) = stated_shape(stated, is_slice, bounds) else { return };
+            let shape = if is_slice { slice_shape(stated, bounds) } else { clip_shape(stated, bounds) };
+            let Some(shape) = shape else { return };
             let (name, node) = (format!("{} of {title}", word(&shape)), node.name.clone());
             found.push(Rc::new(Object {
                 node,
@@ -108,7 +111,7 @@ pub(super) fn objects<'a>(
                 view,
             }));
         };
-        let list = node.setting(CLIP.name).and_then(LocatedValue::list).filter(|_| clips(&node));
+        let list = node.setting(CLIP.name).and_then(LocatedValue::list).filter(|_| has_clips(&node));
         let list = list.unwrap_or_default();
         for (place, entry) in list.iter().enumerate() {
             let number = if list.len() > 1 { format!(" {}", place + 1) } else { String::new() };
@@ -140,7 +143,7 @@ fn is_of_numbers(stated: &[Field]) -> bool {
 }
 
 /// Lowest and highest coordinates of the data that come to a node: of its inputs, else of theirs.
-fn bounds_at(scene: &Scene, node: &NodeEntry) -> Option<[DVec3; 2]> {
+pub(crate) fn bounds_at(scene: &Scene, node: &NodeEntry) -> Option<[DVec3; 2]> {
     let (mut level, mut seen) = (vec![node], BTreeSet::from([node.name.as_str()]));
     while !level.is_empty() {
         let sources = level.iter().flat_map(|node| node.inputs.iter().flat_map(links::sources));
@@ -175,17 +178,31 @@ fn point(stated: &[Field], key: &str, [low, high]: [DVec3; 2]) -> Option<DVec3> 
     Some(DVec3::from(numbers)).filter(|point| point.is_finite() && list.len() == 3)
 }
 
-/// The shape that a clip or a slice states; `None` of one that is not sound.
-fn stated_shape(stated: &[Field], is_slice: bool, bounds: [DVec3; 2]) -> Option<StatedShape> {
-    let text = |key: &str| find_setting(stated, key).and_then(LocatedValue::text);
-    let at = |key: &str| point(stated, key, bounds);
-    // A slice need not state all.
+/// The clips of a list for data of these bounds; none where one of them is not sound.
+pub(crate) fn stated_clips(list: LocatedValue, bounds: Option<[DVec3; 2]>) -> Vec<Clip> {
+    let field = Field::new(CLIP.name, list);
+    let checked = Parameters::check(&[CLIP], &[field], &SourceSpan::Nowhere, &[]);
+    checked.and_then(|p| clips(&placed(&p, bounds)?)).unwrap_or_default()
+}
+
+/// The shape that a clip states; `None` of one that is not sound.
+fn clip_shape(stated: &[Field], bounds: [DVec3; 2]) -> Option<StatedShape> {
+    let entry = LocatedValue::from(ParameterValue::Table(stated.to_vec()));
+    let shape = stated_clips(ParameterValue::List(vec![entry]).into(), Some(bounds)).first()?.shape;
+    Some(StatedShape::Clip(match shape {
+        ClipShape::Plane { origin, normal } => ClipShape::Plane { origin, normal: unit_vector(normal) },
+        other => other,
+    }))
+}
+
+/// The shape that a slice states; `None` of one that is not sound.
+fn slice_shape(stated: &[Field], bounds: [DVec3; 2]) -> Option<StatedShape> {
     let at_or = |key: &str, usual: DVec3| match find_setting(stated, key) {
-        None if is_slice => Some(usual),
-        _ => at(key),
+        None => Some(usual),
+        Some(_) => point(stated, key, bounds),
     };
-    let origin = || at_or("origin", 0.5 * (bounds[0] + bounds[1]));
-    let normal = || at_or("normal", DVec3::X).map(unit_vector);
+    let origin = at_or("origin", 0.5 * (bounds[0] + bounds[1]))?;
+    let axis = unit_vector(at_or("normal", DVec3::X)?);
     let radius = || {
         let setting = find_setting(stated, "radius")?;
         let of_diagonal = match setting.text().and_then(Relative::parse) {
@@ -194,21 +211,14 @@ fn stated_shape(stated: &[Field], is_slice: bool, bounds: [DVec3; 2]) -> Option<
         };
         setting.number().or(of_diagonal)
     };
-    let shape = match (text(if is_slice { "shape" } else { "kind" }), is_slice) {
-        (Some("plane"), false) => ClipShape::Plane { origin: origin()?, normal: normal()? },
-        (Some("box"), false) => ClipShape::Box { low: at("low")?, high: at("high")? },
-        (Some("sphere"), false) => ClipShape::Sphere { centre: at("centre")?, radius: radius()? },
-        (Some("cylinder"), false) => {
-            ClipShape::Cylinder { from: at("from")?, to: at("to")?, radius: radius()? }
-        }
-        (_, false) => return None,
-        (Some("sphere"), true) => ClipShape::Sphere { centre: origin()?, radius: radius()? },
-        (Some("cylinder"), true) => {
-            let (origin, axis, radius) = (origin()?, normal()?, radius()?);
+    let shape = match find_setting(stated, "shape").and_then(LocatedValue::text) {
+        Some("sphere") => ClipShape::Sphere { centre: origin, radius: radius()? },
+        Some("cylinder") => {
+            let radius = radius()?;
             let is_sound = axis != DVec3::ZERO && radius > 0.0 && radius.is_finite();
             return is_sound.then_some(StatedShape::Tube { origin, axis, radius });
         }
-        (_, true) => ClipShape::Plane { origin: origin()?, normal: normal()? },
+        _ => ClipShape::Plane { origin, normal: axis },
     };
     shape.check().is_ok().then_some(StatedShape::Clip(shape))
 }
@@ -505,7 +515,7 @@ mod tests {
                 ("normal", list(normal)),
                 ("radius", ParameterValue::Number(radius)),
             ];
-            stated_shape(&stated.map(field), true, bounds)
+            slice_shape(&stated.map(field), bounds)
         };
         let (origin, axis) = (DVec3::new(1e17, -3.0, 2e9), unit_vector(DVec3::new(1.0, 2.0, 3.0)));
         for high in [DVec3::ONE, DVec3::ZERO] {

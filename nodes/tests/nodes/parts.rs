@@ -115,6 +115,20 @@ fn parts_make_the_picture_of_the_whole_grid() {
     }
 }
 
+/// A clip without numbers goes through the middle of the whole grid, not of a part.
+#[test]
+fn a_clip_through_the_middle_is_that_of_all_parts() {
+    let folder = folder();
+    let text = PIPELINE.replace("engine = \"cpu\"\n", "engine = \"cpu\"\nclip = [{ kind = \"plane\" }]\n");
+    let run = |path: &str, mut session: Session| {
+        session.run(&graph(&text.replace("slabs.pvtu", path), folder.path()).unwrap(), &NoObserver).unwrap()
+    };
+    let whole = run("whole.pvtu", session());
+    assert!(picture(&whole).rgba.iter().any(|pixel| pixel[3] > 0.1), "nothing is seen");
+    assert!(picture(&whole) != picture(&draw(folder.path(), "whole.pvtu", "t", session()).unwrap()));
+    same("slabs, clipped", picture(&run("slabs.pvtu", session().with_memory(1))), picture(&whole));
+}
+
 /// Pieces out of view are not projected where rays are cast through the others: nothing is drawn again for them.
 #[test]
 fn pieces_out_of_view_are_drawn_once() {

@@ -274,8 +274,14 @@ fn picture(nodes: &str, of: &str, keys: &str) -> Picture {
          [nodes.taker]\ntype = \"taker\"\ninputs = {{ image = \"picture\" }}\n"
     );
     let (values, _) = taken(&text, folder().path(), &Demand::default()).unwrap();
-    let [Value::Image(picture)] = &values[..] else { panic!("{values:?}") };
+    let picture = picture_of(&values);
     assert!(picture.rgba.iter().any(|pixel| pixel[3] > 0.1), "nothing is seen");
+    picture
+}
+
+/// The picture that the node `taker` was given.
+pub fn picture_of(values: &[Value]) -> Picture {
+    let [Value::Image(picture)] = values else { panic!("{values:?}") };
     Picture::clone(picture)
 }
 
