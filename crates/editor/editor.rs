@@ -381,8 +381,8 @@ impl Editor {
             &mut panels.costs,
             &mut panels.section.open,
         ];
-        if let Some(open) = sheets.into_iter().find(|open| **open) {
-            *open = false;
+        let open = sheets.into_iter().find(|open| **open);
+        if panels.text.close() || open.map(|open| *open = false).is_some() {
             ctx.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape));
         }
     }

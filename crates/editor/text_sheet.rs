@@ -47,6 +47,11 @@ impl TextSheet {
         });
     }
 
+    /// Closes the sheet; true if it was open.
+    pub fn close(&mut self) -> bool {
+        self.typed.take().is_some()
+    }
+
     /// Shows the sheet where it is open; it closes once the text is right.
     pub fn show(&mut self, ctx: &Context, scene: &Scene) {
         if scene.document.is_toml() {

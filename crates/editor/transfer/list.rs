@@ -556,6 +556,7 @@ fn scalar_menu(ui: &mut Ui, look: &EditedFunction) {
     let Some(reader) = reader else { return };
     let now = reader.setting("scalar").and_then(LocatedValue::text).unwrap_or("…");
     let menu = ui.menu_button(format!("s: {now}"), |ui| {
+        ui.set_min_width(WIDTH);
         let arrays = scene.arrays.of_reader(ui.ctx(), scene.document, scene.registry, reader, Extent::Whole);
         ScrollArea::vertical().max_height(HEIGHT).show(ui, |ui| {
             for array in arrays.choices.iter().filter(|array| !array.name.is_empty()) {

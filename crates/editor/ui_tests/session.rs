@@ -220,6 +220,12 @@ fn a_text_that_is_no_toml_is_mended_in_the_window_where_it_is_wrong() {
     hand.frames(2);
     assert_eq!((hand.text(), hand.steps()), (TEXT.into(), 1));
     assert!(hand.sees("node view") && !hand.sees("Take over"));
+    hand.key(Key::Z, Modifiers::COMMAND);
+    hand.click_on(&format!("Mend the text at line {line} …"));
+    hand.key(Key::Escape, Modifiers::NONE);
+    hand.key(Key::Escape, Modifiers::NONE);
+    hand.frames(2);
+    assert!(!hand.sees("Take over"), "the field is left, then the sheet is closed");
 }
 
 #[test]
