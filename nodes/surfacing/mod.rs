@@ -3,7 +3,7 @@
 
 pub mod tubing;
 
-use crate::relative::{self, DataScope, SpatialRegion, note_numbers};
+use crate::relative::{self, DataScope, ORIGIN, RADIUS, SpatialRegion, note_numbers};
 use crate::transfer_function::FilesFrom;
 use glam::DVec3;
 use std::sync::Arc;
@@ -240,6 +240,10 @@ pub fn known_of_volume(
         let (progress, series) = (call.progress(), Some(series.statistics()));
         resolved(&p, &VolumeStatistics { volume, array, color_by, progress, series })?
     };
+    // Places are shares of the step that is drawn.
+    let of_step =
+        |p: Parameters, name: &str| p.with(name, own.optional(name).map(|known| known.datum.clone()));
+    let p = [ORIGIN.name, RADIUS.name].into_iter().fold(p, of_step);
     if own != p {
         note_numbers(&mut call.notes, "surface", &series.over, &p, &own);
     }

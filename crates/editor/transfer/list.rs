@@ -316,7 +316,7 @@ impl TransferPanel {
         let field = TextEdit::singleline(&mut text)
             .id_salt(("name", &key))
             .hint_text(widget.name.as_deref().unwrap_or("name"))
-            .desired_width(if is_narrow(ui) { 60.0 } else { 90.0 });
+            .desired_width(if is_narrow(ui) { 40.0 } else { 90.0 });
         let response = ui.add(field);
         response.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "name of the widget"));
         if response.has_focus() {
