@@ -82,6 +82,14 @@ pub(crate) fn switch(ui: &mut Ui, is_on: bool, text: &str, help: &str) -> Respon
     ui.add(Button::new(text).small().selected(is_on)).on_hover_text(help)
 }
 
+/// Shows help of a control at its right, where controls stand below each other. Returns the response.
+pub(crate) fn help_beside(response: Response, help: &str) -> Response {
+    let mut tooltip = Tooltip::for_enabled(&response);
+    tooltip.popup = tooltip.popup.align(RectAlign::RIGHT);
+    tooltip.show(|ui| ui.label(help));
+    response
+}
+
 /// Width of words beside what is pointed at, and their distance from it, points.
 const TOOLTIP_WIDTH: f32 = 320.0;
 const GAP: f32 = 6.0;
