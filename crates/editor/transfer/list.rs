@@ -566,6 +566,8 @@ fn scalar_menu(ui: &mut Ui, look: &EditedFunction) {
                         edits.push(Edit::Unset { node: reader.name.clone(), path: ["association"].into() });
                     }
                     look.actions.edits(format!("draw '{}'", array.name), edits);
+                    let stay = "widgets stay at their numbers: \"+ at peak\" adds one for it";
+                    look.actions.say(format!("'{}' is drawn; {stay}", array.name));
                     ui.close();
                 }
             }
