@@ -119,14 +119,29 @@ impl Error {
     }
 }
 
-/// A message that may hold one of the system, without the system's number: "no such file or directory" of "No such file or directory (os error 2)".
+/// Words of an error of the system, without its number: "no such file or directory".
+pub fn system_words(error: &std::io::Error) -> String {
+    without_number(error.to_string())
+}
+
+/// A message in which texts of the system, such as "No such file or directory (os error 2)", lose number and capital; all else stays.
 fn without_number(mut message: String) -> String {
     const NUMBER: &str = " (os error ";
-    while let Some(at) = message.find(NUMBER) {
-        let Some(end) = message[at..].find(')') else { break };
-        message.replace_range(at..=at + end, "");
-        let begin = message[..at].rfind(": ").map_or(0, |colon| colon + 2);
-        message[begin..].get_mut(..1).into_iter().for_each(str::make_ascii_lowercase);
+    let mut from = 0;
+    while let Some(at) = message[from..].find(NUMBER).map(|at| from + at) {
+        from = at + NUMBER.len();
+        let number = message[from..].split(')').next().and_then(|number| number.parse().ok());
+        let Some(number) = number else { continue };
+        let text = std::io::Error::from_raw_os_error(number).to_string();
+        let Some(words) = text.find(NUMBER).filter(|words| message[..at].ends_with(&text[..*words])) else {
+            continue;
+        };
+        let begin = at - words;
+        if message[begin..].starts_with(&text) {
+            message.replace_range(at..begin + text.len(), "");
+            message[begin..].get_mut(..1).into_iter().for_each(str::make_ascii_lowercase);
+            from = at;
+        }
     }
     message
 }
@@ -180,6 +195,11 @@ mod tests {
         assert_eq!(Error::run("unreadable").got(error()).to_string(), format!("unreadable: found {words}"));
         let twice = format!("Reading: {}; writing: {}", error(), error());
         assert_eq!(Error::run(twice).to_string(), format!("Reading: {words}; writing: {words}"));
-        assert_eq!(Error::run("A (os error").to_string(), "A (os error");
+        assert_eq!(system_words(&error()), words);
+        // Words that are not the system's stay, such as a name.
+        for name in ["A (os error", "Reading: 'A: B (os error 2).vtu'", "Bad: Z (os error x)", "(os error 2)"]
+        {
+            assert_eq!(Error::run(name).to_string(), name);
+        }
     }
 }
