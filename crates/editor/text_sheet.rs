@@ -10,8 +10,11 @@ use voltet_document::Edit;
 /// The sheet, while it is open.
 #[derive(Default)]
 pub(crate) struct TextSheet {
-    /// The text as it is typed.
-    typed: Option<String>,
+    is_open: bool,
+    /// The text as it is typed; it stays while the sheet is closed.
+    typed: String,
+    /// The text of the document that it began with.
+    begun: String,
     /// The line to go to, from 1.
     line: Option<usize>,
 }
@@ -34,7 +37,7 @@ impl TextSheet {
                     let line = scene.faults.first().and_then(line_of);
                     let place = line.map_or(String::new(), |line| format!(" at line {line}"));
                     if ui.button(format!("Mend the text{place} …")).clicked() {
-                        (self.typed, self.line) = (Some(scene.document.text().to_string()), line);
+                        (self.is_open, self.line) = (true, line);
                     }
                     if ui.button("Open another file …").clicked() {
                         let path = scene.document.path().map(ToOwned::to_owned);
@@ -47,17 +50,23 @@ impl TextSheet {
         });
     }
 
-    /// Closes the sheet; true if it was open.
+    /// Closes the sheet; true if it was open. What is typed stays.
     pub fn close(&mut self) -> bool {
-        self.typed.take().is_some()
+        std::mem::take(&mut self.is_open)
     }
 
     /// Shows the sheet where it is open; it closes once the text is right.
     pub fn show(&mut self, ctx: &Context, scene: &Scene) {
+        let now = scene.document.text();
         if scene.document.is_toml() {
-            self.typed = None;
+            *self = TextSheet::default();
+        } else if self.typed == self.begun || self.typed == now {
+            // Nothing is typed, or it is taken over.
+            self.begin(now);
         }
-        let Some(mut typed) = self.typed.take() else { return };
+        if !self.is_open {
+            return;
+        }
         let (mut is_open, mut is_taken) = (true, false);
         let room = ctx.content_rect().size();
         let window = Window::new("Text of the pipeline").open(&mut is_open).collapsible(false);
@@ -68,22 +77,46 @@ impl TextSheet {
                 let said = scene.faults.first().map(Error::to_string).unwrap_or_default();
                 ui.label(RichText::new(said).color(theme::wrong(ui.visuals().dark_mode)));
             });
-            ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| self.field(ui, &mut typed));
+            if self.begun != now {
+                ui.horizontal_wrapped(|ui| {
+                    let help = "what is typed here is dropped";
+                    if ui.button("Show the new text").on_hover_text(help).clicked() {
+                        self.begin(now);
+                    }
+                    ui.label(
+                        "The pipeline has changed since: \"Take over\" replaces it by what is typed here.",
+                    );
+                });
+            }
+            ScrollArea::both().auto_shrink([false, false]).show(ui, |ui| self.field(ui));
         });
         if is_taken {
             self.line = None;
-            scene.actions.edits("mend the text", vec![Edit::Text(typed.clone())]);
+            scene.actions.edits("mend the text", vec![Edit::Text(self.typed.clone())]);
         }
-        self.typed = Some(typed).filter(|_| is_open);
+        self.is_open = is_open;
     }
 
-    fn field(&mut self, ui: &mut Ui, typed: &mut String) {
+    #[cfg(test)]
+    pub fn typed(&self) -> &str {
+        &self.typed
+    }
+
+    /// Begins with the text of the document.
+    fn begin(&mut self, text: &str) {
+        if self.begun != text || self.typed != text {
+            (self.typed, self.begun) = (text.to_string(), text.to_string());
+        }
+    }
+
+    fn field(&mut self, ui: &mut Ui) {
         let id = Id::new("text of the pipeline");
-        let field = TextEdit::multiline(typed).id(id).code_editor().desired_width(f32::INFINITY);
+        let field = TextEdit::multiline(&mut self.typed).id(id).code_editor().desired_width(f32::INFINITY);
         let mut output = field.show(ui);
         ui.ctx().accesskit_node_builder(id, |node| node.set_label("text of the pipeline"));
         let Some(line) = self.line.take() else { return };
-        let before: usize = typed.split_inclusive('\n').take(line - 1).map(|line| line.chars().count()).sum();
+        let before: usize =
+            self.typed.split_inclusive('\n').take(line - 1).map(|line| line.chars().count()).sum();
         let cursor = CCursor::new(before);
         output.state.cursor.set_char_range(Some(CCursorRange::one(cursor)));
         output.state.store(ui.ctx(), id);

@@ -1,5 +1,6 @@
 use super::*;
 use crate::scene::Command;
+use voltet_document::Edit;
 use voltet_graph::NoObserver;
 
 #[test]
@@ -226,6 +227,37 @@ fn a_text_that_is_no_toml_is_mended_in_the_window_where_it_is_wrong() {
     hand.key(Key::Escape, Modifiers::NONE);
     hand.frames(2);
     assert!(!hand.sees("Take over"), "the field is left, then the sheet is closed");
+}
+
+/// What is typed stays while the sheet is closed, and does not replace a newer text unseen.
+#[test]
+fn a_text_that_is_typed_is_neither_lost_nor_put_over_another() {
+    let broken = TEXT.replace("type = \"camera\"", "type = camera\"");
+    let mut hand = Hand::new(&broken);
+    let line = hand.editor.scene().faults[0].location.line_column.unwrap().0;
+    let mend = format!("Mend the text at line {line} …");
+    hand.click_on(&mend);
+    hand.frames(3);
+    hand.typed("typed");
+    for _ in 0..2 {
+        hand.key(Key::Escape, Modifiers::NONE);
+    }
+    hand.frames(2);
+    assert!(!hand.sees("Take over"));
+    hand.click_on(&mend);
+    hand.frames(2);
+    assert!(hand.editor.panels.text.typed().contains("typed") && !hand.sees("Show the new text"));
+    let newer = broken.replace("160, 120", "80, 60");
+    hand.editor.edit("newer".into(), &[Edit::Text(newer.clone())]);
+    hand.frames(2);
+    assert!(hand.sees("Show the new text") && hand.editor.panels.text.typed().contains("typed"));
+    hand.click_on("Show the new text");
+    hand.frames(2);
+    assert!(hand.editor.panels.text.typed() == newer && !hand.sees("Show the new text"));
+    // Where nothing is typed, the sheet shows what there is.
+    hand.editor.edit("older".into(), &[Edit::Text(broken.clone())]);
+    hand.frames(2);
+    assert!(hand.editor.panels.text.typed() == broken && !hand.sees("Show the new text"));
 }
 
 #[test]
