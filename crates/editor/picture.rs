@@ -412,7 +412,7 @@ fn cut_menu(ui: &mut Ui, scene: &Scene) {
             }
         }
     });
-    menu.response.on_hover_text("cuts the volume through its middle; grips in the picture move the cut");
+    menu.response.on_hover_text("cuts the volume through its middle, a box from there to the highest corner; grips in the picture move the cut");
 }
 
 /// The parameter of a node that names the file that an error is about, else its `path`; and that file.

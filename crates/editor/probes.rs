@@ -1,7 +1,7 @@
 //! Probes of the picture: requests to the worker for what rays meet, and handling of its answers.
 
 use crate::editor::Editor;
-use crate::handles::{bounds_at, stated_clips};
+use crate::handles::clip_parameters;
 use crate::scene::ProbePurpose;
 use crate::transfer;
 use crate::worker::{PixelProbe, ProbeQuery, VolumeSource, short, short_by};
@@ -25,12 +25,9 @@ impl Editor {
             names.contains(&node.name) && declared.is_some_and(gives)
         };
         let drawing: Vec<&NodeEntry> = all.iter().filter(draws).collect();
-        let scene = self.scene();
-        let clips_of = |node: &&NodeEntry| {
-            let list = node.setting(drawing::CLIP.name).cloned();
-            list.map(|list| stated_clips(list, bounds_at(&scene, node))).unwrap_or_default()
-        };
-        let clips = drawing.iter().flat_map(clips_of).collect();
+        let lists = drawing.iter().filter_map(|node| node.setting(drawing::CLIP.name).cloned());
+        // What is not sound is a fault of the document, and no such picture is shown.
+        let clips = lists.filter_map(|list| clip_parameters(list).ok()).collect();
         let links = drawing.iter().flat_map(|node| &node.inputs);
         let of_surfaces = links.filter(|link| link.port == drawing::SURFACES.name);
         let surfaces = of_surfaces.flat_map(links::sources).map(str::to_string).collect();

@@ -9,11 +9,12 @@ use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use std::rc::Rc;
 use voltet_core::arithmetic::{decimal, unit_vector};
-use voltet_core::clip::{Clip, ClipShape};
+use voltet_core::clip::ClipShape;
 use voltet_core::grid::extent::{corners, diagonal};
 use voltet_document::{Edit, Path, links};
 use voltet_graph::{
-    Field, LocatedValue, NodeEntry, ParameterValue, Parameters, Relative, SourceSpan, find_setting,
+    Field, LinkEntry, LocatedValue, NodeEntry, Parameter, ParameterType, ParameterValue, Parameters,
+    PortType, Relative, SourceSpan, find_setting,
 };
 use voltet_nodes::drawing::{CLIP, clips};
 use voltet_nodes::relative::{DataScope, RELATIVE_TO, placed};
@@ -72,7 +73,7 @@ struct Object {
     name: String,
     /// Place of its parameters in those of the node.
     path: Path,
-    /// Its parameters as the file states them.
+    /// Its parameters as the file states them, and standard values for places that it does not state.
     stated: Vec<Field>,
     /// True for a slice, whose parameters have other names: a sphere's centre is its origin.
     is_slice: bool,
@@ -99,12 +100,17 @@ pub(super) fn objects<'a>(
         let mut add = |title: &str, path: Path, stated: &[Field], is_slice: bool| {
             let shape = if is_slice { slice_shape(stated, bounds) } else { clip_shape(stated, bounds) };
             let Some(shape) = shape else { return };
+            let declared = if is_slice {
+                scene.node_type(node).map(|known| known.parameters)
+            } else {
+                clip_kind(stated)
+            };
             let (name, node) = (format!("{} of {title}", word(&shape)), node.name.clone());
             found.push(Rc::new(Object {
                 node,
                 name,
                 path,
-                stated: stated.to_vec(),
+                stated: with_standard_places(stated, declared.unwrap_or_default()),
                 is_slice,
                 shape,
                 bounds,
@@ -128,6 +134,26 @@ pub(super) fn objects<'a>(
     found
 }
 
+/// The parameters of the kind of a clip.
+fn clip_kind(stated: &[Field]) -> Option<&'static [Parameter]> {
+    let ParameterType::Kinds(kinds) = CLIP.parameter_type else { return None };
+    let kind = find_setting(stated, "kind").and_then(LocatedValue::text)?;
+    kinds.iter().find(|known| known.name == kind).map(|known| known.parameters)
+}
+
+/// Fields with the standard values of the places and lengths that they do not state: shares of the data stay shares when they are moved.
+fn with_standard_places(stated: &[Field], declared: &[Parameter]) -> Vec<Field> {
+    let is_silent = |parameter: &&Parameter| {
+        matches!(parameter.parameter_type, ParameterType::Measured(_))
+            && find_setting(stated, parameter.name).is_none()
+    };
+    let standard = declared
+        .iter()
+        .filter(is_silent)
+        .filter_map(|parameter| parameter.default.datum().map(|datum| Field::new(parameter.name, datum)));
+    stated.iter().cloned().chain(standard).collect()
+}
+
 /// The data that a slice's shares refer to.
 fn data_scope(node: &NodeEntry) -> DataScope {
     let stated = node.setting(RELATIVE_TO.name).and_then(LocatedValue::text);
@@ -142,25 +168,27 @@ fn is_of_numbers(stated: &[Field]) -> bool {
     radius && origin.is_some_and(|origin| origin.iter().all(is_number))
 }
 
-/// Lowest and highest coordinates of the data that come to a node: of its inputs, else of theirs.
-pub(crate) fn bounds_at(scene: &Scene, node: &NodeEntry) -> Option<[DVec3; 2]> {
-    let (mut level, mut seen) = (vec![node], BTreeSet::from([node.name.as_str()]));
-    while !level.is_empty() {
-        let sources = level.iter().flat_map(|node| node.inputs.iter().flat_map(links::sources));
-        let given: Vec<(&str, &str)> =
-            sources.map(|source| scene.giving(source)).map(|of| (of.0, of.1)).collect();
-        let of = |(node, output): &(&str, &str)| scene.bounds.get(&format!("{node}.{output}")).copied();
-        if let Some(found) = given.iter().find_map(of) {
-            return Some(found);
+/// Lowest and highest coordinates of the volume that comes to a node: the nearest known on its way, not of other inputs, such as that of a
+/// transfer function.
+fn bounds_at(scene: &Scene, node: &NodeEntry) -> Option<[DVec3; 2]> {
+    let (mut node, mut seen) = (node, BTreeSet::new());
+    while seen.insert(&node.name) {
+        let is_drawn = |link: &&LinkEntry| {
+            let ports = scene.node_type(node).map_or(&[][..], |known| known.inputs);
+            ports.iter().any(|port| port.name == link.port && DRAWN.contains(&port.port_type))
+        };
+        let link = node.inputs.iter().find(is_drawn)?;
+        let (name, output, _) = scene.giving(links::sources(link).next()?);
+        match scene.bounds.get(&format!("{name}.{output}")) {
+            Some(found) => return Some(*found),
+            None => node = scene.entry(name)?,
         }
-        level = given
-            .iter()
-            .filter(|(node, _)| seen.insert(node))
-            .filter_map(|(node, _)| scene.entry(node))
-            .collect();
     }
     None
 }
+
+/// Types of ports by which a volume reaches the node that draws it.
+const DRAWN: [PortType; 4] = [PortType::Grid, PortType::Volume, PortType::Cells, PortType::Projection];
 
 /// A point that a parameter states, in numbers or shares of the bounds.
 fn point(stated: &[Field], key: &str, [low, high]: [DVec3; 2]) -> Option<DVec3> {
@@ -178,17 +206,16 @@ fn point(stated: &[Field], key: &str, [low, high]: [DVec3; 2]) -> Option<DVec3> 
     Some(DVec3::from(numbers)).filter(|point| point.is_finite() && list.len() == 3)
 }
 
-/// The clips of a list for data of these bounds; none where one of them is not sound.
-pub(crate) fn stated_clips(list: LocatedValue, bounds: Option<[DVec3; 2]>) -> Vec<Clip> {
-    let field = Field::new(CLIP.name, list);
-    let checked = Parameters::check(&[CLIP], &[field], &SourceSpan::Nowhere, &[]);
-    checked.and_then(|p| clips(&placed(&p, bounds)?)).unwrap_or_default()
+/// The parameter `clip` with this list. Errors: one of the clips is not sound.
+pub(crate) fn clip_parameters(list: LocatedValue) -> voltet_core::Result<Parameters> {
+    Parameters::check(&[CLIP], &[Field::new(CLIP.name, list)], &SourceSpan::Nowhere, &[])
 }
 
 /// The shape that a clip states; `None` of one that is not sound.
 fn clip_shape(stated: &[Field], bounds: [DVec3; 2]) -> Option<StatedShape> {
     let entry = LocatedValue::from(ParameterValue::Table(stated.to_vec()));
-    let shape = stated_clips(ParameterValue::List(vec![entry]).into(), Some(bounds)).first()?.shape;
+    let p = clip_parameters(ParameterValue::List(vec![entry]).into()).ok()?;
+    let shape = clips(&placed(&p, Some(bounds)).ok()?).ok()?.first()?.shape;
     Some(StatedShape::Clip(match shape {
         ClipShape::Plane { origin, normal } => ClipShape::Plane { origin, normal: unit_vector(normal) },
         other => other,
