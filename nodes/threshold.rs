@@ -2,7 +2,7 @@
 
 use crate::drawing::{CLIP, check_clips, clips};
 use crate::reader::blocks;
-use crate::relative::{self, DataScope, RELATIVE_TO, demand_for, known_of_series, note_numbers, refuse_part};
+use crate::relative::{self, DataScope, RELATIVE_TO, demand_for, known_of_series, note_numbers, placed};
 use crate::surfacing::{self, QUANTITY, VolumeStatistics, quantity, range_message};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -248,13 +248,17 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     Ok(vec![Value::Volume(kept)])
 }
 
-/// The parameters with numbers for those relative to the array.
+/// The parameters with numbers for those relative to the array, or to the bounds of the volume.
 fn known(call: &mut RunContext, volume: &Volume) -> Result<Parameters> {
     let p = call.parameters;
     if p.relative_numbers().is_empty() {
         return Ok(p.clone());
     }
-    refuse_part(call)?;
+    if p.is_set("clip") {
+        let own = placed(p, volume.grid.bounds())?;
+        note_numbers(&mut call.notes, "threshold", "over the bounds", p, &own);
+        return Ok(own);
+    }
     let array = p.text("array")?;
     let is_of_cells = p.text("association")? == "cell";
     let view = |volume: &Volume| is_of_cells.then(|| cells_as_points(p, volume)).transpose();
@@ -264,7 +268,10 @@ fn known(call: &mut RunContext, volume: &Volume) -> Result<Parameters> {
             let own = call.stage("range", |progress| {
                 let cells = view(volume)?;
                 let volume = cells.as_ref().unwrap_or(volume);
-                resolved(p, &VolumeStatistics { volume, array, color_by: None, progress, series: None })
+                resolved(
+                    p,
+                    &VolumeStatistics { volume, array, color_by: None, progress, series: None, bounds: None },
+                )
             })?;
             (own, "over the data".to_string())
         }
@@ -278,7 +285,10 @@ fn known(call: &mut RunContext, volume: &Volume) -> Result<Parameters> {
             let of_name = |named: &ArrayRef| (*named == ArrayRef::Named("array")).then(|| quantity(array));
             let found = known_of_series(call, p, scope, &asked, &of_name, &view)?;
             let (progress, series) = (call.progress(), Some(found.statistics()));
-            let own = resolved(p, &VolumeStatistics { volume, array, color_by: None, progress, series })?;
+            let own = resolved(
+                p,
+                &VolumeStatistics { volume, array, color_by: None, progress, series, bounds: None },
+            )?;
             (own, found.over)
         }
     };

@@ -2,7 +2,7 @@
 //! is not stated lies in the middle of the data, so that what is cut there is cut at once.
 
 use glam::DVec3;
-use voltet_core::grid::{Grid, extent};
+use voltet_core::grid::extent;
 use voltet_core::transfer::{DataStatistics, resolved};
 use voltet_core::{Error, Result};
 use voltet_graph::{
@@ -54,11 +54,6 @@ pub(crate) const NORMAL: Parameter = Parameter {
 pub(crate) struct SpatialRegion([DVec3; 2]);
 
 impl SpatialRegion {
-    /// The bounds of a grid. Errors: the grid has no points.
-    pub fn from_grid(grid: &Grid) -> Result<SpatialRegion> {
-        SpatialRegion::from_known(grid.bounds())
-    }
-
     /// The bounds, where there are data. Errors: there are none.
     pub fn from_known(bounds: Option<[DVec3; 2]>) -> Result<SpatialRegion> {
         let none = || Error::run("the grid has no points, so nothing can be relative to its bounds");
@@ -82,10 +77,13 @@ impl DataStatistics for SpatialRegion {
     }
 }
 
-/// The parameters with places for percentages of bounds, and a radius for one of their diagonal.
+/// The parameters with places for percentages of bounds, and a radius for one of their diagonal; as they are where they have none.
 ///
 /// # Errors
-/// - there are no bounds.
+/// - there are percentages and no bounds.
 pub fn placed(p: &Parameters, bounds: Option<[DVec3; 2]>) -> Result<Parameters> {
+    if p.relative_numbers().is_empty() {
+        return Ok(p.clone());
+    }
     resolved(p, &SpatialRegion::from_known(bounds)?)
 }

@@ -1,11 +1,17 @@
 //! Clips and slices whose places are not stated, or are shares of the bounds: they cut through the middle of the data, wherever these lie.
 
-use crate::threshold::{picture_of, taken};
+use crate::threshold::{TAKER, picture_of, taken};
+use glam::DVec3;
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use voltet_core::Result;
+use voltet_core::grid::Grid;
 use voltet_core::picture::Picture;
-use voltet_graph::Demand;
+use voltet_core::volume::Volume;
+use voltet_graph::pipeline::Pipeline;
+use voltet_graph::{Demand, NoObserver, Node, Port, PortType, Value};
+use voltet_nodes::{registry, session};
 
 /// A box of 5³ cells of these sides from a corner on.
 fn folder(corner: [f64; 3], sides: [f64; 3]) -> tempfile::TempDir {
@@ -20,17 +26,18 @@ fn folder(corner: [f64; 3], sides: [f64; 3]) -> tempfile::TempDir {
     folder
 }
 
-/// The picture of nodes before the renderer, which draws `volume` with further keys.
+/// A pipeline with nodes before the renderer, which draws a volume with further keys.
+const PIPELINE: &str = "[pipeline]\nformat = 1\n[nodes.grid]\ntype = \"reader\"\npath = \"a.vtk\"\nscalar = \"a\"\nNODES\n\
+    [nodes.look]\ntype = \"transfer-function\"\ninputs = { volume = \"grid\" }\n\
+    [[nodes.look.widgets]]\nkind = \"colormap\"\nextinction = 0.5\n\
+    [nodes.view]\ntype = \"camera\"\nview = \"isometric\"\nsize = [48, 40]\ninputs = { volume = \"grid\" }\n\
+    [nodes.picture]\ntype = \"renderer\"\nengine = \"cpu\"\n\
+    inputs = { volume = \"VOLUME\", transfer_function = \"look\", camera = \"view\" }\nKEYS\n\
+    [nodes.taker]\ntype = \"taker\"\ninputs = { image = \"picture\" }\n";
+
+/// The picture of [`PIPELINE`].
 fn drawn(folder: &Path, nodes: &str, volume: &str, keys: &str) -> Result<Picture> {
-    let text = format!(
-        "[pipeline]\nformat = 1\n[nodes.grid]\ntype = \"reader\"\npath = \"a.vtk\"\nscalar = \"a\"\n{nodes}\n\
-         [nodes.look]\ntype = \"transfer-function\"\ninputs = {{ volume = \"grid\" }}\n\
-         [[nodes.look.widgets]]\nkind = \"colormap\"\nextinction = 0.5\n\
-         [nodes.view]\ntype = \"camera\"\nview = \"isometric\"\nsize = [48, 40]\ninputs = {{ volume = \"grid\" }}\n\
-         [nodes.picture]\ntype = \"renderer\"\nengine = \"cpu\"\n\
-         inputs = {{ volume = \"{volume}\", transfer_function = \"look\", camera = \"view\" }}\n{keys}\n\
-         [nodes.taker]\ntype = \"taker\"\ninputs = {{ image = \"picture\" }}\n"
-    );
+    let text = PIPELINE.replace("NODES", nodes).replace("VOLUME", volume).replace("KEYS", keys);
     Ok(picture_of(&taken(&text, folder, &Demand::default())?.0))
 }
 
@@ -112,12 +119,73 @@ fn what_cannot_be_cut_is_refused_before_data_are_read_where_that_is_known() {
     }
 }
 
-/// Data without a height: a plane cuts them, and a box between two equal heights is refused in words.
+/// Data of almost no height are cut by a plane; of those without any, a box between two equal heights is refused in words.
 #[test]
 fn flat_data_are_cut_by_a_plane_and_have_no_box() {
-    let folder = folder([0.0, 0.0, 1e8], [1.0, 1.0, 1e-10]);
-    let plane = drawn(folder.path(), "", "grid", "clip = [{ kind = \"plane\" }]");
-    assert!(plane.is_ok(), "{}", plane.unwrap_err());
-    let error = drawn(folder.path(), "", "grid", "clip = [{ kind = \"box\" }]").unwrap_err().to_string();
+    let thin = folder([0.0, 0.0, 1e8], [1.0, 1.0, 1e-4]);
+    let clipped = |keys: &str| drawn(thin.path(), "", "grid", keys).unwrap();
+    let found = clipped("clip = [{ kind = \"plane\" }]");
+    assert!(found != clipped(""));
+    assert!(found == clipped("clip = [{ kind = \"plane\", origin = [2.5, 2.5, 1e8], normal = [1, 0, 0] }]"));
+    let flat = folder([0.0, 0.0, 1e8], [1.0, 1.0, 1e-10]);
+    let error = drawn(flat.path(), "", "grid", "clip = [{ kind = \"box\" }]").unwrap_err().to_string();
     assert!(error.contains("the box has no inside"), "{error}");
+}
+
+#[test]
+fn the_stages_as_nodes_of_their_own_cut_as_the_renderer_does() {
+    let folder = folder([7.0, 0.0, -3.0], [1.0; 3]);
+    let clip = "clip = [{ kind = \"plane\", normal = [1, 2, 3] }]\n";
+    let whole = drawn(folder.path(), "", "grid", "").unwrap();
+    let renderer = drawn(folder.path(), "", "grid", clip).unwrap();
+    let text = PIPELINE.replace("VOLUME", "grid").replace("NODES\n", "").replace("KEYS\n", clip).replace(
+        "[nodes.picture]\ntype = \"renderer\"\nengine = \"cpu\"\n\
+         inputs = { volume = \"grid\", transfer_function = \"look\", camera = \"view\" }\n",
+        "[nodes.cells]\ntype = \"cull\"\ninputs = { volume = \"grid\", transfer_function = \"look\", camera = \"view\" }\n\
+         [nodes.order]\ntype = \"sort\"\ninputs = { cells = \"cells\", camera = \"view\" }\n\
+         [nodes.cover]\ntype = \"project\"\ninputs = { cells = \"order\", camera = \"view\" }\n\
+         [nodes.picture]\ntype = \"composite\"\ninputs = { projection = \"cover\", transfer_function = \"look\" }\n",
+    );
+    assert!(text.contains("composite"), "{text}");
+    let stages = picture_of(&taken(&text, folder.path(), &Demand::default()).unwrap().0);
+    let pairs = stages.rgba.as_flattened().iter().zip(renderer.rgba.as_flattened());
+    // Rounding of 32-bit sums over some ten segments.
+    assert!(pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max) < 1e-5 && renderer != whole);
+}
+
+/// A volume whose points are nowhere, which no file gives.
+static NOWHERE: Node = Node {
+    name: "nowhere",
+    summary: "A cell without a place.",
+    outputs: &[Port { name: "volume", port_type: PortType::Volume, summary: "the cell" }],
+    demand: &|_| Ok(()),
+    run: &|_| {
+        let (points, scalar) = (vec![DVec3::NAN; 4].into(), vec![1.0, 2.0, 3.0, 4.0].into());
+        let grid = Arc::new(Grid { points, tetrahedra: vec![[0, 1, 2, 3]].into(), ..Grid::default() });
+        Ok(vec![Value::Volume(Arc::new(Volume { grid, scalar, gradient: None, gradient_magnitude: None }))])
+    },
+    ..Node::BLANK
+};
+
+/// It has no middle: a slice says that it is empty, and a view that there is nothing to fit.
+#[test]
+fn data_without_finite_points_have_no_middle() {
+    let mut registry = registry().unwrap();
+    registry.add(&TAKER).unwrap();
+    registry.add(&NOWHERE).unwrap();
+    let fed = |node: &str, input: &str| {
+        let text = format!(
+            "[pipeline]\nformat = 1\n[nodes.grid]\ntype = \"nowhere\"\n\
+             [nodes.made]\n{node}\ninputs = {{ volume = \"grid\" }}\n\
+             [nodes.taker]\ntype = \"taker\"\ninputs = {{ {input} = \"made\" }}\n"
+        );
+        let graph = Pipeline::parse(&text).unwrap().graph(&registry, PathBuf::new()).unwrap();
+        let place = graph.nodes.iter().position(|node| node.name == "taker").unwrap();
+        session().feed(&graph, place, &Demand::default(), &NoObserver)
+    };
+    let (_, report) = fed("type = \"slice\"", "surface").unwrap();
+    let is_empty = |warning: &String| warning.contains("the grid has no points");
+    assert!(report.warnings.iter().any(is_empty), "{:?}", report.warnings);
+    let error = fed("type = \"camera\"\nview = \"isometric\"", "camera").unwrap_err().to_string();
+    assert!(error.contains("no view of them can be fitted"), "{error}");
 }

@@ -11,13 +11,15 @@ use voltet_graph::pipeline::Pipeline;
 use voltet_graph::{Demand, NoObserver, Node, Port, PortType, RunReport, Value};
 use voltet_nodes::{registry, session};
 
-/// Takes what a node gives, of any of two types.
-static TAKER: Node = Node {
+/// Takes what a node gives, of any of four types.
+pub static TAKER: Node = Node {
     name: "taker",
-    summary: "Takes a volume or a picture.",
+    summary: "Takes a volume, a picture, a surface or a camera.",
     optional_inputs: &[
         Port { name: "volume", port_type: PortType::Volume, summary: "the volume" },
         Port { name: "image", port_type: PortType::Image, summary: "the picture" },
+        Port { name: "surface", port_type: PortType::Surface, summary: "the surface" },
+        Port { name: "camera", port_type: PortType::Camera, summary: "the camera" },
     ],
     ..Node::BLANK
 };

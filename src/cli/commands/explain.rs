@@ -86,7 +86,7 @@ fn explained(document: &Document, plan: &Plan, unknown: &[usize], exhaustive: bo
         text += "Whether bands are finer than the cells is known with the data: `voltet info` of this file says it.\n";
     }
     if graph.order.iter().any(|&i| !graph.nodes[i].parameters.relative_numbers().is_empty()) {
-        text += "Numbers relative to data are known with the data: `voltet info` of this file says what they become.\n";
+        text += "Numbers relative to data are known with the data: a run says what they become, and `voltet info` of this file those of widgets.\n";
     }
     if !exhaustive {
         text += "Left out once the data is known: cells and widgets that no value touches (or the asking, where a sample says \
