@@ -1,14 +1,13 @@
 //! `camera`: where the picture is seen from.
 
-use crate::probe::SpatialRegion;
-use crate::relative::{self, RELATIVE_TO};
+use crate::relative::{self, RELATIVE_TO, placed};
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::arithmetic::unit_vector;
 use voltet_core::camera::{Camera, Projection};
 use voltet_core::camera_path::{CameraKey, camera_on_way, points_on_orbit};
 use voltet_core::grid::extent::corners;
-use voltet_core::transfer::{resolved, with_placeholders};
+use voltet_core::transfer::with_placeholders;
 use voltet_core::{Error, Result};
 use voltet_graph::{
     AxisRef, DefaultValue, Demand, Node, Outputs, Parameter, ParameterType, Parameters, PartWork, Port,
@@ -208,9 +207,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
                 return Err(error.expected("inputs = { volume = \"NODE\" } at the camera, or numbers in fit"));
             }
             let bounds = relative::bounds(call)?;
-            let none = || Error::run("the data have no points, so no view of them can be fitted");
-            let region = SpatialRegion::from_bounds(bounds.ok_or_else(none)?);
-            camera(&resolved(p, &region)?, bounds)?
+            camera(&placed(p, bounds)?, bounds)?
         }
         _ => camera(p, None)?,
     };

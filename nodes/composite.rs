@@ -68,7 +68,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     drawing::note_bands(call, &cells.volume, &transfer_function)?;
     let scene = Scene {
         surfaces: call.surfaces("surfaces")?,
-        clips: drawing::clips(call.parameters)?,
+        clips: drawing::clips_of_data(call, |call| drawing::bounds(call, &cells.volume, revision))?,
         ..projected.scene(shading)
     };
     let picture = match shading.integrator.extension() {

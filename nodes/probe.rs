@@ -1,21 +1,18 @@
 //! `probe`: the statistics of the data of a region, as a Gaussian widget.
 
-use crate::relative::{self, DataScope, RELATIVE_TO};
+use crate::relative::{self, DataScope, POSITION, RADIUS, RELATIVE_TO, placed};
 use glam::DVec3;
 use serde_json::json;
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::error::ErrorKind;
-use voltet_core::grid::{Grid, extent};
 use voltet_core::parameters::suggest;
 use voltet_core::probing::{ProbeRegion, ProbeResult, kernel, probe, value_range};
 use voltet_core::progress::Progress;
-use voltet_core::transfer::{
-    DataStatistics, OpticalModel, Profile, TransferFunction, Widget, resolved, with_placeholders,
-};
+use voltet_core::transfer::{OpticalModel, Profile, TransferFunction, Widget, with_placeholders};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result, agreeing, counted};
 use voltet_graph::{
-    ArrayRef, AxisRef, DefaultValue, Demand, DemandContext, Field, Node, Outputs, Parameter, ParameterType,
+    AxisRef, DefaultValue, Demand, DemandContext, Field, Node, Outputs, Parameter, ParameterType,
     ParameterValue, Parameters, Port, PortType, Range, RelativeNumberType, RunContext, StatisticKind,
     TransferFunctionSpec, Value,
 };
@@ -89,7 +86,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
 
 fn of_volume(call: &mut RunContext) -> Result<ProbeResult> {
     let (p, volume) = (call.parameters, call.volume("volume")?);
-    let own = placed(p, &volume.grid)?;
+    let own = placed(p, volume.grid.bounds())?;
     if own != *p {
         relative::note_numbers(&mut call.notes, "region", "over the bounds", p, &own);
     }
@@ -107,7 +104,7 @@ fn of_volume(call: &mut RunContext) -> Result<ProbeResult> {
 fn probed(p: &Parameters, volume: &Volume, progress: &dyn Progress) -> Result<ProbeResult> {
     let names = fields(p)?;
     let values = values(volume, names.as_deref()).map_err(|error| p.locate("fields", error))?;
-    let (region, mask) = (region(&placed(p, &volume.grid)?)?, mask(p, volume)?);
+    let (region, mask) = (region(&placed(p, volume.grid.bounds())?)?, mask(p, volume)?);
     probe(&volume.grid, &values, &region, mask.as_deref(), progress).map_err(|error| locate(p, error))
 }
 
@@ -326,30 +323,6 @@ pub const PARAMETERS: &[Parameter] = &[
     },
 ];
 
-/// A radius, also as a share of the diagonal of the bounds.
-pub(crate) const RADIUS: Parameter = Parameter {
-    name: "radius",
-    parameter_type: ParameterType::Measured(&RelativeNumberType {
-        plain: ParameterType::Number(Range::above(0.0)),
-        statistic: StatisticKind::Width,
-        axis: AxisRef::Every("diagonal"),
-    }),
-    ..POSITION
-};
-
-/// A place, also by shares of the bounds.
-pub(crate) const POSITION: Parameter = Parameter {
-    name: "",
-    parameter_type: ParameterType::Measured(&RelativeNumberType {
-        plain: ParameterType::Numbers(Some(3), Range::ANY),
-        statistic: StatisticKind::Place,
-        axis: AxisRef::Places(&["x", "y", "z"]),
-    }),
-    unit: "world units",
-    default: DefaultValue::Required,
-    help: "",
-};
-
 /// The point arrays that the parameters name; `None`: s and g.
 pub fn fields(p: &Parameters) -> Result<Option<Vec<String>>> {
     let Some(_) = p.optional("fields") else { return Ok(None) };
@@ -364,11 +337,6 @@ pub fn fields(p: &Parameters) -> Result<Option<Vec<String>>> {
     }
 }
 
-/// The parameters with places for percentages of the grid's bounds, and a radius for one of their diagonal.
-pub fn placed(p: &Parameters, grid: &Grid) -> Result<Parameters> {
-    resolved(p, &SpatialRegion::from_grid(grid)?)
-}
-
 /// Checks the region as far as it can be before the grid is known: whether a box that mixes percentages and numbers is empty
 /// is not.
 pub fn check_region(p: &Parameters) -> Result<()> {
@@ -377,38 +345,6 @@ pub fn check_region(p: &Parameters) -> Result<()> {
     let any_box = || ParameterValue::Table(vec![corner("low", 0.0), corner("high", 1.0)]);
     let p = if matches!(of_box, 1..=5) { p.with("box", Some(any_box())) } else { p.clone() };
     region(&with_placeholders(&p)?).map(drop)
-}
-
-/// The bounds of a grid.
-pub(crate) struct SpatialRegion([DVec3; 2]);
-
-impl SpatialRegion {
-    /// Errors: the grid has no points.
-    pub fn from_grid(grid: &Grid) -> Result<SpatialRegion> {
-        let none = || Error::run("the grid has no points, so nothing can be relative to its bounds");
-        grid.bounds().map(SpatialRegion).ok_or_else(none)
-    }
-
-    /// The box between two corners.
-    pub fn from_bounds(bounds: [DVec3; 2]) -> SpatialRegion {
-        SpatialRegion(bounds)
-    }
-}
-
-impl DataStatistics for SpatialRegion {
-    fn range(&self, quantity: &ArrayRef) -> Result<[f64; 2]> {
-        let [low, high] = self.0;
-        match quantity {
-            ArrayRef::Named("x") => Ok([low.x, high.x]),
-            ArrayRef::Named("y") => Ok([low.y, high.y]),
-            ArrayRef::Named("z") => Ok([low.z, high.z]),
-            _ => Ok([0.0, extent::diagonal(self.0)]),
-        }
-    }
-
-    fn percentile(&self, quantity: &ArrayRef, _: f64) -> Result<f64> {
-        Err(Error::usage(format!("{quantity} is a place, and a percentile is a value of a field")))
-    }
 }
 
 /// The region that the parameters name.

@@ -1,7 +1,6 @@
 //! `slice`: a plane, a sphere or a cylinder through the cells, coloured by what they hold there.
 
-use crate::probe::{POSITION, RADIUS};
-use crate::relative::{self, RELATIVE_TO};
+use crate::relative::{self, NORMAL, ORIGIN, RADIUS, RELATIVE_TO};
 use crate::surfacing::{self, Shape, with_paint};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -10,7 +9,7 @@ use voltet_core::arithmetic::unit_vector;
 use voltet_core::grid::extent::range;
 use voltet_core::grid::{Grid, GridSurface, contour};
 use voltet_core::transfer::with_placeholders;
-use voltet_graph::{DefaultValue, Node, Outputs, Parameter, ParameterType, Parameters, Range, RunContext};
+use voltet_graph::{DefaultValue, Node, Outputs, Parameter, ParameterType, Parameters, RunContext};
 
 pub const NODE: Node = Node {
     name: "slice",
@@ -21,7 +20,7 @@ pub const NODE: Node = Node {
     example: include_str!("examples/surfaces.toml"),
     check: &|p| {
         // Places are those of the data, once these are known.
-        distance(&with_placeholders(p)?, DVec3::ZERO).map(drop)?;
+        distance(&with_placeholders(p)?).map(drop)?;
         surfacing::check(p)
     },
     demand: &|asking| {
@@ -69,42 +68,22 @@ const PARAMETERS: [Parameter; 13] = with_paint(
     1.0,
 );
 
-/// A point of a plane.
-pub(crate) const ORIGIN: Parameter = Parameter {
-    name: "origin",
-    default: DefaultValue::Unset("the middle of the data"),
-    help: "a point of the plane",
-    ..POSITION
-};
-
-pub(crate) const NORMAL: Parameter = Parameter {
-    name: "normal",
-    parameter_type: ParameterType::Numbers(Some(3), Range::ANY),
-    unit: "world space",
-    default: DefaultValue::Numbers(&[1.0, 0.0, 0.0]),
-    help: "the plane's normal; any length above 0",
-};
-
 /// A function that is 0 on the cut.
 type Distance = Box<dyn Fn(DVec3) -> f64 + Sync>;
 
-/// A point of the plane and its unit normal. `middle`: of the data. Errors: a normal of length 0.
-pub(crate) fn plane(p: &Parameters, middle: DVec3) -> Result<[DVec3; 2]> {
-    let origin = match p.optional("origin") {
-        Some(_) => p.vector("origin")?.into(),
-        None => middle,
-    };
+/// A point of the plane and its unit normal. Errors: a normal of length 0.
+pub(crate) fn plane(p: &Parameters) -> Result<[DVec3; 2]> {
     match unit_vector(p.vector("normal")?.into()) {
         DVec3::ZERO => {
             Err(p.error("normal", "the normal has no direction").expected("a vector that is not zero"))
         }
-        axis => Ok([origin, axis]),
+        axis => Ok([p.vector("origin")?.into(), axis]),
     }
 }
 
-/// Signed distance from the cut. `middle`: of the data. Errors: a normal of length 0, no radius, or one of a plane.
-fn distance(p: &Parameters, middle: DVec3) -> Result<Distance> {
-    let [origin, axis] = plane(p, middle)?;
+/// Signed distance from the cut. Errors: a normal of length 0, no radius, or one of a plane.
+fn distance(p: &Parameters) -> Result<Distance> {
+    let [origin, axis] = plane(p)?;
     let shape = p.text("shape")?;
     let radius = || {
         let error = || p.error("shape", format!("a {shape} needs a radius")).expected("radius = …, above 0");
@@ -155,8 +134,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     let grid = &volume.grid;
     let color_by = surfacing::color_by(p, Some("s"));
     let own = surfacing::known_of_volume(call, &volume, "s", color_by)?;
-    let [low, high] = grid.bounds().unwrap_or_default();
-    let distance = distance(&own, low * 0.5 + high * 0.5)?;
+    let distance = distance(&own)?;
     let distances: Vec<f64> = grid.points.par_iter().map(|&at| distance(at)).collect();
     let surface = cut(call, grid, &distances)?;
     let values = color_by.map(|name| surfacing::values(p, "color_by", &volume, name)).transpose()?;

@@ -1,9 +1,10 @@
 //! `slice-image`: a plane through the cells as a picture of its own.
 
-use crate::slice::{NORMAL, ORIGIN, cut, nothing_cut, plane};
+use crate::drawing;
+use crate::relative::{self, NORMAL, ORIGIN};
+use crate::slice::{cut, nothing_cut, plane};
 use crate::surfacing::{self, map_parameters, range};
 use crate::transfer_function::FilesFrom;
-use crate::{drawing, relative};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -38,7 +39,7 @@ pub const NODE: Node = Node {
     example: include_str!("examples/slice_image.toml"),
     check: &|p| {
         let p = with_placeholders(p)?;
-        plane(&p, DVec3::ZERO)?;
+        plane(&p)?;
         range(&p).map(drop)
     },
     demand: &demand,
@@ -84,8 +85,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     let is_classified = call.is_wired("transfer_function")?;
     let color_by = surfacing::color_by(p, Some("s")).filter(|_| !is_classified);
     let own = surfacing::known_of_volume(call, &volume, "s", color_by)?;
-    let [low, high] = volume.grid.bounds().unwrap_or_default();
-    let [origin, normal] = plane(&own, low * 0.5 + high * 0.5)?;
+    let [origin, normal] = plane(&own)?;
     check_view(p, &camera, normal)?;
     let distances: Vec<f64> = volume.grid.points.par_iter().map(|&at| (at - origin).dot(normal)).collect();
     let surface = cut(call, &volume.grid, &distances)?;

@@ -1,12 +1,11 @@
 //! `threshold`: the cells in which an array has some of its values, that lie in a part of space, or that are of some blocks.
 
-use crate::drawing::{CLIP, clips};
+use crate::drawing::{CLIP, check_clips, clips};
 use crate::reader::blocks;
-use crate::relative::{self, DataScope, RELATIVE_TO, demand_for, known_of_series, note_numbers, refuse_part};
+use crate::relative::{self, DataScope, RELATIVE_TO, demand_for, known_of_series, note_numbers, placed};
 use crate::surfacing::{self, QUANTITY, VolumeStatistics, quantity, range_message};
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use voltet_core::clip::Clip;
 use voltet_core::grid::{
     Array, CellValues, Grid, Subset, add_from_cells, cells_above, cells_by_points, whole_cells,
 };
@@ -97,7 +96,10 @@ pub const NODE: Node = Node {
         RELATIVE_TO,
     ],
     example: include_str!("examples/threshold.toml"),
-    check: &|p| Condition::new(&with_placeholders(p)?).map(drop),
+    check: &|p| {
+        check_clips(p)?;
+        Condition::new(&with_placeholders(p)?).map(drop)
+    },
     demand: &demand,
     part_work: PartWork::Each,
     drops_cells: true,
@@ -109,7 +111,8 @@ pub const NODE: Node = Node {
 enum Condition {
     Range([f64; 2]),
     Values(Vec<f64>),
-    Space(Vec<Clip>),
+    /// Parts of space that the parameter `clip` states.
+    Space,
     Blocks(Vec<String>),
 }
 
@@ -171,7 +174,7 @@ impl Condition {
             _ => {}
         }
         Ok(match given {
-            "clip" => Condition::Space(clips(p)?),
+            "clip" => Condition::Space,
             "values" => Condition::Values(values(p)?),
             _ => Condition::Range(range(p, smooth && p.flag("invert")?)?),
         })
@@ -182,7 +185,7 @@ impl Condition {
         match self {
             Condition::Range([low, high]) => (*low..=*high).contains(&value),
             Condition::Values(values) => values.contains(&value),
-            Condition::Space(_) | Condition::Blocks(_) => false,
+            Condition::Space | Condition::Blocks(_) => false,
         }
     }
 }
@@ -231,7 +234,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     let condition = Condition::new(&own)?;
     let kept = match condition {
         Condition::Range(range) if p.flag("smooth")? => cut(call, &volume, range)?,
-        condition => whole(call, volume.clone(), &condition)?,
+        condition => whole(call, &own, volume.clone(), &condition)?,
     };
     if kept.grid.tetrahedra.is_empty() && call.part().is_some() {
         return Ok(Vec::new());
@@ -243,13 +246,17 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
     Ok(vec![Value::Volume(kept)])
 }
 
-/// The parameters with numbers for those relative to the array.
+/// The parameters with numbers for those relative to the array, or to the bounds of the volume.
 fn known(call: &mut RunContext, volume: &Volume) -> Result<Parameters> {
     let p = call.parameters;
     if p.relative_numbers().is_empty() {
         return Ok(p.clone());
     }
-    refuse_part(call)?;
+    if p.is_set("clip") {
+        let own = placed(p, volume.grid.bounds())?;
+        note_numbers(&mut call.notes, "threshold", "over the bounds", p, &own);
+        return Ok(own);
+    }
     let array = p.text("array")?;
     let is_of_cells = p.text("association")? == "cell";
     let view = |volume: &Volume| is_of_cells.then(|| cells_as_points(p, volume)).transpose();
@@ -259,7 +266,10 @@ fn known(call: &mut RunContext, volume: &Volume) -> Result<Parameters> {
             let own = call.stage("range", |progress| {
                 let cells = view(volume)?;
                 let volume = cells.as_ref().unwrap_or(volume);
-                resolved(p, &VolumeStatistics { volume, array, color_by: None, progress, series: None })
+                resolved(
+                    p,
+                    &VolumeStatistics { volume, array, color_by: None, progress, series: None, bounds: None },
+                )
             })?;
             (own, "over the data".to_string())
         }
@@ -273,7 +283,10 @@ fn known(call: &mut RunContext, volume: &Volume) -> Result<Parameters> {
             let of_name = |named: &ArrayRef| (*named == ArrayRef::Named("array")).then(|| quantity(array));
             let found = known_of_series(call, p, scope, &asked, &of_name, &view)?;
             let (progress, series) = (call.progress(), Some(found.statistics()));
-            let own = resolved(p, &VolumeStatistics { volume, array, color_by: None, progress, series })?;
+            let own = resolved(
+                p,
+                &VolumeStatistics { volume, array, color_by: None, progress, series, bounds: None },
+            )?;
             (own, found.over)
         }
     };
@@ -326,11 +339,17 @@ fn block_numbers<'a>(p: &Parameters, grid: &'a Grid) -> Result<&'a [f64]> {
 }
 
 /// The whole cells that the condition keeps; the volume itself where these are all.
-fn whole(call: &mut RunContext, volume: Arc<Volume>, condition: &Condition) -> Result<Arc<Volume>> {
-    let (p, grid) = (call.parameters, &volume.grid);
+fn whole(
+    call: &mut RunContext,
+    p: &Parameters,
+    volume: Arc<Volume>,
+    condition: &Condition,
+) -> Result<Arc<Volume>> {
+    let grid = &volume.grid;
     let (is_all, invert) = (p.text("keep")? == "all", p.flag("invert")?);
     let mut is_kept = match condition {
-        Condition::Space(clips) => {
+        Condition::Space => {
+            let clips = clips(p)?;
             let holds = |p: u32| clips.iter().all(|clip| clip.keeps(grid.points[p as usize]));
             cells_by_points(grid, is_all, holds)
         }
@@ -447,7 +466,7 @@ fn cut(call: &mut RunContext, volume: &Arc<Volume>, [low, high]: [f64; 2]) -> Re
 fn nothing_kept(p: &Parameters, volume: &Volume) -> Result<Error> {
     let name = p.text("array")?;
     let (place, found) = match Condition::new(p)? {
-        Condition::Space(_) => ("clip", "no cell has its points there".into()),
+        Condition::Space => ("clip", "no cell has its points there".into()),
         Condition::Blocks(_) => ("blocks", "no cell is of these blocks".into()),
         condition => {
             let values: &[f64] = match p.text("association")? {

@@ -74,12 +74,12 @@ impl Error {
 
     /// An error of a category.
     pub fn new(kind: ErrorKind, what: impl Into<String>) -> Self {
-        Error { kind, what: what.into(), got: None, expected: None, location: Box::default() }
+        Error { kind, what: without_number(what.into()), got: None, expected: None, location: Box::default() }
     }
 
     /// Adds what was found.
     pub fn got(mut self, found: impl fmt::Display) -> Self {
-        self.got = Some(found.to_string());
+        self.got = Some(without_number(found.to_string()));
         self
     }
 
@@ -126,6 +126,33 @@ impl Error {
     }
 }
 
+/// Words of an error of the system, without its number: "no such file or directory".
+pub fn system_words(error: &std::io::Error) -> String {
+    without_number(error.to_string())
+}
+
+/// A message in which texts of the system, such as "No such file or directory (os error 2)", lose number and capital; all else stays.
+fn without_number(mut message: String) -> String {
+    const NUMBER: &str = " (os error ";
+    let mut from = 0;
+    while let Some(at) = message[from..].find(NUMBER).map(|at| from + at) {
+        from = at + NUMBER.len();
+        let number = message[from..].split(')').next().and_then(|number| number.parse().ok());
+        let Some(number) = number else { continue };
+        let text = std::io::Error::from_raw_os_error(number).to_string();
+        let Some(words) = text.find(NUMBER).filter(|words| message[..at].ends_with(&text[..*words])) else {
+            continue;
+        };
+        let begin = at - words;
+        if message[begin..].starts_with(&text) {
+            message.replace_range(at..begin + text.len(), "");
+            message[begin..].get_mut(..1).into_iter().for_each(str::make_ascii_lowercase);
+            from = at;
+        }
+    }
+    message
+}
+
 impl From<std::io::Error> for Error {
     fn from(error: std::io::Error) -> Self {
         Self::run(error.to_string())
@@ -159,5 +186,27 @@ impl fmt::Display for Error {
             write!(f, " ({})", parts.join(", "))?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_of_the_system_has_words_and_no_number() {
+        let error = || std::io::Error::from_raw_os_error(2);
+        let words = error().to_string();
+        let words = words.strip_suffix(" (os error 2)").expect("a number").to_lowercase();
+        assert_eq!(Error::from(error()).to_string(), words);
+        assert_eq!(Error::run("unreadable").got(error()).to_string(), format!("unreadable: found {words}"));
+        let twice = format!("Reading: {}; writing: {}", error(), error());
+        assert_eq!(Error::run(twice).to_string(), format!("Reading: {words}; writing: {words}"));
+        assert_eq!(system_words(&error()), words);
+        // Words that are not the system's stay, such as a name.
+        for name in ["A (os error", "Reading: 'A: B (os error 2).vtu'", "Bad: Z (os error x)", "(os error 2)"]
+        {
+            assert_eq!(Error::run(name).to_string(), name);
+        }
     }
 }

@@ -288,11 +288,11 @@ impl DataExtent {
     }
 }
 
-/// A new entry of a list of tables, such as a widget: what is required has a value to begin with, in the middle of the data
-/// where it lies in them; but for names of arrays and files.
+/// A new entry of a list of tables, such as a widget: what is required has a value to begin with, in the middle of the data where it lies in
+/// them, but for names of arrays and files; a normal is along the direction of sight.
 pub fn default_value(kind: &VariantSchema, extent: &DataExtent) -> ParameterValue {
     let is_needed = |parameter: &&Parameter| {
-        matches!(parameter.default, DefaultValue::Required) || (parameter.name == "sigma")
+        matches!(parameter.default, DefaultValue::Required) || ["sigma", "normal"].contains(&parameter.name)
     };
     let needed = kind.parameters.iter().filter(is_needed);
     let fields = needed.filter_map(|parameter| first_field(parameter, extent));
@@ -316,8 +316,6 @@ pub fn first_field(parameter: &Parameter, extent: &DataExtent) -> Option<Field> 
         ("origin" | "centre", "world units") => extent.point([0.5; 3]),
         ("low", "world units") => extent.point([0.25; 3]),
         ("high", "world units") => extent.point([0.75; 3]),
-        ("from", "world units") => extent.point([0.5, 0.5, 0.0]),
-        ("to", "world units") => extent.point([0.5, 0.5, 1.0]),
         ("radius", "world units") => extent.radius().into(),
         ("color", "linear RGB") => [1.0, 0.6, 0.2].into_iter().collect(),
         ("extinction", "per unit_distance") => ParameterValue::Number(10.0),

@@ -52,11 +52,11 @@ impl Editor {
         match dialog.purpose.clone() {
             FilePurpose::Open => {
                 self.message = None;
-                self.open_by(ctx, file, Some(dialog));
+                self.open_by(ctx, file, dialog);
             }
             FilePurpose::Data(template) => {
                 let registry = self.registry.clone();
-                self.make(ctx, file, Some(dialog), move |file, at, progress| {
+                self.make(ctx, file, dialog, move |file, at, progress| {
                     template.filled(file, at, &registry, progress)
                 });
             }
@@ -72,9 +72,9 @@ impl Editor {
         }
     }
 
-    /// Shows the dialog again by which a file was chosen that cannot be opened, with the reason, unless another is open.
-    pub(crate) fn ask_again(&mut self, dialog: Option<FileDialog>) {
-        if let (Some(mut dialog), Some((text, true)), None) = (dialog, &self.message, &self.file_dialog) {
+    /// Shows the dialog by which a file was chosen that cannot be opened, or would be, with the reason, unless another is open.
+    pub(crate) fn ask_again(&mut self, mut dialog: FileDialog) {
+        if let (Some((text, true)), None) = (&self.message, &self.file_dialog) {
             dialog.fault = Some(text.clone());
             self.file_dialog = Some(dialog);
         }
@@ -396,13 +396,13 @@ impl Editor {
 const BETWEEN: Duration = Duration::from_secs(2);
 
 impl Editor {
-    /// Opens a pipeline file, or makes a pipeline for another file, on a thread of its own.
+    /// Opens a pipeline file, or makes a pipeline for another file, on a thread of its own. A file that cannot be opened leads to the dialog.
     pub(crate) fn open_any(&mut self, ctx: &Context, path: &Path) {
-        self.open_by(ctx, path, None);
+        self.open_by(ctx, path, FileDialog::new(FilePurpose::Open, Some(path)));
     }
 
-    /// [Opens](Self::open_any) a file that was chosen by a dialog, which is shown again where the file cannot be opened.
-    fn open_by(&mut self, ctx: &Context, path: &Path, dialog: Option<FileDialog>) {
+    /// [Opens](Self::open_any) a file that was chosen by a dialog.
+    fn open_by(&mut self, ctx: &Context, path: &Path, dialog: FileDialog) {
         if is_pipeline(path) {
             match self.check(Document::open(path)) {
                 Some(document) => {

@@ -14,6 +14,7 @@ use crate::scene::{Actions, Command, FilePurpose, Lag, ProbePurpose, Scene, erro
 use crate::section::SectionPanel;
 use crate::study::{StudyPanel, show_costs};
 use crate::templates::{Template, templates};
+use crate::text_sheet::TextSheet;
 use crate::theme;
 use crate::time_strip::TimeStrip;
 use crate::transfer::TransferPanel;
@@ -46,6 +47,7 @@ pub(crate) struct Panels {
     pub section: SectionPanel,
     pub study: StudyPanel,
     pub time: TimeStrip,
+    pub text: TextSheet,
     /// Shares of what is at the right, the transfer function there, and the parameters.
     pub panes: [Pane; 3],
     pub costs: bool,
@@ -70,8 +72,8 @@ pub(crate) struct Making {
     pub path: String,
     /// Revision of the document that was shown when it was asked for.
     pub revision: u64,
-    /// The dialog by which the data were chosen.
-    pub dialog: Option<FileDialog>,
+    /// The dialog by which the data were chosen, or would be.
+    pub dialog: FileDialog,
 }
 
 /// Requests to the worker, and how far its answers are behind.
@@ -382,8 +384,8 @@ impl Editor {
             &mut panels.costs,
             &mut panels.section.open,
         ];
-        if let Some(open) = sheets.into_iter().find(|open| **open) {
-            *open = false;
+        let open = sheets.into_iter().find(|open| **open);
+        if panels.text.close() || open.map(|open| *open = false).is_some() {
             ctx.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape));
         }
     }
@@ -408,6 +410,7 @@ fn show(editor: &mut Editor, ui: &mut Ui) {
         panels.section.show(ctx, &scene);
         panels.study.show(ctx, &scene);
         panels.time.show_film(ctx, &scene);
+        panels.text.show(ctx, &scene);
     }
     keys::sheet(ctx, &mut panels.help);
     editor.panels = panels;
@@ -475,7 +478,7 @@ fn parts(ui: &mut Ui, scene: &Scene, panels: &mut Panels) {
         let place = ui.max_rect();
         panels.graph.show(ui, scene, &|node| panels.picture.texture_of(scene, node));
         if !scene.document.is_toml() {
-            broken(ui, place, scene.faults);
+            panels.text.offer(ui, place, scene);
         }
     });
 }
@@ -568,20 +571,4 @@ fn unsaved(editor: &mut Editor, ctx: &Context) {
     if !saves || editor.document().is_saved() {
         editor.go_on(ctx, next);
     }
-}
-
-/// Message above the graph of a file that is no TOML.
-fn broken(ui: &mut Ui, place: Rect, faults: &[Error]) {
-    let dark = ui.visuals().dark_mode;
-    // At the top, on a ground of its own: what can be read of the file is shown below.
-    let rect = Rect::from_min_size(place.min + vec2(12.0, 8.0), vec2(place.width() - 24.0, 120.0));
-    ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
-        Frame::NONE.fill(ui.visuals().window_fill).inner_margin(8.0).corner_radius(4).show(ui, |ui| {
-            for fault in faults.iter().take(3) {
-                ui.label(RichText::new(fault.to_string()).color(theme::wrong(dark)));
-            }
-            let text = "Mend it in a text editor; once it is saved there, reload it here.";
-            ui.label(RichText::new(text).color(theme::weak(dark)));
-        });
-    });
 }

@@ -30,6 +30,7 @@ mod section;
 mod selection;
 mod study;
 mod templates;
+mod text_sheet;
 mod textures;
 mod theme;
 mod time_following;

@@ -20,7 +20,7 @@ impl Editor {
         &mut self,
         ctx: &Context,
         path: &Path,
-        dialog: Option<FileDialog>,
+        dialog: FileDialog,
         make: impl FnOnce(&Path, &Path, &dyn Progress) -> Result<Document> + Send + 'static,
     ) {
         self.recent.add(path);

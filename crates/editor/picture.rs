@@ -4,12 +4,11 @@ use crate::compare::Compare;
 use crate::eyes::left_out;
 use crate::handles::Handles;
 use crate::hit_marks;
-use crate::jobs::{path_of, reads};
 use crate::outline::{Drawing, Outline, OutlineShape, enclosed};
 pub(crate) use crate::scene::milliseconds;
 use crate::scene::{Action, Command, EARLIER, FilePurpose, ProbePurpose, Scene, command_buttons};
 pub(crate) use crate::textures::{WHOLE, set_texture};
-use crate::theme::{self, button};
+use crate::theme::{self, button, switch};
 use crate::view::View;
 use eframe::egui::scroll_area::ScrollSource;
 use eframe::egui::{
@@ -19,9 +18,14 @@ use eframe::egui::{
 };
 use std::collections::HashMap;
 use std::f64::consts::PI;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 use voltet_core::Error;
+use voltet_document::panel::{Row, default_value};
+use voltet_document::{Edit, Path, links};
+use voltet_graph::{LocatedValue, NodeEntry, ParameterType, ParameterValue};
+use voltet_nodes::drawing::CLIP;
 
 /// Radians that a drag over the height of the picture turns.
 const TURN: f64 = PI;
@@ -36,7 +40,7 @@ const OUTLINES: &[(&str, OutlineShape, &str)] = &[
 ];
 
 /// Width below which the choice of the picture and its buttons do not stand in one line, so that those of views and probes go into menus; and that
-/// below which the section is left to the window's menu, too, points.
+/// below which the section is left to the window's menu, and lengths to that of probes, points.
 const HEAD: f32 = 770.0;
 const SHORT_HEAD: f32 = 512.0;
 
@@ -74,6 +78,8 @@ pub(crate) struct PicturePanel {
     handles: Handles,
     /// True if each pixel of the picture is one of the screen.
     is_own_size: bool,
+    /// True if the middle of the picture is to be seen.
+    is_to_centre: bool,
     compare: Compare,
     /// The picture in the window.
     pub rect: Option<Rect>,
@@ -93,7 +99,10 @@ impl PicturePanel {
         let own = own.map(|[width, height]| vec2(width as f32, height as f32) / ui.pixels_per_point());
         match own {
             Some(_) => {
-                let area = ScrollArea::both().scroll_source(ScrollSource::SCROLL_BAR);
+                let mut area = ScrollArea::both().scroll_source(ScrollSource::SCROLL_BAR);
+                if let Some(size) = own.filter(|_| std::mem::take(&mut self.is_to_centre)) {
+                    area = area.scroll_offset((0.5 * (size - ui.available_size())).max(Vec2::ZERO));
+                }
                 area.show(ui, |ui| self.image(ui, scene, own));
             }
             None => self.image(ui, scene, None),
@@ -179,8 +188,7 @@ impl PicturePanel {
             let shown = scene.shown_node.unwrap_or("no picture");
             let room = ui.available_size_before_wrap().x;
             let (is_narrow, has_section) = (room < HEAD, room > SHORT_HEAD);
-            let width = if is_narrow { 90.0 } else { 120.0 };
-            ComboBox::from_id_salt("shown").selected_text(shown).width(width).show_ui(ui, |ui| {
+            ComboBox::from_id_salt("shown").selected_text(shown).width(90.0).show_ui(ui, |ui| {
                 for name in pictures {
                     if ui.selectable_label(scene.shown_node == Some(name), name).clicked() {
                         scene.actions.push(Action::Show(name.to_string()));
@@ -218,17 +226,21 @@ impl PicturePanel {
                 if is_narrow {
                     let chosen = OUTLINES.iter().find(|(_, shape, _)| self.probes == Some(*shape));
                     let title = chosen.map_or("probe", |(text, ..)| text);
-                    ui.menu_button(title, |ui| ui.horizontal(|ui| self.outlines(ui)));
+                    ui.menu_button(title, |ui| {
+                        ui.horizontal(|ui| {
+                            self.outlines(ui);
+                            (!has_section).then(|| self.measure(ui));
+                        })
+                    });
                 } else {
                     self.outlines(ui);
                 }
-                let help = "the distance between the points at two clicks";
-                if ui.selectable_label(self.measures, "measure").on_hover_text(help).clicked() {
-                    self.measures = !self.measures;
-                }
+                has_section.then(|| self.measure(ui));
+                cut_menu(ui, scene);
                 let help = "a pixel of the picture is a pixel of the screen";
-                if ui.selectable_label(self.is_own_size, "1:1").on_hover_text(help).clicked() {
+                if switch(ui, self.is_own_size, "1:1", help).clicked() {
                     self.is_own_size = !self.is_own_size;
+                    self.is_to_centre = self.is_own_size;
                 }
                 self.compare.button(ui, scene);
                 if has_section {
@@ -238,11 +250,19 @@ impl PicturePanel {
         });
     }
 
+    /// Switch of the lengths that clicks measure.
+    fn measure(&mut self, ui: &mut Ui) {
+        let help = "the distance between the points at two clicks";
+        if switch(ui, self.measures, "measure", help).clicked() {
+            self.measures = !self.measures;
+        }
+    }
+
     /// Switches of the outlines that a drag draws.
     fn outlines(&mut self, ui: &mut Ui) {
         for (text, shape, help) in OUTLINES {
             let is_chosen = self.probes == Some(*shape);
-            if ui.selectable_label(is_chosen, *text).on_hover_text(*help).clicked() {
+            if switch(ui, is_chosen, text, help).clicked() {
                 self.probes = Some(*shape).filter(|_| !is_chosen);
             }
         }
@@ -386,14 +406,64 @@ fn beside(whole: Rect, inner: Rect) -> Vec<Rect> {
     [above, below, left, right].into_iter().filter(Rect::is_positive).collect()
 }
 
+/// Menu of the shapes by which the volume in the picture is cut: another clip of the node that draws it, which is selected.
+fn cut_menu(ui: &mut Ui, scene: &Scene) {
+    let node = scene.shown_node.and_then(|shown| {
+        let feeding = links::upstream(&scene.document.pipeline().nodes, shown);
+        let has_clips =
+            |node: &&NodeEntry| scene.node_type(node).is_some_and(|of| of.parameter(CLIP.name).is_some());
+        let gives_picture = |node: &&NodeEntry| scene.pictures().contains(&&*node.name);
+        let nodes = scene.document.pipeline().nodes.iter();
+        nodes.filter(|node| feeding.contains(&node.name)).find(|node| has_clips(node) && gives_picture(node))
+    });
+    let (Some(node), ParameterType::Kinds(kinds)) = (node, CLIP.parameter_type) else { return };
+    let place = node.setting(CLIP.name).and_then(LocatedValue::list).map_or(0, |list| list.len());
+    let menu = ui.menu_button("cut", |ui| {
+        for kind in kinds {
+            if ui.button(kind.name).on_hover_text(kind.summary).clicked() {
+                let entry = default_value(kind, &scene.data_extent());
+                let (node, list) = (node.name.clone(), Path::from(CLIP.name));
+                scene.actions.push(Action::Select([node.clone()].into()));
+                scene.actions.edit(Edit::Insert { node, list, place, entry });
+                ui.close();
+            }
+        }
+    });
+    menu.response.on_hover_text("cuts the volume through its middle, a box from there to the highest corner; grips in the picture move the cut");
+}
+
+/// The parameter of a node that names the file that an error is about, else its `path`; and that file.
+fn file_of(scene: &Scene, node: &str, error: &Error) -> Option<(Path, PathBuf)> {
+    fn collect(rows: &[Row], files: &mut Vec<(Path, String)>) {
+        for row in rows {
+            if let Some(ParameterValue::Text(text)) = &row.set_value
+                && row.parameter.parameter_type.is_input_path(text)
+            {
+                files.push((row.path.clone(), text.clone()));
+            }
+            collect(&row.rows, files);
+            row.entries.iter().for_each(|entry| collect(&entry.rows, files));
+        }
+    }
+    let mut files = Vec::new();
+    collect(&scene.document.rows(scene.registry, node), &mut files);
+    let in_folder = |(path, text)| (path, scene.document.folder().join::<String>(text));
+    let mut files = files.into_iter().map(in_folder).collect::<Vec<_>>();
+    let named = error.location.file.as_deref();
+    let is_named = |(_, file): &(Path, PathBuf)| named == Some(&*file.to_string_lossy());
+    let place = files.iter().position(is_named);
+    let place = place.or_else(|| files.iter().position(|(path, _)| *path == "path".into()));
+    place.map(|place| files.swap_remove(place))
+}
+
 /// Buttons below what is wrong with a node: to its parameters where it is not selected, and to another file where it reads one.
 /// Side by side where `within` has room for that, else one below the other.
 fn ways_out(ui: &mut Ui, scene: &Scene, failure: &Error, below: Pos2, within: Rect) {
     let Some(entry) = failure.location.node.as_deref().and_then(|node| scene.entry(node)) else { return };
     let name = entry.name.clone();
-    let file = path_of(entry).filter(|_| reads(entry, scene.registry)).map(|path| {
-        let purpose = FilePurpose::Parameter { node: name.clone(), path: "path".into(), writes: false };
-        ("Choose a file …".to_string(), Action::ChooseFile(purpose, Some(scene.document.folder().join(path))))
+    let file = file_of(scene, &name, failure).map(|(path, file)| {
+        let purpose = FilePurpose::Parameter { node: name.clone(), path, writes: false };
+        ("Choose a file …".to_string(), Action::ChooseFile(purpose, Some(file)))
     });
     let shows =
         (!scene.selection.contains(&name)).then(|| (format!("Show '{name}'"), Action::Select([name].into())));

@@ -1,15 +1,15 @@
 //! Probes of the picture: requests to the worker for what rays meet, and handling of its answers.
 
 use crate::editor::Editor;
+use crate::handles::clip_parameters;
 use crate::scene::ProbePurpose;
 use crate::transfer;
 use crate::worker::{PixelProbe, ProbeQuery, VolumeSource, short, short_by};
 use glam::DVec3;
 use std::sync::Arc;
-use voltet_core::clip::Clip;
 use voltet_core::with_commas;
 use voltet_document::links::{self, upstream};
-use voltet_graph::{NodeEntry, Parameters, PortType, SourceSpan};
+use voltet_graph::{NodeEntry, PortType};
 use voltet_nodes::drawing;
 
 impl Editor {
@@ -25,7 +25,9 @@ impl Editor {
             names.contains(&node.name) && declared.is_some_and(gives)
         };
         let drawing: Vec<&NodeEntry> = all.iter().filter(draws).collect();
-        let clips = drawing.iter().flat_map(|node| clips(node)).collect();
+        let lists = drawing.iter().filter_map(|node| node.setting(drawing::CLIP.name).cloned());
+        // What is not sound is a fault of the document, and no such picture is shown.
+        let clips = lists.filter_map(|list| clip_parameters(list).ok()).collect();
         let links = drawing.iter().flat_map(|node| &node.inputs);
         let of_surfaces = links.filter(|link| link.port == drawing::SURFACES.name);
         let surfaces = of_surfaces.flat_map(links::sources).map(str::to_string).collect();
@@ -127,12 +129,4 @@ impl Editor {
         self.say(text);
         self.answers.probed = Some((source, found));
     }
-}
-
-/// The clips that a node states, as far as they are sound.
-fn clips(node: &NodeEntry) -> Vec<Clip> {
-    let fields: Vec<_> =
-        node.settings.iter().filter(|field| field.name == drawing::CLIP.name).cloned().collect();
-    let checked = Parameters::check(&[drawing::CLIP], &fields, &SourceSpan::Nowhere, &[]);
-    checked.and_then(|parameters| drawing::clips(&parameters)).unwrap_or_default()
 }

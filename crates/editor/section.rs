@@ -79,7 +79,7 @@ impl SectionPanel {
                         self.offset = 0.0;
                     }
                     let help = "a drag takes the values in the outline that it draws, not in a box";
-                    if ui.selectable_label(self.is_free, "outline").on_hover_text(help).clicked() {
+                    if theme::switch(ui, self.is_free, "outline", help).clicked() {
                         self.is_free = !self.is_free;
                     }
                 });

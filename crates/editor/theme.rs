@@ -1,8 +1,8 @@
 //! Colours, light and dark, and the shapes of ports.
 
 use eframe::egui::{
-    Color32, Context, Painter, PopupAnchor, Pos2, Rect, Response, Rgba, Shape, Stroke, Theme, Tooltip, Ui,
-    Visuals, WidgetInfo, WidgetText, WidgetType, vec2,
+    Button, Color32, Context, FontId, Painter, PopupAnchor, Pos2, Rect, RectAlign, Response, Rgba, Shape,
+    Stroke, TextStyle, TextWrapMode, Theme, Tooltip, Ui, Visuals, WidgetInfo, WidgetText, WidgetType, vec2,
 };
 use voltet_graph::PortType;
 
@@ -23,6 +23,8 @@ pub(crate) fn apply(ctx: &Context) {
             // A blinking cursor would keep an idle window busy.
             style.visuals.text_cursor.blink = false;
             style.spacing.slider_width = 130.0;
+            // Words beside values are read as they are.
+            style.text_styles.insert(TextStyle::Small, FontId::proportional(10.5));
         });
     }
 }
@@ -80,19 +82,57 @@ pub(crate) fn button(ui: &mut Ui, sign: &str, name: &str, help: &str) -> Respons
     response.on_hover_text(help)
 }
 
+/// A small button that is on or off, with help.
+pub(crate) fn switch(ui: &mut Ui, is_on: bool, text: &str, help: &str) -> Response {
+    ui.add(Button::new(text).small().selected(is_on)).on_hover_text(help)
+}
+
+/// Shows help of a control at its right, where controls stand below each other. Returns the response.
+pub(crate) fn help_beside(response: Response, help: &str) -> Response {
+    let mut tooltip = Tooltip::for_enabled(&response);
+    tooltip.popup = tooltip.popup.align(RectAlign::RIGHT);
+    tooltip.show(|ui| ui.label(help));
+    response
+}
+
+/// Width of words beside what is pointed at, and their distance from it, points.
+const TOOLTIP_WIDTH: f32 = 320.0;
+const GAP: f32 = 6.0;
+
 /// Shows words beside the pointer, a little away from it, so that they cover nothing that is pointed at.
 pub(crate) fn words_at_pointer(ui: &Ui, name: &str, words: impl Into<WidgetText>) {
-    show_words(ui, name, PopupAnchor::Pointer, 16.0, words);
-}
-
-/// Words that stand beside a rectangle of the window and do not cover it.
-pub(crate) fn words_beside(ui: &Ui, name: &str, rect: Rect, words: impl Into<WidgetText>) {
-    show_words(ui, name, PopupAnchor::ParentRect(rect), 6.0, words);
-}
-
-fn show_words(ui: &Ui, name: &str, anchor: PopupAnchor, gap: f32, words: impl Into<WidgetText>) {
     let (ctx, id) = (ui.ctx().clone(), ui.id().with(name));
-    let tooltip = Tooltip::always_open(ctx, ui.layer_id(), id, anchor).gap(gap).width(320.0);
+    let tooltip =
+        Tooltip::always_open(ctx, ui.layer_id(), id, PopupAnchor::Pointer).gap(16.0).width(TOOLTIP_WIDTH);
+    tooltip.show(|ui| ui.label(words));
+}
+
+/// Shows words beside a rectangle of the window, where they cover least of others: next to it, else above or below all of them, or beside.
+pub(crate) fn words_beside(ui: &Ui, name: &str, rect: Rect, others: &[Rect], words: impl Into<WidgetText>) {
+    let words = words.into();
+    let galley = words.clone().into_galley(ui, Some(TextWrapMode::Wrap), TOOLTIP_WIDTH, TextStyle::Body);
+    let size = galley.size() + ui.spacing().menu_margin.sum();
+    let (ctx, id) = (ui.ctx().clone(), ui.id().with(name));
+    let window = ctx.content_rect();
+    let common = |one: Rect, other: Rect| {
+        let both = one.intersect(other);
+        if both.is_positive() { both.area() } else { 0.0 }
+    };
+    let all = others.iter().fold(rect, |all, other| all.union(*other)).intersect(window.expand(1.0));
+    let column = Rect::from_x_y_ranges(rect.x_range(), all.y_range());
+    let row = Rect::from_x_y_ranges(all.x_range(), rect.y_range());
+    let places = [rect, column, row].into_iter();
+    let places = places.flat_map(|beside| RectAlign::MENU_ALIGNS.map(|align| (beside, align)));
+    let covered = |(beside, align): &(Rect, RectAlign)| {
+        let own = align.align_rect(beside, size, GAP);
+        // What does not fit into the window is pushed back over the rectangle itself.
+        let outside = own.area() - common(own, window);
+        others.iter().map(|other| common(own, *other)).sum::<f32>() + 10.0 * outside
+    };
+    let best = places.min_by(|one, other| covered(one).total_cmp(&covered(other)));
+    let (beside, align) = best.unwrap_or((rect, RectAlign::default()));
+    let mut tooltip = Tooltip::always_open(ctx, ui.layer_id(), id, beside).gap(GAP).width(TOOLTIP_WIDTH);
+    tooltip.popup = tooltip.popup.align(align).align_alternatives(&[]);
     tooltip.show(|ui| ui.label(words));
 }
 

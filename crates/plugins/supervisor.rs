@@ -251,6 +251,7 @@ mod linux {
     use super::{SHARED, Shared};
     use std::ptr::null_mut;
     use std::sync::atomic::{AtomicI32, AtomicPtr, AtomicU64, Ordering};
+    use voltet_core::error::system_words;
 
     /// Signals that other processes send and that the child takes.
     const FORWARDED: [libc::c_int; 8] = [
@@ -315,12 +316,16 @@ mod linux {
     }
 
     pub(super) fn supervise() -> Result<(), String> {
-        let no_process = |error: std::io::Error| format!("the system gives no process for it: {error}");
+        let no_process =
+            |error: std::io::Error| format!("the system gives no process for it: {}", system_words(&error));
         match std::fs::read_dir("/proc/self/task").map(|threads| threads.count()) {
             Ok(1) => {}
             // A copy of the process has this thread alone, and what the others hold stays held.
             Ok(_) => return Err("the program has other threads already".into()),
-            Err(error) => return Err(format!("its threads cannot be counted in /proc/self/task: {error}")),
+            Err(error) => {
+                let error = system_words(&error);
+                return Err(format!("its threads cannot be counted in /proc/self/task: {error}"));
+            }
         }
         let (read_write, kind) = (libc::PROT_READ | libc::PROT_WRITE, libc::MAP_SHARED | libc::MAP_ANONYMOUS);
         // SAFETY: a new mapping, zeroed: numbers and bytes. It stays until the process ends. The only thread forks, so that the child has
@@ -405,6 +410,7 @@ mod linux {
                 continue;
             }
             if error.kind() != std::io::ErrorKind::Interrupted {
+                let error = system_words(&error);
                 eprint!(
                     "\nerror: the end of the process that loads plug-ins cannot be waited for: {error}\n"
                 );

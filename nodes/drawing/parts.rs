@@ -1,7 +1,7 @@
 //! Drawing of grids in parts: each part by itself, to a volumetric depth image; these together are the picture of the whole grid.
 
 use super::engines::{AUTO, ENGINE, ENGINES, NATIVE};
-use super::scene::{check_engine, clips, order, shading};
+use super::scene::{check_engine, clips_of_data, order, shading};
 use super::{engines::OpenEngines, note};
 use serde_json::json;
 use std::sync::Arc;
@@ -35,7 +35,7 @@ pub fn draw_parts(call: &mut RunContext) -> Result<Outputs> {
     }
     let transfer_function = Arc::new(look.for_diagonal(diagonal));
     let surfaces = call.surfaces("surfaces")?;
-    let clips = clips(call.parameters)?;
+    let clips = clips_of_data(call, |_| Ok(whole.volume.bounds))?;
     let events = surface_events(RayEventSource::new(&surfaces, &[], &camera)?, &camera, call)?;
     let opened = call.keep_for_session(|| Ok(OpenEngines::default()))?;
     let engine = opened.open(NATIVE, &AdapterRequest::default())?;

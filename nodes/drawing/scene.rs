@@ -2,16 +2,18 @@
 //! that pass from stage to stage.
 
 use super::diagnostics::note_bands;
+use crate::relative::{MIDDLE, NORMAL, ORIGIN, POSITION, RADIUS, note_numbers, placed};
+use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::clip::{Clip, ClipShape};
-use voltet_core::parameters::VariantSchema;
-use voltet_core::transfer::TransferFunction;
+use voltet_core::parameters::{RelativeNumber, VariantSchema};
+use voltet_core::transfer::{TransferFunction, with_placeholders};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
 use voltet_cpu::{Cells, Projection, needs_gradient};
 use voltet_graph::{
     DefaultValue, Demand, DemandContext, Parameter, ParameterType, Parameters, Port, PortType, Range,
-    Revision, RunContext, TransferFunctionSpec, diagonal,
+    Revision, RunContext, StatisticKind, TransferFunctionSpec, diagonal,
 };
 use voltet_optics::WidgetBlend;
 use voltet_optics::engine::EngineInfo;
@@ -76,36 +78,37 @@ pub const PARAMETERS: [Parameter; 4] = [
     },
 ];
 
-/// The parameter that cuts the volume, for the declarations of the nodes that draw from a volume.
+/// The parameter that cuts the volume, for the declarations of the nodes that draw from a volume. What is not stated cuts through the middle of
+/// the data.
 pub const CLIP: Parameter = Parameter {
     name: "clip",
     parameter_type: ParameterType::Kinds(&[
         VariantSchema {
             name: "plane",
             summary: "the side of a plane to which its normal points",
-            parameters: &[
-                point("origin", "a point of the plane"),
-                Parameter { unit: "world space", ..point("normal", "its normal, of any length above 0") },
-                INVERT,
-            ],
+            parameters: &[ORIGIN, NORMAL, INVERT],
         },
         VariantSchema {
             name: "box",
             summary: "a box along the axes",
-            parameters: &[point("low", "its lowest corner"), point("high", "its highest corner"), INVERT],
+            parameters: &[
+                point("low", MIDDLE, "its lowest corner"),
+                point("high", DefaultValue::Texts(&["100 %", "100 %", "100 %"]), "its highest corner"),
+                INVERT,
+            ],
         },
         VariantSchema {
             name: "sphere",
             summary: "a ball",
-            parameters: &[point("centre", "its centre"), RADIUS, INVERT],
+            parameters: &[point("centre", MIDDLE, "its centre"), QUARTER, INVERT],
         },
         VariantSchema {
             name: "cylinder",
             summary: "a cylinder with flat ends",
             parameters: &[
-                point("from", "middle of one end"),
-                point("to", "middle of the other"),
-                RADIUS,
+                point("from", DefaultValue::Texts(&["50 %", "50 %", "0 %"]), "middle of one end"),
+                point("to", DefaultValue::Texts(&["50 %", "50 %", "100 %"]), "middle of the other"),
+                QUARTER,
                 INVERT,
             ],
         },
@@ -115,22 +118,14 @@ pub const CLIP: Parameter = Parameter {
     help: "the parts of space in all of which the volume is drawn; rays are cut there, exactly; surfaces are drawn everywhere",
 };
 
-const fn point(name: &'static str, help: &'static str) -> Parameter {
-    Parameter {
-        name,
-        parameter_type: ParameterType::Numbers(Some(3), Range::ANY),
-        unit: "world units",
-        default: DefaultValue::Required,
-        help,
-    }
+const fn point(name: &'static str, default: DefaultValue, help: &'static str) -> Parameter {
+    Parameter { name, default, help, ..POSITION }
 }
 
-const RADIUS: Parameter = Parameter {
-    name: "radius",
-    parameter_type: ParameterType::Number(Range::above(0.0)),
-    unit: "world units",
-    default: DefaultValue::Required,
-    help: "its radius",
+const QUARTER: Parameter = Parameter {
+    default: DefaultValue::Text("25 %"),
+    help: "its radius; a percentage: of the diagonal of the bounds",
+    ..RADIUS
 };
 
 const INVERT: Parameter = Parameter {
@@ -141,20 +136,47 @@ const INVERT: Parameter = Parameter {
     help: "keeps what is outside",
 };
 
-/// The clips that the parameters state, where the node has them.
+/// The clips that the parameters state in numbers, where the node has them.
 pub fn clips(p: &Parameters) -> Result<Vec<Clip>> {
-    let clip = |(kind, p): (&'static str, Parameters)| {
-        let at = |name: &str| Ok::<_, Error>(glam::DVec3::from(p.vector(name)?));
-        let shape = match kind {
-            "plane" => ClipShape::Plane { origin: at("origin")?, normal: at("normal")? },
-            "box" => ClipShape::Box { low: at("low")?, high: at("high")? },
-            "sphere" => ClipShape::Sphere { centre: at("centre")?, radius: p.number("radius")? },
-            _ => ClipShape::Cylinder { from: at("from")?, to: at("to")?, radius: p.number("radius")? },
-        };
-        shape.check().map_err(|error| p.locate("kind", error))?;
-        Ok(Clip { shape, invert: p.flag("invert")? })
+    p.kinds(CLIP.name)?.into_iter().map(|(kind, p)| clip(kind, &p)).collect()
+}
+
+fn clip(kind: &str, p: &Parameters) -> Result<Clip> {
+    let at = |name: &str| Ok::<_, Error>(DVec3::from(p.vector(name)?));
+    let shape = match kind {
+        "plane" => ClipShape::Plane { origin: at("origin")?, normal: at("normal")? },
+        "box" => ClipShape::Box { low: at("low")?, high: at("high")? },
+        "sphere" => ClipShape::Sphere { centre: at("centre")?, radius: p.number("radius")? },
+        _ => ClipShape::Cylinder { from: at("from")?, to: at("to")?, radius: p.number("radius")? },
     };
-    p.kinds(CLIP.name)?.into_iter().map(clip).collect()
+    shape.check().map_err(|error| p.locate("kind", error))?;
+    Ok(Clip { shape, invert: p.flag("invert")? })
+}
+
+/// Checks the clips as far as they can be before data are known: how a corner in numbers lies to one in percentages is not.
+pub fn check_clips(p: &Parameters) -> Result<()> {
+    p.kinds(CLIP.name)?.into_iter().try_for_each(|(kind, p)| {
+        let is_place = |number: &RelativeNumber| number.is == StatisticKind::Place;
+        let places = p.relative_numbers().into_iter().filter(is_place).count();
+        match (kind, places) {
+            ("box" | "cylinder", 1..=5) => Ok(()),
+            _ => clip(kind, &with_placeholders(&p)?).map(drop),
+        }
+    })
+}
+
+/// The clips with places for percentages of the bounds of the data, which are noted. `bounds`: finds these, if there are percentages.
+pub fn clips_of_data(
+    call: &mut RunContext,
+    bounds: impl FnOnce(&RunContext) -> Result<Option<[DVec3; 2]>>,
+) -> Result<Vec<Clip>> {
+    let p = call.parameters;
+    if p.relative_numbers().is_empty() {
+        return clips(p);
+    }
+    let own = placed(p, bounds(call)?)?;
+    note_numbers(&mut call.notes, "clip", "over the bounds", p, &own);
+    clips(&own)
 }
 
 /// Optional input of the nodes that draw from a volume.
@@ -166,7 +188,7 @@ pub const SURFACES: Port = Port {
 
 /// Checks the parameters of a node that draws, before data are read.
 pub fn check(p: &Parameters) -> Result<()> {
-    clips(p)?;
+    check_clips(p)?;
     shading(p).map(drop)
 }
 
@@ -180,8 +202,8 @@ pub fn shading(p: &Parameters) -> Result<Shading> {
 
 fn light(p: &Parameters) -> Result<Option<Light>> {
     let Some(light) = p.table("light")? else { return Ok(None) };
-    let direction: glam::DVec3 = light.vector("direction")?.into();
-    if direction == glam::DVec3::ZERO {
+    let direction: DVec3 = light.vector("direction")?.into();
+    if direction == DVec3::ZERO {
         return Err(light
             .error("direction", "the light has no direction")
             .expected("a vector that is not zero"));
@@ -266,7 +288,8 @@ pub fn scene(call: &mut RunContext) -> Result<Scene> {
     note_bands(call, &volume, &transfer_function)?;
     let order = order(call.parameters)?;
     let surfaces = call.surfaces("surfaces")?;
-    let clips = clips(call.parameters)?;
+    let revision = call.revision("volume")?;
+    let clips = clips_of_data(call, |call| bounds(call, &volume, revision))?;
     Ok(Scene { volume, transfer_function, camera, shading, order, surfaces, clips })
 }
 
@@ -302,8 +325,13 @@ impl Projected {
     }
 }
 
-/// The diagonal of the data with one revision, kept between runs.
-struct Diagonal(f64);
+/// The bounds of the data with one revision, kept between runs.
+struct DataBounds(Option<[DVec3; 2]>);
+
+/// The bounds of a volume. `revision`: that of the data.
+pub fn bounds(call: &RunContext, volume: &Volume, revision: Revision) -> Result<Option<[DVec3; 2]>> {
+    Ok(call.keep(revision, || Ok(DataBounds(volume.grid.bounds())))?.0)
+}
 
 /// The transfer function for the data: its unit distance is known from here on. `revision`: that of the data.
 pub fn for_data(
@@ -313,7 +341,7 @@ pub fn for_data(
     revision: Revision,
 ) -> Result<Arc<TransferFunction>> {
     let diagonal = match look.auto_unit_distance {
-        true => call.keep(revision, || Ok(Diagonal(diagonal(volume.grid.bounds()))))?.0,
+        true => diagonal(bounds(call, volume, revision)?),
         false => 0.0,
     };
     Ok(Arc::new(look.for_diagonal(diagonal)))
@@ -337,7 +365,7 @@ mod tests {
     }
 
     fn shading(diffuse: Option<f64>, silhouette: Option<f64>) -> Shading {
-        let direction = glam::DVec3::X;
+        let direction = DVec3::X;
         let light = diffuse.map(|diffuse| Light { direction, ambient: 0.3, diffuse });
         Shading { integrator: Integrator::ANALYTIC, overlap: WidgetBlend::Exact, silhouette, light }
     }

@@ -1,9 +1,12 @@
 //! Numbers relative to data: the widgets of a transfer function before and after the data are known, what the numbers became in words
 //! and figures, and the statistics that they refer to: ranges and percentiles of one volume, or of steps of a time series.
 
+mod places;
 mod several;
 mod statistics;
 
+pub use places::placed;
+pub(crate) use places::{MIDDLE, NORMAL, ORIGIN, POSITION, RADIUS, SpatialRegion};
 pub(crate) use several::VolumeView;
 pub use statistics::values;
 pub(crate) use statistics::volumes;
@@ -348,7 +351,6 @@ fn found_in(
     demand: &Demand,
     view: &VolumeView,
 ) -> Result<FoundStatistics> {
-    refuse_part(call)?;
     if call.is_in_parts() {
         scope.refuse_series(call.parameters)?;
     }
@@ -390,20 +392,6 @@ fn found_in(
     let computed: usize = missing.percentiles.values().map(BTreeSet::len).sum();
     call.notes.counts.insert("percentiles_computed", computed as u64);
     Ok(known.clone())
-}
-
-/// Refuses numbers that a node would find from a part of a grid in place of the whole.
-///
-/// # Errors
-/// - a node that runs for a part.
-pub(crate) fn refuse_part(call: &RunContext) -> Result<()> {
-    if call.part().is_none() {
-        return Ok(());
-    }
-    let error = Error::usage(
-        "the node runs for each part of a grid (--memory), and its numbers are relative to the whole",
-    );
-    Err(error.expected("numbers that are not relative, or a larger --memory"))
 }
 
 fn demand(wanted: &StatisticsRequest) -> Demand {

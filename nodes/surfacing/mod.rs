@@ -3,12 +3,12 @@
 
 pub mod tubing;
 
-use crate::probe::SpatialRegion;
-use crate::relative::{self, DataScope, note_numbers};
+use crate::relative::{self, DataScope, ORIGIN, RADIUS, SpatialRegion, note_numbers};
 use crate::transfer_function::FilesFrom;
 use glam::DVec3;
 use std::sync::Arc;
 use voltet_core::grid::{GridSurface, point_normals, sharp_triangles};
+use voltet_core::parameters::RelativeNumber;
 use voltet_core::probing::value_range;
 use voltet_core::progress::Progress;
 use voltet_core::surface::{EyeLight, Paint, Surface};
@@ -184,6 +184,8 @@ pub(crate) struct VolumeStatistics<'a> {
     pub progress: &'a dyn Progress,
     /// Statistics of the quantities over steps of a series, in place of those of the volume.
     pub series: Option<&'a dyn DataStatistics>,
+    /// Bounds of the volume, for places.
+    pub bounds: Option<[DVec3; 2]>,
 }
 
 impl VolumeStatistics<'_> {
@@ -197,7 +199,7 @@ impl DataStatistics for VolumeStatistics<'_> {
         match (self.named(quantity), self.series) {
             (Some(named), Some(series)) => series.range(&named),
             (Some(named), None) => value_range(relative::values(self.volume, &named)?),
-            (None, _) => SpatialRegion::from_grid(&self.volume.grid)?.range(quantity),
+            (None, _) => SpatialRegion::from_known(self.bounds)?.range(quantity),
         }
     }
 
@@ -208,7 +210,7 @@ impl DataStatistics for VolumeStatistics<'_> {
                 let volumes = relative::volumes(self.volume, &named, self.progress)?;
                 volumes.percentile(percent, self.progress)
             }
-            (None, _) => SpatialRegion::from_grid(&self.volume.grid)?.percentile(quantity, percent),
+            (None, _) => SpatialRegion::from_known(self.bounds)?.percentile(quantity, percent),
         }
     }
 }
@@ -221,15 +223,20 @@ pub fn known_of_volume(
     color_by: Option<&str>,
 ) -> Result<Parameters> {
     let unused: &[&str] = if color_by.is_some() { &[] } else { &["range"] };
-    let scope = DataScope::from_parameters(call.parameters)?;
-    if scope == DataScope::Step {
-        return known(call, unused, |p, progress| {
-            resolved(p, &VolumeStatistics { volume, array, color_by, progress, series: None })
-        });
+    let mut p = unused.iter().fold(call.parameters.clone(), |p, name| p.with(name, None));
+    let numbers = p.relative_numbers();
+    let is_place = |number: &RelativeNumber| named_quantity(&number.quantity, array, color_by).is_none();
+    let bounds = if numbers.iter().any(is_place) { volume.grid.bounds() } else { None };
+    if bounds.is_none() && p.optional(ORIGIN.name).is_some() && !p.is_set(ORIGIN.name) {
+        // Nothing is cut of a volume without points, wherever the plane is.
+        p = p.with(ORIGIN.name, Some([0.0; 3].into_iter().collect()));
     }
-    let p = unused.iter().fold(call.parameters.clone(), |p, name| p.with(name, None));
-    if p.relative_numbers().is_empty() {
-        return Ok(p);
+    let scope = DataScope::from_parameters(&p)?;
+    if scope == DataScope::Step || numbers.iter().all(is_place) {
+        let over = if scope == DataScope::Step { "over the data" } else { "over the bounds" };
+        return noted(call, p, over, |p, progress| {
+            resolved(p, &VolumeStatistics { volume, array, color_by, progress, series: None, bounds })
+        });
     }
     let quantities: Vec<ArrayRef> = [Some(array), color_by].into_iter().flatten().map(quantity).collect();
     let demand = relative::demand_for(&quantities);
@@ -237,10 +244,16 @@ pub fn known_of_volume(
     let series = relative::known_of_series(call, &p, scope, &demand, &of_name, &|_| Ok(None))?;
     let own = {
         let (progress, series) = (call.progress(), Some(series.statistics()));
-        resolved(&p, &VolumeStatistics { volume, array, color_by, progress, series })?
+        resolved(&p, &VolumeStatistics { volume, array, color_by, progress, series, bounds })?
     };
-    if own != p {
-        note_numbers(&mut call.notes, "surface", &series.over, &p, &own);
+    // Places are shares of the step that is drawn.
+    let of_step =
+        |p: Parameters, name: &str| p.with(name, own.optional(name).map(|known| known.datum.clone()));
+    let placed = [ORIGIN.name, RADIUS.name].into_iter().fold(p.clone(), of_step);
+    for (before, after, over) in [(&p, &placed, "over the bounds"), (&placed, &own, &*series.over)] {
+        if before != after {
+            note_numbers(&mut call.notes, "surface", over, before, after);
+        }
     }
     Ok(own)
 }
@@ -262,9 +275,19 @@ pub fn known(
     resolve: impl FnOnce(&Parameters, &dyn Progress) -> Result<Parameters>,
 ) -> Result<Parameters> {
     let p = unused.iter().fold(call.parameters.clone(), |p, name| p.with(name, None));
+    noted(call, p, "over the data", resolve)
+}
+
+/// Parameters with numbers for those relative to data, which are noted. `over`: in words, the data.
+fn noted(
+    call: &mut RunContext,
+    p: Parameters,
+    over: &str,
+    resolve: impl FnOnce(&Parameters, &dyn Progress) -> Result<Parameters>,
+) -> Result<Parameters> {
     let own = call.stage("range", |progress| resolve(&p, progress))?;
     if own != p {
-        note_numbers(&mut call.notes, "surface", "over the data", &p, &own);
+        note_numbers(&mut call.notes, "surface", over, &p, &own);
     }
     Ok(own)
 }

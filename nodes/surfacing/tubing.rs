@@ -1,7 +1,7 @@
 //! Tubes around lines and spheres around points: their parameters, and the shape that they are.
 
 use super::{Shape, gathered};
-use crate::probe::RADIUS;
+use crate::relative::RADIUS;
 use glam::DVec3;
 use voltet_core::tubes::{TubeShape, Tubes, tubes};
 use voltet_core::{Result, agreeing, counted};

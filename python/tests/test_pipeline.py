@@ -304,7 +304,8 @@ def test_a_scene_has_surfaces_and_clips(cube, tmp_path):
     assert np.allclose(both.render()[20, 20], [0.625, 0.25, 0.5, 1.0])
     dense = [voltet.widgets.uniform(color=[1.0, 1.0, 1.0], extinction=2.0, region={"s": [-1e9, 1e9]})]
     half = {"kind": "plane", "origin": [0, 0.5, 0], "normal": [0, 1, 0]}
-    for clip, depth in ((None, 1.0), ([half], 0.5), ([half, {**half, "invert": True}], 0.0)):
+    through_the_middle = {"kind": "plane", "normal": [0, 1, 0]}
+    for clip, depth in ((None, 1.0), ([half], 0.5), ([through_the_middle], 0.5), ([half, {**half, "invert": True}], 0.0)):
         picture = voltet.scene(
             grid, widgets=dense, size=(8, 8), engine="cpu", unit_distance=1.0, camera={"direction": [0, -1, 0], "height": 0.5}, clip=clip
         ).render()

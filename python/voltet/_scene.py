@@ -72,7 +72,8 @@ def scene(
         parameters, such as `{"type": "slice", "normal": [0, 0, 1]}`.
     clip : list of mapping
         Parts of space in all of which the volume is drawn, as the node `renderer` takes them:
-        `{"kind": "plane", "origin": [0, 0, 0], "normal": [0, 0, 1]}`, or a `"box"`, `"sphere"` or `"cylinder"`.
+        `{"kind": "plane", "origin": [0, 0, 0], "normal": [0, 0, 1]}`, or a `"box"`, `"sphere"` or `"cylinder"`. What is not stated cuts
+        through the middle of the data: `{"kind": "plane"}`.
     annotation : mapping
         Parameters of the node `annotation`, such as `{"title": "…", "axes": "box"}`; `{}` for a colour bar alone. Default: nothing is
         written over the picture.

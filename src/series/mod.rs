@@ -20,13 +20,10 @@ use selection::{FrameSelection, Sweep};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use steps::StepSelection;
-use voltet_core::parameters::Parameters;
 use voltet_core::{Error, Result};
 use voltet_document::Series;
 use voltet_document::series::{self, TIME, TIME_STEP};
-use voltet_graph::{
-    Edge, Graph, GraphNode, NamedPath, ParameterType, ParameterValue, Port, PortType, Registry,
-};
+use voltet_graph::{Edge, Graph, GraphNode, NamedPath, ParameterValue, Port, PortType, Registry};
 use voltet_nodes::files::relative_to;
 use voltet_nodes::relative::RELATIVE_TO;
 
@@ -195,7 +192,7 @@ fn range_changes(graph: &Graph, word: &str, all: bool) -> Vec<Change> {
         let is_wired =
             node.inputs.iter().any(|edge| input_of(node, edge).is_some_and(|port| port.name == VOLUME));
         let is_view = ["view", "direction"].iter().any(|name| node.parameters.is_set(name));
-        let depends = is_view || has_relative_numbers(&node.parameters) || node.node.name == PROBE;
+        let depends = is_view || !node.parameters.relative_numbers().is_empty() || node.node.name == PROBE;
         let is_unit_auto =
             node.node.parameter(UNIT).is_some() && node.parameters.optional_number(UNIT).is_none();
         // A unit distance of the series is that of what is drawn.
@@ -231,14 +228,6 @@ fn drawn_with(graph: &Graph, look: usize) -> Option<String> {
     });
     let first = drawn.next()?;
     drawn.all(|other| other == first).then_some(first)
-}
-
-/// True if some number is relative to data, also within widgets.
-fn has_relative_numbers(p: &Parameters) -> bool {
-    let kinds =
-        p.iter().filter(|(parameter, ..)| matches!(parameter.parameter_type, ParameterType::Kinds(_)));
-    let mut entries = kinds.flat_map(|(parameter, ..)| p.kinds(parameter.name).unwrap_or_default());
-    !p.relative_numbers().is_empty() || entries.any(|(_, keys)| !keys.relative_numbers().is_empty())
 }
 
 /// Refuses sweeps of parameters that frames set by themselves.

@@ -165,7 +165,7 @@ fn what_is_no_colour_map_is_refused_with_what_would_be() {
     folder.write("broken.xml", "<ColorMap space=\"RGB\"><Point x=\"0\" r=\"zero\"/></ColorMap>");
     for (widget, said) in [
         ("colormap = \"virdis\"", &["'viridis', the nearest name", ".json or .xml"][..]),
-        ("colormap = \"missing.json\"", &["missing.json", "No such file"]),
+        ("colormap = \"missing.json\"", &["missing.json", "no such file"]),
         ("colormap = \"hsv.json\"", &["HSV", "RGB, Lab, Diverging", "hsv.json"]),
         ("colormap = \"two.json\"", &["found 2", "two.json"]),
         ("colormap = \"listed.json\"", &["categories"]),

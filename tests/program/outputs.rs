@@ -44,7 +44,7 @@ fn pipes_are_written_and_not_replaced() {
 fn a_device_that_is_full_is_an_error_and_stays() {
     if cfg!(target_os = "linux") {
         let folder = Folder::new();
-        let wanted = ["'/dev/full' cannot be written", "No space left"];
+        let wanted = ["'/dev/full' cannot be written", "no space left"];
         folder.voltet(&["run", "slab.toml", "--report", "/dev/full"]).fails(1, &wanted);
         folder.voltet(&["run", "slab.toml", "--set", "file.path=/dev/full"]).fails(1, &wanted);
         assert!(!std::fs::metadata("/dev/full").unwrap().is_file());
@@ -146,7 +146,7 @@ fn nobody_who_reads_is_no_error_and_a_full_output_is_one() {
             let said = String::from_utf8(output.stderr).unwrap();
             assert_eq!(output.status.code(), Some(1), "{arguments:?}: {said}");
             assert!(
-                said.contains("error: the standard output cannot be written: found No space left"),
+                said.contains("error: the standard output cannot be written: found no space left"),
                 "{said}"
             );
             assert_eq!(said.matches("error:").count(), 1, "{said}");

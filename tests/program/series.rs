@@ -218,6 +218,46 @@ fn surfaces_thresholds_and_views_follow_the_whole_series_too() {
     assert_eq!(carried.matches("relative_to = \"sample\"").count(), 3, "threshold, slice and camera");
 }
 
+/// Data that move from step to step: what is cut goes through the middle of each step, and no note says that of it which is true of the series.
+#[test]
+fn what_is_cut_goes_through_the_middle_of_each_step() {
+    let folder = Folder::new();
+    let mut steps = String::new();
+    for step in 0..2 {
+        let values: Vec<String> = (0..27).map(|i| (i % 3 + step).to_string()).collect();
+        let extent = "0 2 0 2 0 2";
+        let data = format!(
+            "<VTKFile type=\"ImageData\" version=\"1.0\"><ImageData WholeExtent=\"{extent}\" Origin=\"{}0 0 0\" Spacing=\"1 1 1\">\
+             <Piece Extent=\"{extent}\"><PointData><DataArray type=\"Float64\" Name=\"T\" format=\"ascii\">{}</DataArray></PointData>\
+             </Piece></ImageData></VTKFile>",
+            step,
+            values.join(" ")
+        );
+        folder.write(&format!("s{step}.vti"), data);
+        steps += &format!("<DataSet timestep=\"{step}\" file=\"s{step}.vti\"/>");
+    }
+    folder
+        .write("run.pvd", format!("<VTKFile type=\"Collection\"><Collection>{steps}</Collection></VTKFile>"));
+    let scene = "[pipeline]\nformat = 1\n\n[nodes.grid]\ntype = \"reader\"\npath = \"run.pvd\"\nscalar = \"T\"\n\n\
+        [nodes.kept]\ntype = \"threshold\"\nclip = [{ kind = \"plane\", invert = true }]\nkeep = \"any\"\ninputs = { volume = \"grid\" }\n\n\
+        [nodes.cut]\ntype = \"slice\"\ninputs = { volume = \"grid\" }\n\n[nodes.look]\ntype = \"transfer-function\"\n\n\
+        [nodes.view]\ntype = \"camera\"\nview = \"+z\"\nsize = [16, 12]\ninputs = { volume = \"grid\" }\n\n\
+        [nodes.picture]\ntype = \"renderer\"\nclip = [{ kind = \"plane\" }]\n\
+        inputs = { volume = \"kept\", transfer_function = \"look\", camera = \"view\", surfaces = [\"cut\"] }\n\n\
+        [nodes.file]\ntype = \"image-writer\"\npath = \"p.exr\"\ninputs = { image = \"picture\" }\n";
+    folder.write("p.toml", scene);
+    // Of what is kept, the half below the middle, the clip takes half again.
+    for (step, middle, of_kept) in [("0", "1.0", "0.5"), ("1", "11.0", "10.5")] {
+        let said = folder.voltet(&["run", "p.toml", "--steps", step]).ok().stdout;
+        for (node, x) in [("kept: threshold", middle), ("picture: clip", of_kept), ("cut: surface", middle)] {
+            let origin = format!("origin = [{x}, 1.0, 1.0]");
+            let line = said.lines().find(|line| line.contains(node) && line.contains(&origin));
+            assert!(line.is_some_and(|line| line.ends_with("(over the bounds)")), "{node} {origin}: {said}");
+        }
+        assert!(said.contains("cut: surface: range = [0.0, 3.0] (over 2 time steps)"), "{said}");
+    }
+}
+
 #[test]
 fn pictures_that_are_there_are_not_drawn_again_until_something_changes() {
     let folder = series(3);

@@ -479,15 +479,34 @@ impl Parameters {
                 }
                 (ParameterType::Table(declared), ParameterValue::Table(fields)) => {
                     let own = Parameters::survey(declared, fields, &setting.origin, &[], &mut |_, _| {});
-                    let own = own.with_settings(change)?;
-                    for field in fields {
-                        field.setting = own.optional(&field.name).unwrap_or(&field.setting).clone();
+                    own.with_settings(change)?.put_into(fields);
+                }
+                (ParameterType::Kinds(kinds), ParameterValue::List(list)) => {
+                    for entry in list {
+                        let kind = kind_of(kinds, declared.name, entry, &mut |_| {});
+                        if let (Some((_, own)), ParameterValue::Table(fields)) = (kind, &mut entry.datum) {
+                            own.with_settings(change)?.put_into(fields);
+                        }
                     }
                 }
                 _ => {}
             }
         }
         Ok(changed)
+    }
+
+    /// Puts the settings whose numbers may be relative, and those of tables, into the table that they are of; standard values, too.
+    fn put_into(self, fields: &mut Vec<Field>) {
+        for Entry { declared, setting, .. } in self.entries {
+            let Some(setting) = setting else { continue };
+            match fields.iter_mut().find(|field| field.name == declared.name) {
+                Some(field) => field.setting = setting,
+                None if matches!(declared.parameter_type, ParameterType::Measured(_)) => {
+                    fields.push(Field::new(declared.name, setting));
+                }
+                None => {}
+            }
+        }
     }
 }
 

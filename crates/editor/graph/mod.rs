@@ -207,7 +207,11 @@ impl GraphView {
         let frame = self.places.drawn.iter().rev().find(|(name, _)| Some(name.as_str()) == node);
         match (words.filter(|_| still), frame.filter(|_| port.is_none())) {
             // Its ports can be reached meanwhile.
-            (Some(words), Some((_, frame))) => theme::words_beside(ui, "words", *frame, words),
+            (Some(words), Some((name, frame))) => {
+                let others = self.places.drawn.iter().filter(|(other, _)| other != name);
+                let others: Vec<Rect> = others.map(|(_, frame)| *frame).collect();
+                theme::words_beside(ui, "words", *frame, &others, words);
+            }
             (Some(words), None) => theme::words_at_pointer(ui, "words", words),
             (None, _) => {}
         }

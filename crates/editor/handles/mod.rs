@@ -12,6 +12,7 @@ use eframe::egui::{
     WidgetInfo, WidgetType, vec2,
 };
 use movable::{Movable, PictureGrip};
+pub(crate) use space::clip_parameters;
 use std::rc::Rc;
 use voltet_document::Edit;
 use voltet_document::links::upstream;

@@ -12,9 +12,12 @@ use voltet_core::arithmetic::{decimal, unit_vector};
 use voltet_core::clip::ClipShape;
 use voltet_core::grid::extent::{corners, diagonal};
 use voltet_document::{Edit, Path, links};
-use voltet_graph::{Field, LocatedValue, NodeEntry, ParameterValue, Relative, find_setting};
-use voltet_nodes::drawing::CLIP;
-use voltet_nodes::relative::{DataScope, RELATIVE_TO};
+use voltet_graph::{
+    Field, LinkEntry, LocatedValue, NodeEntry, Parameter, ParameterType, ParameterValue, Parameters,
+    PortType, Relative, SourceSpan, find_setting,
+};
+use voltet_nodes::drawing::{CLIP, clips};
+use voltet_nodes::relative::{DataScope, RELATIVE_TO, placed};
 
 /// Length of the arrow along a normal, and a step of the keys, as shares of the diagonal of the data.
 const ARROW: f64 = 0.2;
@@ -70,7 +73,7 @@ struct Object {
     name: String,
     /// Place of its parameters in those of the node.
     path: Path,
-    /// Its parameters as the file states them.
+    /// Its parameters as the file states them, and standard values for places that it does not state.
     stated: Vec<Field>,
     /// True for a slice, whose parameters have other names: a sphere's centre is its origin.
     is_slice: bool,
@@ -86,29 +89,35 @@ pub(super) fn objects<'a>(
     view: View,
     nodes: impl Iterator<Item = &'a NodeEntry> + Clone,
 ) -> Vec<Rc<dyn Movable>> {
-    let clips = |node: &&NodeEntry| {
+    let has_clips = |node: &&NodeEntry| {
         let is_declared = scene.node_type(node).is_some_and(|known| known.parameter(CLIP.name).is_some());
         is_declared && node.setting(CLIP.name).is_some()
     };
-    let several = nodes.clone().filter(clips).count() > 1;
+    let several = nodes.clone().filter(has_clips).count() > 1;
     let mut found: Vec<Rc<dyn Movable>> = Vec::new();
     for node in nodes {
         let Some(bounds) = bounds_at(scene, node) else { continue };
         let mut add = |title: &str, path: Path, stated: &[Field], is_slice: bool| {
-            let Some(shape) = stated_shape(stated, is_slice, bounds) else { return };
+            let shape = if is_slice { slice_shape(stated, bounds) } else { clip_shape(stated, bounds) };
+            let Some(shape) = shape else { return };
+            let declared = if is_slice {
+                scene.node_type(node).map(|known| known.parameters)
+            } else {
+                clip_kind(stated)
+            };
             let (name, node) = (format!("{} of {title}", word(&shape)), node.name.clone());
             found.push(Rc::new(Object {
                 node,
                 name,
                 path,
-                stated: stated.to_vec(),
+                stated: with_standard_places(stated, declared.unwrap_or_default()),
                 is_slice,
                 shape,
                 bounds,
                 view,
             }));
         };
-        let list = node.setting(CLIP.name).and_then(LocatedValue::list).filter(|_| clips(&node));
+        let list = node.setting(CLIP.name).and_then(LocatedValue::list).filter(|_| has_clips(&node));
         let list = list.unwrap_or_default();
         for (place, entry) in list.iter().enumerate() {
             let number = if list.len() > 1 { format!(" {}", place + 1) } else { String::new() };
@@ -125,6 +134,26 @@ pub(super) fn objects<'a>(
     found
 }
 
+/// The parameters of the kind of a clip.
+fn clip_kind(stated: &[Field]) -> Option<&'static [Parameter]> {
+    let ParameterType::Kinds(kinds) = CLIP.parameter_type else { return None };
+    let kind = find_setting(stated, "kind").and_then(LocatedValue::text)?;
+    kinds.iter().find(|known| known.name == kind).map(|known| known.parameters)
+}
+
+/// Fields with the standard values of the places and lengths that they do not state: shares of the data stay shares when they are moved.
+fn with_standard_places(stated: &[Field], declared: &[Parameter]) -> Vec<Field> {
+    let is_silent = |parameter: &&Parameter| {
+        matches!(parameter.parameter_type, ParameterType::Measured(_))
+            && find_setting(stated, parameter.name).is_none()
+    };
+    let standard = declared
+        .iter()
+        .filter(is_silent)
+        .filter_map(|parameter| parameter.default.datum().map(|datum| Field::new(parameter.name, datum)));
+    stated.iter().cloned().chain(standard).collect()
+}
+
 /// The data that a slice's shares refer to.
 fn data_scope(node: &NodeEntry) -> DataScope {
     let stated = node.setting(RELATIVE_TO.name).and_then(LocatedValue::text);
@@ -139,25 +168,27 @@ fn is_of_numbers(stated: &[Field]) -> bool {
     radius && origin.is_some_and(|origin| origin.iter().all(is_number))
 }
 
-/// Lowest and highest coordinates of the data that come to a node: of its inputs, else of theirs.
+/// Lowest and highest coordinates of the volume that comes to a node: the nearest known on its way, not of other inputs, such as that of a
+/// transfer function.
 fn bounds_at(scene: &Scene, node: &NodeEntry) -> Option<[DVec3; 2]> {
-    let (mut level, mut seen) = (vec![node], BTreeSet::from([node.name.as_str()]));
-    while !level.is_empty() {
-        let sources = level.iter().flat_map(|node| node.inputs.iter().flat_map(links::sources));
-        let given: Vec<(&str, &str)> =
-            sources.map(|source| scene.giving(source)).map(|of| (of.0, of.1)).collect();
-        let of = |(node, output): &(&str, &str)| scene.bounds.get(&format!("{node}.{output}")).copied();
-        if let Some(found) = given.iter().find_map(of) {
-            return Some(found);
+    let (mut node, mut seen) = (node, BTreeSet::new());
+    while seen.insert(&node.name) {
+        let is_drawn = |link: &&LinkEntry| {
+            let ports = scene.node_type(node).map_or(&[][..], |known| known.inputs);
+            ports.iter().any(|port| port.name == link.port && DRAWN.contains(&port.port_type))
+        };
+        let link = node.inputs.iter().find(is_drawn)?;
+        let (name, output, _) = scene.giving(links::sources(link).next()?);
+        match scene.bounds.get(&format!("{name}.{output}")) {
+            Some(found) => return Some(*found),
+            None => node = scene.entry(name)?,
         }
-        level = given
-            .iter()
-            .filter(|(node, _)| seen.insert(node))
-            .filter_map(|(node, _)| scene.entry(node))
-            .collect();
     }
     None
 }
+
+/// Types of ports by which a volume reaches the node that draws it.
+const DRAWN: [PortType; 4] = [PortType::Grid, PortType::Volume, PortType::Cells, PortType::Projection];
 
 /// A point that a parameter states, in numbers or shares of the bounds.
 fn point(stated: &[Field], key: &str, [low, high]: [DVec3; 2]) -> Option<DVec3> {
@@ -175,17 +206,30 @@ fn point(stated: &[Field], key: &str, [low, high]: [DVec3; 2]) -> Option<DVec3> 
     Some(DVec3::from(numbers)).filter(|point| point.is_finite() && list.len() == 3)
 }
 
-/// The shape that a clip or a slice states; `None` of one that is not sound.
-fn stated_shape(stated: &[Field], is_slice: bool, bounds: [DVec3; 2]) -> Option<StatedShape> {
-    let text = |key: &str| find_setting(stated, key).and_then(LocatedValue::text);
-    let at = |key: &str| point(stated, key, bounds);
-    // A slice need not state all.
+/// The parameter `clip` with this list. Errors: one of the clips is not sound.
+pub(crate) fn clip_parameters(list: LocatedValue) -> voltet_core::Result<Parameters> {
+    Parameters::check(&[CLIP], &[Field::new(CLIP.name, list)], &SourceSpan::Nowhere, &[])
+}
+
+/// The shape that a clip states; `None` of one that is not sound.
+fn clip_shape(stated: &[Field], bounds: [DVec3; 2]) -> Option<StatedShape> {
+    let entry = LocatedValue::from(ParameterValue::Table(stated.to_vec()));
+    let p = clip_parameters(ParameterValue::List(vec![entry]).into()).ok()?;
+    let shape = clips(&placed(&p, Some(bounds)).ok()?).ok()?.first()?.shape;
+    Some(StatedShape::Clip(match shape {
+        ClipShape::Plane { origin, normal } => ClipShape::Plane { origin, normal: unit_vector(normal) },
+        other => other,
+    }))
+}
+
+/// The shape that a slice states; `None` of one that is not sound.
+fn slice_shape(stated: &[Field], bounds: [DVec3; 2]) -> Option<StatedShape> {
     let at_or = |key: &str, usual: DVec3| match find_setting(stated, key) {
-        None if is_slice => Some(usual),
-        _ => at(key),
+        None => Some(usual),
+        Some(_) => point(stated, key, bounds),
     };
-    let origin = || at_or("origin", 0.5 * (bounds[0] + bounds[1]));
-    let normal = || at_or("normal", DVec3::X).map(unit_vector);
+    let origin = at_or("origin", 0.5 * (bounds[0] + bounds[1]))?;
+    let axis = unit_vector(at_or("normal", DVec3::X)?);
     let radius = || {
         let setting = find_setting(stated, "radius")?;
         let of_diagonal = match setting.text().and_then(Relative::parse) {
@@ -194,21 +238,14 @@ fn stated_shape(stated: &[Field], is_slice: bool, bounds: [DVec3; 2]) -> Option<
         };
         setting.number().or(of_diagonal)
     };
-    let shape = match (text(if is_slice { "shape" } else { "kind" }), is_slice) {
-        (Some("plane"), false) => ClipShape::Plane { origin: origin()?, normal: normal()? },
-        (Some("box"), false) => ClipShape::Box { low: at("low")?, high: at("high")? },
-        (Some("sphere"), false) => ClipShape::Sphere { centre: at("centre")?, radius: radius()? },
-        (Some("cylinder"), false) => {
-            ClipShape::Cylinder { from: at("from")?, to: at("to")?, radius: radius()? }
-        }
-        (_, false) => return None,
-        (Some("sphere"), true) => ClipShape::Sphere { centre: origin()?, radius: radius()? },
-        (Some("cylinder"), true) => {
-            let (origin, axis, radius) = (origin()?, normal()?, radius()?);
+    let shape = match find_setting(stated, "shape").and_then(LocatedValue::text) {
+        Some("sphere") => ClipShape::Sphere { centre: origin, radius: radius()? },
+        Some("cylinder") => {
+            let radius = radius()?;
             let is_sound = axis != DVec3::ZERO && radius > 0.0 && radius.is_finite();
             return is_sound.then_some(StatedShape::Tube { origin, axis, radius });
         }
-        (_, true) => ClipShape::Plane { origin: origin()?, normal: normal()? },
+        _ => ClipShape::Plane { origin, normal: axis },
     };
     shape.check().is_ok().then_some(StatedShape::Clip(shape))
 }
@@ -505,7 +542,7 @@ mod tests {
                 ("normal", list(normal)),
                 ("radius", ParameterValue::Number(radius)),
             ];
-            stated_shape(&stated.map(field), true, bounds)
+            slice_shape(&stated.map(field), bounds)
         };
         let (origin, axis) = (DVec3::new(1e17, -3.0, 2e9), unit_vector(DVec3::new(1.0, 2.0, 3.0)));
         for high in [DVec3::ONE, DVec3::ZERO] {

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 use voltet_core::colormap::ColorCurve;
+use voltet_core::error::system_words;
 use voltet_core::transfer::LoadFiles;
 
 /// The most texels along a side that are drawn: as fine as the histogram below. Larger pictures are drawn by the means of blocks.
@@ -57,7 +58,7 @@ impl Images {
                 ctx.request_repaint();
             };
             let thread = std::thread::Builder::new().name("image".into()).spawn(read);
-            thread.err().map(|error| Err(format!("no thread can be started: {error}")))
+            thread.err().map(|error| Err(format!("no thread can be started: {}", system_words(&error))))
         };
         known.entry(key.clone()).or_insert_with(begin).clone()
     }

@@ -7,6 +7,7 @@ use super::pointer::FINE;
 use super::screen_widget::{self, ScreenWidget};
 use super::{TransferPanel, edit};
 use crate::fields::{by_hand, drag, edited_color};
+use crate::jobs::{Extent, reads};
 use crate::scene::Command;
 use crate::theme::{self, button};
 use crate::worker::{short, widget_count};
@@ -263,6 +264,7 @@ impl TransferPanel {
             }
             self.set_menu(ui, look);
             self.axes_menu(ui, look);
+            scalar_menu(ui, look);
             if !self.hidden.is_empty() {
                 let text = format!("{} hidden in this window", self.hidden.len());
                 ui.label(RichText::new(text).small().color(theme::accent(dark)));
@@ -295,16 +297,12 @@ impl TransferPanel {
                 self.reorder(look, to);
             }
         }
-        let hide = ui
-            .selectable_label(self.hidden.contains(&place), "hide")
-            .on_hover_text("leave it out of this window's picture; the file keeps it (V)");
-        if hide.clicked() {
+        let help = "leave it out of this window's picture; the file keeps it (V)";
+        if theme::switch(ui, self.hidden.contains(&place), "hide", help).clicked() {
             self.hide(place);
         }
-        let solo = ui
-            .selectable_label(self.is_solo(place, count), "solo")
-            .on_hover_text("this widget alone in this window's picture (S)");
-        if solo.clicked() {
+        let help = "this widget alone in this window's picture (S)";
+        if theme::switch(ui, self.is_solo(place, count), "solo", help).clicked() {
             self.solo(place, count);
         }
     }
@@ -318,7 +316,7 @@ impl TransferPanel {
         let field = TextEdit::singleline(&mut text)
             .id_salt(("name", &key))
             .hint_text(widget.name.as_deref().unwrap_or("name"))
-            .desired_width(if is_narrow(ui) { 60.0 } else { 90.0 });
+            .desired_width(if is_narrow(ui) { 40.0 } else { 90.0 });
         let response = ui.add(field);
         response.widget_info(|| WidgetInfo::labeled(WidgetType::TextEdit, true, "name of the widget"));
         if response.has_focus() {
@@ -547,6 +545,37 @@ impl TransferPanel {
             ui.close();
         }
     }
+}
+
+/// Choice of the array that is drawn as s: the reader's, where one feeds the plane.
+fn scalar_menu(ui: &mut Ui, look: &EditedFunction) {
+    let scene = look.scene;
+    let nodes = &scene.document.pipeline().nodes;
+    let Some(source) = volume_of(scene, &look.node.name) else { return };
+    let feeding = links::upstream(nodes, links::source(&source, nodes).0);
+    let reader = nodes.iter().find(|node| feeding.contains(&node.name) && reads(node, scene.registry));
+    let Some(reader) = reader else { return };
+    let now = reader.setting("scalar").and_then(LocatedValue::text).unwrap_or("…");
+    let menu = ui.menu_button(format!("s: {now}"), |ui| {
+        ui.set_min_width(WIDTH);
+        let arrays = scene.arrays.of_reader(ui.ctx(), scene.document, scene.registry, reader, Extent::Whole);
+        ScrollArea::vertical().max_height(HEIGHT).show(ui, |ui| {
+            for array in arrays.choices.iter().filter(|array| !array.name.is_empty()) {
+                if ui.selectable_label(array.name == now, &array.label).clicked() {
+                    let mut edits = vec![Edit::set(&reader.name, ["scalar"], array.name.as_str().into())];
+                    if reader.setting("association").is_some() {
+                        edits.push(Edit::Unset { node: reader.name.clone(), path: ["association"].into() });
+                    }
+                    look.actions.edits(format!("draw '{}'", array.name), edits);
+                    let stay = "widgets stay at their numbers: \"+ at peak\" adds one for it";
+                    look.actions.say(format!("'{}' is drawn; {stay}", array.name));
+                    ui.close();
+                }
+            }
+        });
+    });
+    menu.response
+        .on_hover_text("the array that is drawn; widgets whose numbers are relative to the data follow");
 }
 
 /// Choices for an axis, labelled with kind and range where the data have it.

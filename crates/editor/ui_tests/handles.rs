@@ -56,6 +56,54 @@ fn a_plane_is_moved_along_its_normal_by_its_grip_in_one_step_and_the_picture_fol
     assert_eq!((hand.text(), picture(&hand)), (text, before));
 }
 
+/// What is not stated is a share of the data, and stays one when it is moved.
+#[test]
+fn what_a_clip_does_not_state_stays_a_share_of_the_data() {
+    for (clip, grip, to, stated) in [
+        (
+            "plane\", normal = [0.0, 0.0, 2.0]",
+            "plane of clip: position",
+            DVec3::new(0.0, 0.0, 5.0),
+            "origin = [\"50 %\", \"50 %\", \"7",
+        ),
+        (
+            "box\"",
+            "box of clip: upper z face",
+            DVec3::new(5.0, 5.0, 5.0),
+            "high = [\"100 %\", \"100 %\", \"7",
+        ),
+        ("sphere\", centre = [0.0, 0.0, 0.0]", "sphere of clip: radius", DVec3::ZERO, "radius = \"0."),
+    ] {
+        let mut hand = Hand::new(&with_clips(&format!("{{ kind = \"{clip} }}")));
+        let from = hand.named(grip);
+        hand.drag(from, window(&hand, to));
+        let text = hand.text();
+        assert!(text.contains(stated) && text.contains(" %\""), "{clip}: {text}");
+        assert_eq!(hand.steps(), 1);
+    }
+}
+
+/// The data of a clip at `composite` are those that are drawn, not those that a transfer function is relative to.
+#[test]
+fn a_clip_of_the_stages_lies_in_the_data_that_are_drawn() {
+    let stages = "[nodes.other]\ntype = \"reader\"\npath = \"data.vtk\"\n\n\
+        [nodes.cells]\ntype = \"cull\"\ninputs = { volume = \"gradient\", transfer_function = \"look\", camera = \"view\" }\n\n\
+        [nodes.order]\ntype = \"sort\"\ninputs = { cells = \"cells\", camera = \"view\" }\n\n\
+        [nodes.cover]\ntype = \"project\"\ninputs = { cells = \"order\", camera = \"view\" }\n\n\
+        [nodes.picture]\ntype = \"composite\"\nclip = [{ kind = \"plane\" }]\n\
+        inputs = { transfer_function = \"look\", projection = \"cover\" }\n\n[nodes.file]";
+    let begin = &TEXT[..TEXT.find("[nodes.picture]").unwrap()];
+    let end = &TEXT[TEXT.find("[nodes.file]").unwrap() + "[nodes.file]".len()..];
+    let text = format!("{begin}{stages}{end}")
+        .replace("\"transfer-function\"\n", "\"transfer-function\"\ninputs = { volume = \"other\" }\n")
+        .replace("centre = [150.0, 20.0]", "centre = [\"50 %\", 20.0]");
+    let data = "# vtk DataFile Version 3.0\ndata\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n50 0 0\n51 0 0\n50 1 0\n50 0 1\n\
+                CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\nPOINT_DATA 4\nSCALARS heat float 1\nLOOKUP_TABLE default\n1 2 3 4\n";
+    let hand = Hand::with_file(&text, "data.vtk", data);
+    let grip = hand.named("plane of clip: position");
+    assert!(grip.distance(window(&hand, DVec3::ZERO)) < 0.5, "{grip}");
+}
+
 /// Slow frames hold the way to the grip and the press on it.
 #[test]
 fn a_press_in_the_frame_in_which_the_pointer_comes_moves_nothing() {

@@ -206,6 +206,25 @@ fn what_lies_behind_a_surface_is_not_probed_and_the_surface_is_a_centre() {
     });
 }
 
+/// Clips without numbers are those of the data, and need no picture that was drawn before.
+#[test]
+fn a_probe_respects_a_clip_without_numbers_as_one_in_numbers() {
+    let place = [0.013, -0.11];
+    let [none, silent, stated] =
+        ["", "clip = [{ kind = \"plane\" }]\n", "clip = [{ kind = \"plane\", origin = [0, 0, 0] }]\n"].map(
+            |clip| {
+                let text = TEXT.replace("extinction = 4.0", "extinction = 0.05");
+                let mut hand =
+                    Hand::new(&text.replace("engine = \"cpu\"\n", &format!("engine = \"cpu\"\n{clip}")));
+                hand.editor.probe(vec![place], crate::scene::ProbePurpose::Values);
+                until(&mut hand, "no answer comes", |hand| hand.editor.scene().probed.is_some());
+                hand.editor.scene().probed.clone().unwrap().values.clone()
+            },
+        );
+    assert_eq!(silent, stated);
+    assert!(!silent.is_empty() && silent.len() < none.len(), "{} of {}", silent.len(), none.len());
+}
+
 /// One ray meets in the cells near it what it meets in those of a box.
 #[test]
 fn one_ray_meets_what_it_meets_among_several() {

@@ -80,10 +80,10 @@ fn nothing_is_shown_anew_while_nothing_happens() {
 
 #[test]
 fn the_buttons_of_the_picture_stand_in_one_line() {
-    let wide = ["Home", "+x", "iso", "box", "outline", "measure", "1:1", "remember", "section"];
-    let middle = ["Home", "views", "probe", "measure", "1:1", "remember", "section"];
+    let wide = ["Home", "+x", "iso", "box", "outline", "measure", "cut", "1:1", "remember", "section"];
+    let middle = ["Home", "views", "probe", "measure", "cut", "1:1", "remember", "section"];
     for (size, shown) in [
-        ([900.0, 600.0], &["Home", "views", "probe", "measure", "1:1", "remember"][..]),
+        ([900.0, 600.0], &["Home", "views", "probe", "cut", "1:1", "remember"][..]),
         ([1280.0, 720.0], &middle),
         ([1600.0, 1000.0], &wide),
     ] {

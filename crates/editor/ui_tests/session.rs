@@ -1,5 +1,6 @@
 use super::*;
 use crate::scene::Command;
+use voltet_document::Edit;
 use voltet_graph::NoObserver;
 
 #[test]
@@ -229,8 +230,7 @@ fn faults_are_those_of_the_document_that_is_shown() {
 #[test]
 fn a_file_that_is_no_toml_says_where_and_is_taken_over_once_it_is_mended() {
     let mut hand = Hand::new(&TEXT.replace("type = \"camera\"", "type = camera\""));
-    let said = hand.shown_beginning("Mend it in a text editor");
-    assert_eq!(said.len(), 1);
+    assert!(hand.sees("Open another file …") && !hand.shown_beginning("Mend the text at line").is_empty());
     let fault = &hand.editor.scene().faults[0];
     assert!(fault.location.line_column.is_some(), "{fault}");
     std::fs::write(hand.path(), TEXT).unwrap();
@@ -240,4 +240,93 @@ fn a_file_that_is_no_toml_says_where_and_is_taken_over_once_it_is_mended() {
     hand.click_on("Reload");
     assert_eq!(hand.text(), TEXT);
     assert!(hand.sees("node view"));
+}
+
+#[test]
+fn a_text_that_is_no_toml_is_mended_in_the_window_where_it_is_wrong() {
+    let mut hand = Hand::new(&TEXT.replace("type = \"camera\"", "type = camera\""));
+    let line = hand.editor.scene().faults[0].location.line_column.unwrap().0;
+    hand.click_on(&format!("Mend the text at line {line} …"));
+    hand.frames(3);
+    (0..7).for_each(|_| hand.key(Key::ArrowRight, Modifiers::NONE));
+    hand.typed("\"");
+    hand.click_on("Take over");
+    hand.frames(2);
+    assert_eq!((hand.text(), hand.steps()), (TEXT.into(), 1));
+    assert!(hand.sees("node view") && !hand.sees("Take over"));
+    hand.key(Key::Z, Modifiers::COMMAND);
+    hand.click_on(&format!("Mend the text at line {line} …"));
+    hand.key(Key::Escape, Modifiers::NONE);
+    hand.key(Key::Escape, Modifiers::NONE);
+    hand.frames(2);
+    assert!(!hand.sees("Take over"), "the field is left, then the sheet is closed");
+}
+
+/// What is typed stays while the sheet is closed, and does not replace a newer text unseen.
+#[test]
+fn a_text_that_is_typed_is_neither_lost_nor_put_over_another() {
+    let broken = TEXT.replace("type = \"camera\"", "type = camera\"");
+    let mut hand = Hand::new(&broken);
+    let line = hand.editor.scene().faults[0].location.line_column.unwrap().0;
+    let mend = format!("Mend the text at line {line} …");
+    hand.click_on(&mend);
+    hand.frames(3);
+    hand.typed("typed");
+    for _ in 0..2 {
+        hand.key(Key::Escape, Modifiers::NONE);
+    }
+    hand.frames(2);
+    assert!(!hand.sees("Take over"));
+    hand.click_on(&mend);
+    hand.frames(2);
+    assert!(hand.editor.panels.text.typed().contains("typed") && !hand.sees("Show the new text"));
+    let newer = broken.replace("160, 120", "80, 60");
+    hand.editor.edit("newer".into(), &[Edit::Text(newer.clone())]);
+    hand.frames(2);
+    assert!(hand.sees("Show the new text") && hand.editor.panels.text.typed().contains("typed"));
+    hand.click_on("Show the new text");
+    hand.frames(2);
+    assert!(hand.editor.panels.text.typed() == newer && !hand.sees("Show the new text"));
+    // Where nothing is typed, the sheet shows what there is.
+    hand.editor.edit("older".into(), &[Edit::Text(broken.clone())]);
+    hand.frames(2);
+    assert!(hand.editor.panels.text.typed() == broken && !hand.sees("Show the new text"));
+}
+
+#[test]
+fn a_file_that_cannot_be_opened_leads_to_the_choice_of_another() {
+    let mut hand = Hand::new(TEXT);
+    let ctx = hand.ctx.clone();
+    for name in ["no TOML at all.png", "missing.toml", "unknown.dat"] {
+        let path = hand.folder.path().join(name);
+        if name != "missing.toml" {
+            std::fs::write(&path, b"\x89PNG\r\n\x1a\n").unwrap();
+        }
+        hand.editor.open_any(&ctx, &path);
+        until(&mut hand, "no choice of a file", |hand| hand.sees("name of the file"));
+        assert!(!hand.said().contains("os error"), "{}", hand.said());
+        hand.key(Key::Escape, Modifiers::NONE);
+        hand.frames(2);
+        assert_eq!(hand.text(), TEXT);
+    }
+}
+
+/// A file that a parameter names, of whatever node, is chosen anew where it is not there.
+#[test]
+fn a_missing_file_of_any_node_has_a_button_for_another() {
+    let widget = &TEXT[TEXT.find("kind = \"gaussian\"").unwrap()..TEXT.find("\n\n[nodes.view]").unwrap()];
+    let map = TEXT.replace(widget, "kind = \"colormap\"\ncolormap = \"missing.json\"");
+    let map = map.replace("-function\"\n", "-function\"\ninputs = { volume = \"gradient\" }\n");
+    let surface = TEXT.replace(
+        "[nodes.picture]",
+        "[nodes.part]\ntype = \"surface-reader\"\npath = \"missing.stl\"\n\n[nodes.picture]",
+    );
+    let surface = surface.replace("camera = \"view\" }", "camera = \"view\", surfaces = \"part\" }");
+    for (text, chosen) in [(map, "look.widgets.0.colormap"), (surface, "part.path")] {
+        let mut hand = Hand::new(&text);
+        assert!(hand.editor.scene().failure.is_some(), "{text}");
+        hand.click_on("Choose a file …");
+        hand.frames(2);
+        assert!(hand.sees(&format!("A file to read: {chosen}")), "{chosen}");
+    }
 }

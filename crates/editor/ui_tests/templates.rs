@@ -29,7 +29,7 @@ fn each_template_draws_data_of_two_unlike_kinds() {
     let all = all();
     let titles: Vec<&str> = all.iter().map(|template| template.title.as_str()).collect();
     let wanted = [
-        "Surfaces of constant value",
+        "A look inside",
         "The edges",
         "A series for a film",
         "A volume",
@@ -96,7 +96,7 @@ fn data_that_cannot_be_drawn_are_refused() {
 fn a_template_is_begun_by_the_mouse_with_data_that_are_asked_for() {
     let mut hand = Hand::with_file("[pipeline]\nformat = 1\n", "cube.vtk", CUBE);
     hand.click_on("Begin with a template …");
-    let template = all().into_iter().find(|template| template.title.starts_with("Surfaces")).unwrap();
+    let template = all().into_iter().find(|template| template.title.starts_with("A look inside")).unwrap();
     hand.click_on(&template.title);
     assert!(hand.sees("      cube.vtk") && !hand.sees("      scene.toml"), "data alone are listed");
     hand.click_on("      cube.vtk");

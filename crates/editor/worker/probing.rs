@@ -11,12 +11,13 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use voltet_core::Result;
 use voltet_core::camera::Camera;
-use voltet_core::clip::Clip;
 use voltet_core::grid::whole_cells;
 use voltet_core::progress::Progress;
 use voltet_core::transfer::AxisScale;
 use voltet_core::volume::Volume;
-use voltet_graph::{RunContext, diagonal};
+use voltet_graph::{Parameters, RunContext, diagonal};
+use voltet_nodes::drawing::clips;
+use voltet_nodes::relative::placed;
 use voltet_optics::CompiledTransferFunction;
 use voltet_optics::scene::Scene;
 use voltet_optics::shading::{Shading, VisibilityOrder};
@@ -28,8 +29,8 @@ pub(crate) struct ProbeQuery {
     /// The nodes that give the transfer function and the camera.
     pub look: String,
     pub camera: String,
-    /// Parts of space in which the volume is drawn.
-    pub clips: Vec<Clip>,
+    /// Parameters `clip` of the nodes that draw: parts of space in which the volume is drawn.
+    pub clips: Vec<Parameters>,
     /// Outputs that give the surfaces of the picture.
     pub surfaces: Vec<String>,
     /// Places, in heights of the picture from its middle, to the right and up.
@@ -55,7 +56,9 @@ impl ProbeQuery {
     fn walk(&self, call: &RunContext) -> Result<PixelProbe> {
         let (volume, look) = (call.volume("volume")?, call.look("transfer-function")?);
         let camera = call.camera("camera")?;
-        let transfer_function = Arc::new(look.for_diagonal(diagonal(volume.grid.bounds())));
+        let bounds = volume.grid.bounds();
+        let clips = self.clips.iter().map(|p| clips(&placed(p, bounds)?)).collect::<Result<Vec<_>>>()?;
+        let transfer_function = Arc::new(look.for_diagonal(diagonal(bounds)));
         let camera = Camera { samples: 1, ..*camera };
         let surfaces = call.surfaces("surface")?;
         let forms = CompiledTransferFunction::new(&transfer_function)?;
@@ -64,7 +67,7 @@ impl ProbeQuery {
         // What is seen, as the values count: light and silhouettes change colours.
         let (shading, order) = (Shading::default(), VisibilityOrder::Exact);
         let scene = Scene::new(near, transfer_function, camera, shading, order);
-        let scene = Scene { clips: self.clips.clone(), surfaces, ..scene };
+        let scene = Scene { clips: clips.concat(), surfaces, ..scene };
         self.walk_rays(&scene, &forms, call.progress())
     }
 

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::{Arc, LazyLock};
 use voltet_core::grid::Grid;
-use voltet_core::grid::extent::{bounds, range};
+use voltet_core::grid::extent::range;
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result, counted, noun_of, with_commas};
 use voltet_document::Series;
@@ -276,13 +276,14 @@ pub(super) fn wire_values(session: &mut Session, graph: &Graph) -> Option<Values
         let giving = &graph.nodes[edge.node];
         let output = format!("{}.{}", giving.name, giving.node.outputs[edge.output].name);
         seen.words.insert(output.clone(), describe(&value));
-        let points = match &value {
-            Value::Grid(grid) => &grid.points,
-            Value::Volume(volume) => &volume.grid.points,
+        let grid = match &value {
+            Value::Grid(grid) => grid,
+            Value::Volume(volume) => &volume.grid,
             _ => continue,
         };
-        // Most outputs share their points.
-        let found = *known.entry((points.as_ptr(), points.len())).or_insert_with(|| bounds(points));
+        // Most outputs share their points; those of ghosts alone are not drawn.
+        let points = (grid.points.as_ptr(), grid.drawn_points());
+        let found = *known.entry(points).or_insert_with(|| grid.bounds());
         seen.bounds = seen.bounds.or(found);
         seen.output_bounds.extend(found.map(|found| (output, found)));
     }
@@ -415,6 +416,7 @@ impl Pixels {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use voltet_core::grid::GhostCells;
 
     fn over(background: [f64; 3]) -> RenderRequest {
         let (nodes, folder, node) = (Vec::new(), PathBuf::new(), "picture".into());
@@ -430,6 +432,37 @@ mod tests {
             let exact = srgb_from_linear(i as f32 / 1000.0) * 255.0;
             assert!((f32::from(pixel.r()) - exact).abs() <= 0.7, "{i}: {} for {exact}", pixel.r());
         }
+    }
+
+    /// Four points of a cell, and one of a ghost cell beside it.
+    static WITH_GHOSTS: Node = Node {
+        name: "with-ghosts",
+        summary: "A cell and a ghost.",
+        outputs: &[Port { name: "grid", port_type: PortType::Grid, summary: "the grid" }],
+        demand: &|_| Ok(()),
+        run: &|_| {
+            let points = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z, 9.0 * DVec3::ONE];
+            let ghosts = GhostCells { tetrahedra: vec![[1, 2, 3, 4]], drawn_points: 4 };
+            let (points, tetrahedra) = (points.into(), vec![[0, 1, 2, 3]].into());
+            let grid = Grid { points, tetrahedra, ghosts: Some(Arc::new(ghosts)), ..Grid::default() };
+            Ok(vec![Value::Grid(Arc::new(grid))])
+        },
+        ..Node::BLANK
+    };
+
+    /// The bounds are those by which pictures are cut.
+    #[test]
+    fn bounds_on_wires_are_those_of_the_points_that_are_drawn() {
+        let mut registry = voltet_nodes::registry().unwrap();
+        registry.add(&WITH_GHOSTS).unwrap();
+        registry.add(&WIRES).unwrap();
+        let nodes = [
+            NodeEntry::of_program(&WITH_GHOSTS, Vec::new(), []),
+            NodeEntry::of_program(&WIRES, Vec::new(), [("grid", "with-ghosts".to_string())]),
+        ];
+        let graph = Graph::build(&nodes, &registry, PathBuf::new()).unwrap();
+        let values = wire_values(&mut voltet_nodes::session(), &graph).unwrap();
+        assert_eq!(values.output_bounds["with-ghosts.grid"], [DVec3::ZERO, DVec3::ONE]);
     }
 
     #[test]

@@ -88,6 +88,14 @@ impl Division {
                         let accepted = "inputs of one file, or a larger --memory and one process";
                         return Err(node.locate(error.got(found).expected(accepted)));
                     }
+                    if let Some(number) = node.parameters.relative_numbers().first() {
+                        let error = Error::usage(
+                            "the node runs for each part of a grid (--memory, or several processes), and its numbers are relative to the whole",
+                        );
+                        let accepted = "a number in place of each that is relative or not stated, or a larger --memory and one process";
+                        let error = number.locate(error.got(&number.setting.datum).expected(accepted));
+                        return Err(node.locate(error));
+                    }
                     is_mapped[place] = true;
                     let has_filter = node.node.method().is_some();
                     is_cut[place] = node.node.drops_cells || node.inputs.iter().any(|edge| is_cut[edge.node]);

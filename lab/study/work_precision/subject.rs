@@ -5,6 +5,7 @@ use std::sync::Arc;
 use voltet_core::{Error, Result};
 use voltet_graph::{Demand, Graph, GraphNode, Observer, Parameters, Session, Value, diagonal, suggest};
 use voltet_nodes::drawing::{self, NATIVE};
+use voltet_nodes::relative::placed;
 use voltet_optics::engine::EngineInfo;
 use voltet_optics::integrators::{INTEGRATOR, Integrator, kinds};
 use voltet_optics::scene::Scene;
@@ -68,11 +69,13 @@ impl Subject {
         let (scene, order_node) = match inputs.as_slice() {
             [volume, Value::TransferFunction(look), Value::Camera(camera), surfaces @ ..] => {
                 let volume = volume.volume().ok_or_else(unknown)?.map_err(blame)?;
-                let diagonal = if look.auto_unit_distance { diagonal(volume.grid.bounds()) } else { 0.0 };
+                let bounds = volume.grid.bounds();
+                let diagonal = if look.auto_unit_distance { diagonal(bounds) } else { 0.0 };
                 let transfer_function = Arc::new(look.for_diagonal(diagonal));
                 let order = drawing::order(&node.parameters).map_err(blame)?;
                 let mut scene = Scene::new(volume, transfer_function, **camera, shading, order);
-                scene.clips = drawing::clips(&node.parameters).map_err(blame)?;
+                scene.clips =
+                    placed(&node.parameters, bounds).and_then(|p| drawing::clips(&p)).map_err(blame)?;
                 for surface in surfaces {
                     let Value::Surface(surface) = surface else { return Err(unknown()) };
                     scene.surfaces.push(surface.clone());

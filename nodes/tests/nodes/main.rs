@@ -5,6 +5,7 @@
 mod annotation;
 mod axes;
 mod camera;
+mod clips;
 mod lines;
 mod outputs;
 mod parts;

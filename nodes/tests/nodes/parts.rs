@@ -115,6 +115,26 @@ fn parts_make_the_picture_of_the_whole_grid() {
     }
 }
 
+/// A clip without numbers goes through the middle of the whole grid, or of what a node keeps of it, not of a part or of a process's share.
+#[test]
+fn a_clip_through_the_middle_is_that_of_all_parts() {
+    let folder = folder();
+    let threshold = "[nodes.kept]\ntype = \"threshold\"\narray = \"t\"\nrange = [0.9, 9.0]\ninputs = { volume = \"gradient\" }\n";
+    for nodes in [PIPELINE.to_string(), with_nodes(threshold, "kept")] {
+        let text = nodes.replace("engine = \"cpu\"\n", "engine = \"cpu\"\nclip = [{ kind = \"plane\" }]\n");
+        let run = |text: &str, path: &str, mut session: Session| {
+            let graph = graph(&text.replace("slabs.pvtu", path), folder.path()).unwrap();
+            session.run(&graph, &NoObserver).unwrap()
+        };
+        let whole = run(&text, "whole.pvtu", session());
+        assert!(picture(&whole).rgba.iter().any(|pixel| pixel[3] > 0.1), "nothing is seen");
+        assert!(picture(&whole) != picture(&run(&nodes, "whole.pvtu", session())));
+        same("slabs, clipped", picture(&run(&text, "slabs.pvtu", session().with_memory(1))), picture(&whole));
+        let drawn = on_ranks(2, |ranks| run(&text, "slabs.pvtu", session().with_ranks(ranks)));
+        same("two processes, clipped", picture(&drawn[0]), picture(&whole));
+    }
+}
+
 /// Pieces out of view are not projected where rays are cast through the others: nothing is drawn again for them.
 #[test]
 fn pieces_out_of_view_are_drawn_once() {
@@ -298,7 +318,11 @@ fn what_needs_the_whole_grid_is_refused_by_name() {
     };
     let multi = "range = [0.9, 9.0]\ninputs = { volume = \"gradient\" }\n\n[nodes.again]\ntype = \"multi-gradient\"\nfields = [\"t\"]";
     for (text, wanted) in [
-        (threshold("range = [\"p50\", \"100%\"]"), "relative to the whole"),
+        (threshold("range = [\"p50\", \"100%\"]"), "relative to the whole: found \"p50\""),
+        (
+            threshold("clip = [{ kind = \"plane\" }]").replace("array = \"t\"\nclip", "clip"),
+            "relative to the whole: found \"50 %\"",
+        ),
         (threshold("range = [\"p50\", \"100%\"]\nrelative_to = \"series\""), "relative to the whole"),
         (
             threshold(multi)

@@ -11,13 +11,15 @@ use voltet_graph::pipeline::Pipeline;
 use voltet_graph::{Demand, NoObserver, Node, Port, PortType, RunReport, Value};
 use voltet_nodes::{registry, session};
 
-/// Takes what a node gives, of any of two types.
-static TAKER: Node = Node {
+/// Takes what a node gives, of any of four types.
+pub static TAKER: Node = Node {
     name: "taker",
-    summary: "Takes a volume or a picture.",
+    summary: "Takes a volume, a picture, a surface or a camera.",
     optional_inputs: &[
         Port { name: "volume", port_type: PortType::Volume, summary: "the volume" },
         Port { name: "image", port_type: PortType::Image, summary: "the picture" },
+        Port { name: "surface", port_type: PortType::Surface, summary: "the surface" },
+        Port { name: "camera", port_type: PortType::Camera, summary: "the camera" },
     ],
     ..Node::BLANK
 };
@@ -274,8 +276,14 @@ fn picture(nodes: &str, of: &str, keys: &str) -> Picture {
          [nodes.taker]\ntype = \"taker\"\ninputs = {{ image = \"picture\" }}\n"
     );
     let (values, _) = taken(&text, folder().path(), &Demand::default()).unwrap();
-    let [Value::Image(picture)] = &values[..] else { panic!("{values:?}") };
+    let picture = picture_of(&values);
     assert!(picture.rgba.iter().any(|pixel| pixel[3] > 0.1), "nothing is seen");
+    picture
+}
+
+/// The picture that the node `taker` was given.
+pub fn picture_of(values: &[Value]) -> Picture {
+    let [Value::Image(picture)] = values else { panic!("{values:?}") };
     Picture::clone(picture)
 }
 

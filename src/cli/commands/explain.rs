@@ -84,21 +84,14 @@ fn explained(document: &Document, plan: &Plan, unknown: &[usize], exhaustive: bo
     if waves(graph) {
         text += "Whether bands are finer than the cells is known with the data: `voltet info` of this file says it.\n";
     }
-    if graph.order.iter().any(|&i| is_relative(&graph.nodes[i])) {
-        text += "Numbers relative to data are known with the data: `voltet info` of this file says what they become.\n";
+    if graph.order.iter().any(|&i| !graph.nodes[i].parameters.relative_numbers().is_empty()) {
+        text += "Numbers relative to data are known with the data: a run says what they become, and `voltet info` of this file those of widgets.\n";
     }
     if !exhaustive {
         text += "Left out once the data is known: cells and widgets that no value touches (or the asking, where a sample says \
                  that it would not pay), cells out of view or under a pixel's reach. `voltet run --exhaustive` does everything, and says what that costs.\n";
     }
     text
-}
-
-/// True if a node's numbers, or those of its widgets, are relative to data.
-fn is_relative(node: &GraphNode) -> bool {
-    let widgets = node.parameters.kinds("widgets").unwrap_or_default();
-    let tables = std::iter::once(&node.parameters).chain(widgets.iter().map(|(_, keys)| keys));
-    tables.into_iter().any(|parameters| !parameters.relative_numbers().is_empty())
 }
 
 /// True if some transfer function has bands.
