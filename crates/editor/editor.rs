@@ -23,7 +23,7 @@ use crate::worker::{
 };
 use eframe::egui::{
     Align, Button, CentralPanel, Context, Frame, Key, Label, Layout, Modifiers, Panel, Popup, ProgressBar,
-    Rect, RichText, Ui, UiBuilder, ViewportCommand, vec2,
+    RichText, Ui, ViewportCommand,
 };
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
