@@ -5,6 +5,7 @@ use super::shared::{DONE, Outcome, reader_keys, with_bar};
 use crate::cli::arguments::{DataOptions, Start};
 use crate::cli::present::{name, say};
 use crate::core::arithmetic::decimal;
+use crate::core::error::ErrorKind;
 use crate::core::field::{LeastSquares, Method, magnitude};
 use crate::core::grid::Grid;
 use crate::core::grid::extent::{range, scene_length};
@@ -104,7 +105,7 @@ pub fn pipeline(
     let scalar = grid.scalar.clone().unwrap_or_default();
     // Gradients of what is the same everywhere are roundings.
     let Some([low, high]) = range(&scalar).filter(|&[low, high]| differ(low, high, f64::EPSILON)) else {
-        return Err(without_boundary(arguments, &asked, &named, progress)?);
+        return Err(without_boundary(arguments, &asked, &named, progress));
     };
     if high - low < MIN_RANGE {
         return Err(Error::run(format!(
@@ -318,25 +319,22 @@ inputs = {{ image = \"picture\", volume = \"gradient\", transfer_function = \"lo
     )
 }
 
-/// The error for an array that is the same everywhere; names those that are not.
-///
-/// # Errors
-/// - the file cannot be read once more; the user stops that.
-fn without_boundary(
-    arguments: &Start,
-    asked: &Request,
-    named: &str,
-    progress: &dyn Progress,
-) -> Result<Error> {
+/// The error for an array that is the same everywhere, which names those that are not; that of the user's stop meanwhile.
+fn without_boundary(arguments: &Start, asked: &Request, named: &str, progress: &dyn Progress) -> Error {
     let error = Error::run(format!("'{named}' has no boundary: it is the same everywhere"));
-    let found = inspect(&arguments.data, asked, progress)?.arrays;
+    let found = match inspect(&arguments.data, asked, progress) {
+        Ok(summary) => summary.arrays,
+        Err(stopped) if stopped.kind == ErrorKind::Cancelled => return stopped,
+        // An array that is damaged does not hide what is wrong with this one.
+        Err(_) => Vec::new(),
+    };
     let others: Vec<String> =
         found.iter().filter(|a| a.varies()).map(|a| ArrayChoice::from_head(&a.head, &[]).scalar).collect();
     let expected = match others.is_empty() {
         true => "a file with an array whose values differ: this one has none".into(),
         false => format!("another array after --scalar: {}", others.join(", ")),
     };
-    Ok(error.expected(expected).in_file(&arguments.data))
+    error.expected(expected).in_file(&arguments.data)
 }
 
 /// The array of the option `--scalar`.
