@@ -178,5 +178,8 @@ fn a_full_disk_ends_all_and_says_where() {
         return;
     }
     assert!(!ran.status.success());
-    assert!(said.contains("rank 0 of 2") && said.contains("all.exr") && said.contains("No space"), "{said}");
+    assert!(
+        said.contains("rank 0 of 2") && said.contains("all.exr") && said.contains("no space left"),
+        "{said}"
+    );
 }
