@@ -56,7 +56,7 @@ fn a_plane_is_moved_along_its_normal_by_its_grip_in_one_step_and_the_picture_fol
     assert_eq!((hand.text(), picture(&hand)), (text, before));
 }
 
-/// What is not stated is a share of the data, and stays one when it is moved.
+/// A place that is not stated is a share of the data, and stays one when it is moved.
 #[test]
 fn what_a_clip_does_not_state_stays_a_share_of_the_data() {
     for (clip, grip, to, stated) in [

@@ -262,7 +262,7 @@ fn a_text_that_is_no_toml_is_mended_in_the_window_where_it_is_wrong() {
     assert!(!hand.sees("Take over"), "the field is left, then the sheet is closed");
 }
 
-/// What is typed stays while the sheet is closed, and does not replace a newer text unseen.
+/// Typed text stays while the sheet is closed, and does not replace a newer one unseen.
 #[test]
 fn a_text_that_is_typed_is_neither_lost_nor_put_over_another() {
     let broken = TEXT.replace("type = \"camera\"", "type = camera\"");
