@@ -93,7 +93,7 @@ pub struct FileArray {
 }
 
 /// Arrays read from a file.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct GridRead {
     /// As many as the head says, where they were wanted.
     pub points: Option<Vec<DVec3>>,

@@ -145,7 +145,8 @@ pub(super) fn is_averaged(request: &Request, choices: &[ArraySelection]) -> bool
         && choices.iter().any(|choice| choice.association == Association::Cell)
 }
 
-/// Checks that memory holds the grids that are made by code, and reads the first with its arrays. Gives the files of all.
+/// Checks that memory holds the grids that are made by code, and reads the first with its arrays; has each other one read in one pass with
+/// its arrays. Gives the files of all.
 ///
 /// Errors: memory ends before all are there.
 pub(super) fn fetch<'a>(
@@ -171,9 +172,8 @@ pub(super) fn fetch<'a>(
     let point_count = point_count(pieces.iter().map(|piece| piece.1));
     progress::refuse_beyond_memory(progress, || grid_of(point_count, cell_count), bytes)?;
     // A reader from outside has one piece, and is called from here; pieces of others are read side by side as they are taken.
-    if let Some(first) = external.first() {
-        first.read(true, &places(first), progress)?;
-    }
+    external[1..].iter().for_each(|own| own.expect(places(own)));
+    external[0].read(true, &places(external[0]), progress)?;
     Ok(external)
 }
 
@@ -342,6 +342,9 @@ pub(super) struct PieceRequest<'a> {
 
 /// A piece as the import takes it.
 pub(super) fn load(piece: &Piece, mut cells: Cells, wanted: &PieceRequest, meter: &Meter) -> Result<RawGrid> {
+    if let Geometry::Added(external) = &piece.geometry {
+        external.expect(external.places(|name, association| is_read(wanted.choices, name, association)));
+    }
     // The values first, for progress: they are bytes of the file, the points of a uniform grid are not.
     let mut columns = wanted.choices.iter().zip(columns(piece, wanted, meter)?);
     let ghost = ghosts(piece, &cells, meter)?;

@@ -207,6 +207,21 @@ impl Piece {
         }
     }
 
+    /// Part whose points, cells and arrays an open file gives when they are asked for.
+    pub fn of_open(source: &Arc<Source>, open: Arc<dyn OpenGrid>) -> Piece {
+        let head = open.head().clone();
+        let counts = [head.point_count, head.cell_count];
+        let added = Arc::new(ExternalFormat::new(open));
+        let array = |(place, array): (usize, &FileArray)| {
+            let of = added.clone();
+            PieceArray::computed(source, array, counts, move |meter| {
+                of.take(Some(place), |read| read.arrays.remove(&place), meter.progress())
+            })
+        };
+        let arrays = head.arrays.iter().enumerate().map(array).collect();
+        Piece::new(counts, Geometry::Added(added), arrays)
+    }
+
     pub fn with_blocks(self, blocks: CellBlocks) -> Piece {
         Piece { blocks, ..self }
     }
@@ -394,7 +409,7 @@ impl Stored {
 
 /// An open file of a format that comes from outside, and what was read of it and not yet taken.
 pub(super) struct ExternalFormat {
-    open: Box<dyn OpenGrid>,
+    open: Arc<dyn OpenGrid>,
     ready: Mutex<ExternalRead>,
 }
 
@@ -406,11 +421,13 @@ pub(super) struct ExternalRead {
     /// By their places in the head.
     pub arrays: BTreeMap<usize, Vec<f64>>,
     pub warnings: Vec<String>,
+    /// Places of arrays that are read in one pass with what is taken next.
+    expected: Vec<usize>,
 }
 
 impl ExternalFormat {
     /// Wraps an open file of which nothing was read yet.
-    pub fn new(open: Box<dyn OpenGrid>) -> ExternalFormat {
+    pub fn new(open: Arc<dyn OpenGrid>) -> ExternalFormat {
         ExternalFormat { open, ready: Mutex::default() }
     }
 
@@ -423,6 +440,12 @@ impl ExternalFormat {
     pub fn places(&self, wanted: impl Fn(&str, Association) -> bool) -> Vec<usize> {
         let arrays = self.open.head().arrays.iter().enumerate();
         arrays.filter(|(_, array)| wanted(&array.name, array.association)).map(|(place, _)| place).collect()
+    }
+
+    /// Has the arrays at these places read in one pass with the part that is taken next.
+    pub fn expect(&self, places: Vec<usize>) {
+        let mut ready = self.ready();
+        ready.expected = places.into_iter().filter(|place| !ready.arrays.contains_key(place)).collect();
     }
 
     /// Bytes that the grid and the arrays at these places take.
@@ -459,7 +482,8 @@ impl ExternalFormat {
         Ok(())
     }
 
-    /// A part by the function that takes it from what was read: the geometry, or the array at a place. Read now if it is not there.
+    /// A part by the function that takes it from what was read: the geometry, or the array at a place. Read now if it is not there, with the
+    /// arrays that are expected.
     ///
     /// Errors: as [`read`](Self::read); memory ends before it is there.
     pub fn take<T>(
@@ -468,13 +492,18 @@ impl ExternalFormat {
         take: impl Fn(&mut ExternalRead) -> Option<T>,
         progress: &dyn Progress,
     ) -> Result<T> {
-        if let Some(taken) = take(&mut self.ready()) {
-            return Ok(taken);
-        }
+        let mut places = {
+            let mut ready = self.ready();
+            if let Some(taken) = take(&mut ready) {
+                return Ok(taken);
+            }
+            std::mem::take(&mut ready.expected)
+        };
+        places.extend(array.filter(|place| !places.contains(place)));
         let head = self.open.head();
         let what = || grid_of(head.point_count, head.cell_count);
-        refuse_beyond_memory(progress, what, self.byte_count(array.is_none(), array.as_slice()))?;
-        self.read(array.is_none(), array.as_slice(), progress)?;
+        refuse_beyond_memory(progress, what, self.byte_count(array.is_none(), &places))?;
+        self.read(array.is_none(), &places, progress)?;
         take(&mut self.ready()).ok_or_else(|| Error::run("the reader did not give what was asked for"))
     }
 }

@@ -28,19 +28,24 @@ impl OpenGrid for LazyGrid {
 
     fn read(&self, geometry: bool, _: &[usize], progress: &dyn Progress) -> Result<GridRead> {
         let (points, cells) = if geometry { Some((self.read)(progress)?).unzip() } else { (None, None) };
-        Ok(GridRead { points, cells, arrays: Vec::new(), warnings: Vec::new() })
+        Ok(GridRead { points, cells, ..GridRead::default() })
     }
 }
 
 /// Geometry that a function reads, of so many points, cells, and points of cells.
 pub(super) fn geometry(
-    [point_count, cell_count, corner_count]: [u64; 3],
+    counts: [u64; 3],
     read: impl Fn(&dyn Progress) -> Result<(Vec<DVec3>, Cells)> + Send + Sync + 'static,
 ) -> Geometry {
+    let head = mesh_head(counts);
+    Geometry::Added(Arc::new(ExternalFormat::new(Arc::new(LazyGrid { head, read: Box::new(read) }))))
+}
+
+/// The head of so many points, cells, and points of cells.
+pub(super) fn mesh_head([point_count, cell_count, corner_count]: [u64; 3]) -> GridHead {
     // A type, an offset and the points.
     let cell_bytes = cell_count.saturating_mul(9).saturating_add(corner_count.saturating_mul(4));
-    let head = GridHead { point_count, cell_count, cell_bytes, ..GridHead::default() };
-    Geometry::Added(Arc::new(ExternalFormat::new(Box::new(LazyGrid { head, read: Box::new(read) }))))
+    GridHead { point_count, cell_count, cell_bytes, ..GridHead::default() }
 }
 
 /// Numbers from 0 of things that a file numbers in its own way.

@@ -106,7 +106,7 @@ pub use surfaces::{SURFACE_FILES, read_surface};
 pub use voltet_core::grid::{Association, CellValues, Options};
 pub use voltet_core::reading::FileArray;
 
-use contents::{Dataset, ExternalFormat, Geometry, Piece, PieceArray};
+use contents::{Dataset, Piece};
 use piece_share::Share;
 use request::Format;
 use source::{HEAD, Source, printable, text_of};
@@ -458,18 +458,9 @@ fn open_external(source: &Arc<Source>, request: &Request, chosen: &SelectedArray
         opened = at(step)?;
     }
     let head = opened.head().clone();
-    let added = Arc::new(ExternalFormat::new(opened));
-    let array = |(place, array): (usize, &FileArray)| {
-        let of = added.clone();
-        PieceArray::computed(source, array, [head.point_count, head.cell_count], move |meter| {
-            of.take(Some(place), |read| read.arrays.remove(&place), meter.progress())
-        })
-    };
-    let arrays = head.arrays.iter().enumerate().map(array).collect();
-    let piece = Piece::new([head.point_count, head.cell_count], Geometry::Added(added), arrays);
     Ok(Dataset {
         format: head.format,
-        pieces: vec![piece],
+        pieces: vec![Piece::of_open(source, opened.into())],
         time_steps: head.times,
         active_scalars: head.scalar,
         file_bytes: source.len(),

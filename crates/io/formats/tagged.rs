@@ -2,8 +2,8 @@
 //! points, cells and arrays here.
 
 use super::blocks::selected;
-use super::contents::{CellBlocks, Compute, Dataset, Meter, Piece, PieceArray};
-use super::lazy::{GatheredCells, MeshTags, Tags, geometry, missing_node};
+use super::contents::{CellBlocks, Dataset, Meter, Piece};
+use super::lazy::{GatheredCells, MeshTags, Tags, mesh_head, missing_node};
 use super::request::Request;
 use super::source::Source;
 use glam::DVec3;
@@ -11,7 +11,8 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use voltet_core::Result;
 use voltet_core::grid::Association;
-use voltet_core::reading::FileArray;
+use voltet_core::progress::Progress;
+use voltet_core::reading::{FileArray, GridHead, GridRead, OpenGrid};
 
 /// Name of the block of elements that are in none, in a file with blocks.
 const NO_BLOCK: &str = "no block";
@@ -39,8 +40,10 @@ pub(super) struct TaggedElement<'a> {
 pub(super) type VisitNode<'a> = &'a mut dyn FnMut(u64, DVec3) -> Result<()>;
 /// Called with an element that is a volume.
 pub(super) type VisitElement<'a> = &'a mut dyn FnMut(&TaggedElement) -> Result<()>;
-/// Called with the number of a node or element and its tuple.
+/// Called with the number of a node or element and values of it.
 pub(super) type VisitValues<'a> = &'a mut dyn FnMut(u64, &[f64]) -> Result<()>;
+/// An array, and the columns of its components in the table of nodes or elements.
+pub(super) type ArrayColumns = (FileArray, Vec<usize>);
 
 /// A mesh that is read in passes.
 pub(super) trait TaggedMesh: Send + Sync + 'static {
@@ -63,8 +66,8 @@ pub(super) trait TaggedMesh: Send + Sync + 'static {
         tag
     }
 
-    /// Hands out the tuples of an array, by its place in the list that was given.
-    fn each_tuple(&self, _array: usize, _visit: VisitValues) -> Result<()> {
+    /// Hands out the values in these columns, at least one, of the table of nodes or of elements, row by row.
+    fn each_row(&self, _of: Association, _columns: &[usize], _visit: VisitValues) -> Result<()> {
         Ok(())
     }
 }
@@ -72,6 +75,9 @@ pub(super) trait TaggedMesh: Send + Sync + 'static {
 /// A mesh with what was found of it.
 struct OpenMesh<M> {
     mesh: M,
+    head: GridHead,
+    /// Columns of each array of the head.
+    columns: Vec<Vec<usize>>,
     blocks: Vec<String>,
     block_places: HashMap<String, usize>,
     is_selected: Vec<bool>,
@@ -83,7 +89,7 @@ pub(super) fn dataset(
     source: &Arc<Source>,
     format: String,
     mesh: impl TaggedMesh,
-    arrays: Vec<FileArray>,
+    arrays: Vec<ArrayColumns>,
     request: &Request,
 ) -> Result<Dataset> {
     let mut blocks: Vec<String> = Vec::new();
@@ -113,20 +119,14 @@ pub(super) fn dataset(
     is_selected.resize(counts.len(), true);
     let sum =
         |place: usize| counts.iter().zip(&is_selected).filter(|own| *own.1).map(|own| own.0[place]).sum();
-    let counts: [u64; 3] = [node_count, sum(0), sum(1)];
-    let has_blocks = !blocks.is_empty();
+    let (arrays, columns) = arrays.into_iter().unzip();
+    let head = GridHead { arrays, ..mesh_head([node_count, sum(0), sum(1)]) };
     let tags = MeshTags::default();
-    let open = Arc::new(OpenMesh { mesh, blocks: blocks.clone(), block_places, is_selected, tags });
-    let arrays = arrays.into_iter().enumerate().map(|(place, array)| {
-        let (of, n, association) = (open.clone(), array.component_count, array.association);
-        let compute = move |_: &Meter| of.values(place, n, association);
-        PieceArray::computed(source, &array, [counts[0], counts[1]], compute)
-    });
-    let of = open.clone();
-    let geometry = geometry(counts, move |_| Ok((of.read_nodes()?, of.read_elements()?.0.into_cells())));
-    let mut piece = Piece::new([counts[0], counts[1]], geometry, arrays.collect());
-    if has_blocks {
-        let numbers: Compute = Arc::new(move |_: &Meter| Ok(open.read_elements()?.1));
+    let open =
+        Arc::new(OpenMesh { mesh, head, columns, blocks: blocks.clone(), block_places, is_selected, tags });
+    let mut piece = Piece::of_open(source, open.clone());
+    if !blocks.is_empty() {
+        let numbers = Arc::new(move |_: &Meter| Ok(open.read_elements()?.1));
         piece.blocks = CellBlocks::Each { numbers, grid: None };
     }
     Ok(Dataset { format, pieces: vec![piece], blocks, file_bytes: source.len(), ..Dataset::default() })
@@ -135,6 +135,21 @@ pub(super) fn dataset(
 /// True for the same names, of which most are empty.
 fn is_same(a: &str, b: &str) -> bool {
     a.len() == b.len() && (a.is_empty() || a == b)
+}
+
+impl<M: TaggedMesh> OpenGrid for OpenMesh<M> {
+    fn head(&self) -> &GridHead {
+        &self.head
+    }
+
+    fn read(&self, geometry: bool, arrays: &[usize], _: &dyn Progress) -> Result<GridRead> {
+        let mut read = GridRead::default();
+        if geometry {
+            read.points = Some(self.read_nodes()?);
+            read.cells = Some(self.read_elements()?.0.into_cells());
+        }
+        Ok(GridRead { arrays: self.values(arrays)?, ..read })
+    }
 }
 
 impl<M: TaggedMesh> OpenMesh<M> {
@@ -191,17 +206,107 @@ impl<M: TaggedMesh> OpenMesh<M> {
         Ok((cells, blocks))
     }
 
-    /// Values of all points or selected cells; not a number where the file has none.
-    fn values(&self, array: usize, component_count: usize, association: Association) -> Result<Vec<f64>> {
-        let tags = self.tags(usize::from(association == Association::Cell))?;
-        let n = component_count;
-        let mut all = vec![f64::NAN; tags.len() * n];
-        self.mesh.each_tuple(array, &mut |tag, tuple| {
-            if let Some(number) = tags.find(tag) {
-                all[number * n..][..n].copy_from_slice(tuple);
+    /// Values of the arrays at these places, of all points or selected cells, in one pass over each table; not a number where the file has
+    /// none.
+    fn values(&self, places: &[usize]) -> Result<Vec<Vec<f64>>> {
+        let mut all = vec![Vec::new(); places.len()];
+        for (kind, of) in [Association::Point, Association::Cell].into_iter().enumerate() {
+            let is_own = |place: usize| self.head.arrays[place].association == of;
+            let mut own: Vec<_> = places.iter().zip(&mut all).filter(|array| is_own(*array.0)).collect();
+            let columns: Vec<usize> = own.iter().flat_map(|array| &self.columns[*array.0]).copied().collect();
+            if columns.is_empty() {
+                continue;
             }
-            Ok(())
-        })?;
+            let tags = self.tags(kind)?;
+            let width = |place: usize| self.columns[place].len();
+            own.iter_mut().for_each(|(place, values)| values.resize(tags.len() * width(**place), f64::NAN));
+            self.mesh.each_row(of, &columns, &mut |tag, mut row| {
+                let Some(number) = tags.find(tag) else { return Ok(()) };
+                for (place, values) in &mut own {
+                    let n = width(**place);
+                    let (tuple, rest) = row.split_at(n);
+                    values[number * n..][..n].copy_from_slice(tuple);
+                    row = rest;
+                }
+                Ok(())
+            })?;
+        }
         Ok(all)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::assemble::assemble;
+    use super::*;
+    use std::sync::{Mutex, PoisonError};
+    use voltet_core::grid::code;
+    use voltet_core::progress::NoProgress;
+
+    /// Tables of nodes and of elements and the columns that were read of them, each time that they were.
+    type Passes = Arc<Mutex<Vec<(Association, Vec<usize>)>>>;
+
+    /// A tetrahedron whose values are the number of the row and that of the column.
+    struct OneTetrahedron(Passes);
+
+    impl TaggedMesh for OneTetrahedron {
+        fn each_node(&self, visit: VisitNode) -> Result<()> {
+            [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z]
+                .into_iter()
+                .zip(1..)
+                .try_for_each(|(at, tag)| visit(tag, at))
+        }
+
+        fn each_element(&self, visit: VisitElement) -> Result<()> {
+            visit(&TaggedElement { tag: 9, code: code::TETRA, block: "", nodes: &[1, 2, 3, 4] })
+        }
+
+        fn each_row(&self, of: Association, columns: &[usize], visit: VisitValues) -> Result<()> {
+            self.0.lock().unwrap_or_else(PoisonError::into_inner).push((of, columns.to_vec()));
+            let tags = if of == Association::Point { 1..5 } else { 9..10 };
+            tags.into_iter().try_for_each(|tag| {
+                let row: Vec<f64> = columns.iter().map(|&column| (10 * tag + column as u64) as f64).collect();
+                visit(tag, &row)
+            })
+        }
+    }
+
+    #[test]
+    fn the_arrays_of_a_request_are_read_in_one_pass_and_no_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a");
+        std::fs::write(&path, " ").unwrap();
+        let source = Source::open(&path).unwrap();
+        let array = |name: &str, association, columns: &[usize]| {
+            let component_count = columns.len();
+            (FileArray { name: name.into(), association, component_count }, columns.to_vec())
+        };
+        let (point, cell) = (Association::Point, Association::Cell);
+        let request = Request {
+            scalar: Some("s".into()),
+            point_arrays: vec!["v".into(), "c".into()],
+            ..Request::default()
+        };
+        let passes = [(); 2].map(|()| Passes::default());
+        let mut all = passes.iter().map(|passes| {
+            let arrays = vec![
+                array("other", point, &[0]),
+                array("v", point, &[5, 3, 4]),
+                array("s", point, &[2]),
+                array("c", cell, &[1]),
+                array("other", cell, &[0]),
+            ];
+            dataset(&source, "a mesh".into(), OneTetrahedron(passes.clone()), arrays, &request).unwrap()
+        });
+        let (mut both, second) = (all.next().unwrap(), all.next().unwrap());
+        both.pieces.extend(second.pieces);
+        let grid = assemble(&both, &request, &NoProgress).unwrap();
+        for passes in &passes {
+            let expected = [(point, vec![5, 3, 4, 2]), (cell, vec![1])];
+            assert_eq!(*passes.lock().unwrap(), expected);
+        }
+        assert_eq!(**grid.scalar.as_ref().unwrap(), [12.0, 22.0, 32.0, 42.0]);
+        assert_eq!(grid.point_arrays["v"].values[..3], [15.0, 13.0, 14.0]);
+        assert_eq!(*grid.point_arrays["c"].values, [91.0; 4]);
     }
 }

@@ -52,15 +52,8 @@ struct UcdMesh {
     nodes: TextRange,
     node_count: u64,
     cells: TextRange,
-    /// For each array: the rows with its values, their number, numbers of a row, and its own among them.
-    arrays: Vec<UcdArray>,
-}
-
-struct UcdArray {
-    rows: TextRange,
-    width: usize,
-    first: usize,
-    component_count: usize,
+    /// Rows of the values at nodes and of those at cells, and the number of values in each row.
+    tables: [Option<(TextRange, usize)>; 2],
 }
 
 fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
@@ -84,9 +77,10 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
     let rows_of = |count: u64, what: &str| format!("{} of {what}", counted(count, "row"));
     let nodes = cursor.skip_rows(node_count, is_row, &rows_of(node_count, "nodes"))?;
     let cells = cursor.skip_rows(cell_count, is_row, &rows_of(cell_count, "cells"))?;
-    let (mut arrays, mut heads, mut units) = (Vec::new(), Vec::new(), Vec::new());
-    for (association, width, row_count) in
-        [(Association::Point, of_nodes, node_count), (Association::Cell, of_cells, cell_count)]
+    let (mut tables, mut arrays, mut units) = ([None, None], Vec::new(), Vec::new());
+    for (table, (association, width, row_count)) in tables
+        .iter_mut()
+        .zip([(Association::Point, of_nodes, node_count), (Association::Cell, of_cells, cell_count)])
     {
         if width > 0 {
             let found = array_heads(&mut cursor, association, width)?;
@@ -96,18 +90,17 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
                 return Err(error.got(format_args!("{row_count} rows of {width} values")));
             }
             let rows = cursor.skip_rows(row_count, is_row, &rows_of(row_count, "values"))?;
-            let mut first = 0;
+            *table = Some((rows, width as usize));
+            let mut columns = 0..width as usize;
             for (head, unit) in found {
                 units.push(unit);
-                let component_count = head.component_count;
-                arrays.push(UcdArray { rows: rows.clone(), width: width as usize, first, component_count });
-                first += component_count;
-                heads.push(head);
+                let own = columns.by_ref().take(head.component_count).collect();
+                arrays.push((head, own));
             }
         }
     }
-    let mesh = UcdMesh { nodes, node_count, cells, arrays };
-    let mut dataset = dataset(&source, "AVS UCD, ASCII".to_owned(), mesh, heads, request)?;
+    let mesh = UcdMesh { nodes, node_count, cells, tables };
+    let mut dataset = dataset(&source, "AVS UCD, ASCII".to_owned(), mesh, arrays, request)?;
     for (array, unit) in dataset.pieces.iter_mut().flat_map(|piece| piece.arrays.iter_mut().zip(&units)) {
         array.unit.clone_from(unit);
     }
@@ -229,28 +222,24 @@ impl TaggedMesh for UcdMesh {
         })
     }
 
-    fn each_tuple(&self, array: usize, visit: VisitValues) -> Result<()> {
-        let Some(array) = self.arrays.get(array) else {
-            return Err(Error::run("the file has no such array"));
-        };
-        let n = array.component_count;
-        let own = array.first..array.first + n;
-        let parse = |line: &[u8], rows: &mut (Vec<u64>, Vec<f64>)| {
+    fn each_row(&self, of: Association, columns: &[usize], visit: VisitValues) -> Result<()> {
+        let Some((rows, width)) = &self.tables[usize::from(of == Association::Cell)] else { return Ok(()) };
+        // Numbers, values in these columns, and all of a row.
+        let parse = |line: &[u8], (tags, values, row): &mut (Vec<u64>, Vec<f64>, Vec<f64>)| {
             if is_blank(line) {
                 return Ok(());
             }
-            let mut row = LineWords(line);
-            rows.0.push(row.number(NumberType::U64, "the number of a node or cell")?);
-            for place in 0..array.width {
-                let value = row.number(NumberType::F64, "a value")?;
-                if own.contains(&place) {
-                    rows.1.push(value);
-                }
+            let mut words = LineWords(line);
+            tags.push(words.number(NumberType::U64, "the number of a node or cell")?);
+            row.clear();
+            for _ in 0..*width {
+                row.push(words.number(NumberType::F64, "a value")?);
             }
+            values.extend(columns.iter().map(|&column| row[column]));
             Ok(())
         };
-        array.rows.lines(parse, |(tags, values)| {
-            tags.iter().zip(values.chunks(n)).try_for_each(|(&tag, tuple)| visit(tag, tuple))
+        rows.lines(parse, |(tags, values, _)| {
+            tags.iter().zip(values.chunks(columns.len())).try_for_each(|(&tag, row)| visit(tag, row))
         })
     }
 }

@@ -134,7 +134,7 @@ impl OpenGrid for Mesh {
     }
 
     fn read(&self, geometry: bool, _arrays: &[usize], progress: &dyn Progress) -> Result<GridRead> {
-        let mut read = GridRead { points: None, cells: None, arrays: Vec::new(), warnings: Vec::new() };
+        let mut read = GridRead::default();
         if geometry {
             let meter = Meter::new(
                 progress,

@@ -337,7 +337,7 @@ impl Selection<'_> {
         let mut arrays = self.node_arrays()?;
         arrays.extend(self.element_arrays(&read, cell_count));
         let mesh = self.mesh(&read, cell_count)?;
-        let geometry = Geometry::Added(Arc::new(ExternalFormat::new(Box::new(mesh))));
+        let geometry = Geometry::Added(Arc::new(ExternalFormat::new(Arc::new(mesh))));
         let counts = [self.part.node_count, cell_count];
         Ok(Piece::new(counts, geometry, arrays).with_blocks(CellBlocks::Runs(runs)))
     }

@@ -17,7 +17,7 @@ use super::text::{TextRange, is_space};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
-use voltet_core::grid::{CellType, code};
+use voltet_core::grid::{Association, CellType, code};
 use voltet_core::{Error, Result};
 
 pub(super) const FORMAT: Format = Format { files: "a mesh of SU2 (.su2)", matches, open, has_solution: true };
@@ -218,9 +218,9 @@ impl TaggedMesh for Su2Mesh {
         Ok(())
     }
 
-    fn each_tuple(&self, array: usize, visit: VisitValues) -> Result<()> {
+    fn each_row(&self, _: Association, columns: &[usize], visit: VisitValues) -> Result<()> {
         let each = |solution: &Solution| {
-            solution.each_tuple(array, visit).map_err(|error| error.in_file(solution.path()))
+            solution.each_row(columns, visit).map_err(|error| error.in_file(solution.path()))
         };
         self.solution.as_ref().map_or(Ok(()), each)
     }

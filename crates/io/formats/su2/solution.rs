@@ -7,7 +7,7 @@
 use super::super::cursor::Cursor;
 use super::super::numbers::{self, NumberType};
 use super::super::source::{Source, quoted};
-use super::super::tagged::VisitValues;
+use super::super::tagged::{ArrayColumns, VisitValues};
 use super::super::text::{TextRange, is_space};
 use super::super::vectors::{Joined, joined};
 use std::path::Path;
@@ -32,7 +32,6 @@ const PLACES: [&str; 4] = ["PointID", "x", "y", "z"];
 pub(super) struct Solution {
     source: Arc<Source>,
     columns: Vec<String>,
-    arrays: Vec<Vec<usize>>,
     rows: Rows,
     point_count: u64,
 }
@@ -45,7 +44,7 @@ enum Rows {
 
 impl Solution {
     /// The table in a file for a mesh of so many points, and its arrays.
-    pub fn open(path: &Path, point_count: u64) -> Result<(Solution, Vec<FileArray>)> {
+    pub fn open(path: &Path, point_count: u64) -> Result<(Solution, Vec<ArrayColumns>)> {
         let source = Source::open(path)?;
         let (columns, rows) = match source.head(MAGIC.len() as u64)? == MAGIC {
             true => binary_head(&source, point_count)?,
@@ -54,13 +53,12 @@ impl Solution {
         let quantities: Vec<usize> =
             (0..columns.len()).filter(|&place| !PLACES.contains(&columns[place].as_str())).collect();
         let names: Vec<String> = quantities.iter().map(|&place| columns[place].clone()).collect();
-        let mut arrays = Vec::new();
-        let mut heads = Vec::new();
-        for Joined { name, places, .. } in joined(&names) {
-            heads.push(FileArray { name, association: Association::Point, component_count: places.len() });
-            arrays.push(places.iter().map(|&place| quantities[place]).collect());
-        }
-        Ok((Solution { source, columns, arrays, rows, point_count }, heads))
+        let array = |Joined { name, places, .. }| {
+            let columns: Vec<usize> = places.iter().map(|&place| quantities[place]).collect();
+            (FileArray { name, association: Association::Point, component_count: columns.len() }, columns)
+        };
+        let arrays = joined(&names).into_iter().map(array).collect();
+        Ok((Solution { source, columns, rows, point_count }, arrays))
     }
 
     pub fn bytes(&self) -> u64 {
@@ -71,14 +69,11 @@ impl Solution {
         self.source.path()
     }
 
-    /// Hands out the values of an array, each with the number of its point.
+    /// Hands out the values in these columns, each row with the number of its point.
     ///
     /// # Errors
     /// Rows that are damaged, of points that do not exist or were there, or not as many as points.
-    pub fn each_tuple(&self, array: usize, visit: VisitValues) -> Result<()> {
-        let Some(columns) = self.arrays.get(array) else {
-            return Err(Error::run("the file has no such array"));
-        };
+    pub fn each_row(&self, columns: &[usize], visit: VisitValues) -> Result<()> {
         let mut is_there = vec![false; self.point_count as usize];
         let mut count = 0_u64;
         let mut take = |point: Option<f64>, tuple: &[f64]| {
@@ -101,7 +96,7 @@ impl Solution {
         };
         match &self.rows {
             Rows::Text(rows) => self.each_line(rows, columns, &mut take)?,
-            Rows::Bytes(start) => self.each_row(*start, columns, &mut take)?,
+            Rows::Bytes(start) => self.each_row_of_bytes(*start, columns, &mut take)?,
         }
         match count == self.point_count {
             true => Ok(()),
@@ -144,7 +139,7 @@ impl Solution {
         })
     }
 
-    fn each_row(&self, start: u64, columns: &[usize], take: TakeRow) -> Result<()> {
+    fn each_row_of_bytes(&self, start: u64, columns: &[usize], take: TakeRow) -> Result<()> {
         let width = self.columns.len();
         let row_bytes = 8 * width as u64;
         let mut tuple = vec![0.0; columns.len()];

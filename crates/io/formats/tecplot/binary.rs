@@ -5,9 +5,9 @@
 //! guide describes the newest version; before 108 zones say less about neighbours of cells, before 111 a file does not say
 //! whether it holds a grid or a solution, and until 111 the variables of a node may stand side by side.
 
-use super::zones::{ZoneHead, ZoneKind, arrays, axes, dataset, polyhedra};
+use super::zones::{ZoneHead, ZoneKind, axes, dataset, polyhedra, quantities};
 use crate::formats::contents::{
-    CellBlocks, Dataset, Encoding, Gather, Geometry, Meter, Piece, Stored, StoredCells,
+    CellBlocks, Dataset, Encoding, Gather, Geometry, Meter, Piece, PieceArray, Stored, StoredCells,
 };
 use crate::formats::cursor::Cursor;
 use crate::formats::numbers::{ByteOrder, NumberType};
@@ -455,8 +455,8 @@ impl BinaryFile {
                 Geometry::Unstructured { points, cells: Box::new(cells) }
             }
         };
-        let stored = |variable| self.stored(zone, variable);
-        let arrays = arrays(own, self.variables.len(), self.axes, stored);
+        let array = |(variable, association)| PieceArray::new(association, self.stored(zone, variable));
+        let arrays = quantities(own, self.axes).map(array).collect();
         Piece::new([own.node_count, own.cell_count], geometry, arrays).with_blocks(CellBlocks::One(block))
     }
 }

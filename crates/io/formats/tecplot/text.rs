@@ -2,18 +2,21 @@
 //!
 //! Source: Tecplot 360 data format guide, "ASCII data".
 
-use super::zones::{ZoneHead, ZoneKind, arrays, axes, dataset, polyhedra};
-use crate::formats::contents::{CellBlocks, Dataset, Meter, Piece, Stored};
+use super::zones::{ZoneHead, ZoneKind, axes, dataset, polyhedra, quantities};
+use crate::formats::contents::{CellBlocks, Dataset, Piece};
 use crate::formats::cursor::{Cursor, Place};
-use crate::formats::lazy::{GatheredCells, geometry};
+use crate::formats::lazy::{GatheredCells, mesh_head};
 use crate::formats::nastran;
 use crate::formats::numbers::{self, NumberType};
 use crate::formats::request::{Format, Request};
 use crate::formats::source::{Source, quoted};
 use glam::DVec3;
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 use voltet_core::grid::{Cells, code};
+use voltet_core::progress::Progress;
+use voltet_core::reading::{FileArray, GridHead, GridRead, OpenGrid};
 use voltet_core::{Error, Result};
 
 pub(super) const FORMAT: Format =
@@ -68,17 +71,45 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
 
 fn piece(file: &Arc<TecplotFile>, zone: usize, block: usize) -> Piece {
     let own = &file.zones[zone].head;
-    let (point_count, cell_count) = (own.node_count, own.cell_count);
-    let stored = |variable: usize| {
-        let of = file.clone();
-        let compute = move |_: &Meter| of.values(zone, variable);
-        Stored::computed(&file.source, &file.variables[variable], 1, own.len(variable), compute)
-    };
-    let of = file.clone();
-    let corner_count = cell_count.saturating_mul(own.kind.corners().max(4));
-    let arrays = arrays(own, file.variables.len(), file.axes, stored);
-    let geometry = geometry([point_count, cell_count, corner_count], move |_| of.read_zone(zone));
-    Piece::new([point_count, cell_count], geometry, arrays).with_blocks(CellBlocks::One(block))
+    let corner_count = own.cell_count.saturating_mul(own.kind.corners().max(4));
+    let (mut arrays, mut variables) = (Vec::new(), Vec::new());
+    for (variable, association) in quantities(own, file.axes) {
+        let name = file.variables[variable].clone();
+        arrays.push(FileArray { name, association, component_count: 1 });
+        variables.push(variable);
+    }
+    let head = GridHead { arrays, ..mesh_head([own.node_count, own.cell_count, corner_count]) };
+    let open = OpenZone { file: file.clone(), zone, head, variables };
+    Piece::of_open(&file.source, Arc::new(open)).with_blocks(CellBlocks::One(block))
+}
+
+/// A zone as a grid of its own.
+struct OpenZone {
+    file: Arc<TecplotFile>,
+    zone: usize,
+    head: GridHead,
+    /// The variable of each array of the head.
+    variables: Vec<usize>,
+}
+
+impl OpenGrid for OpenZone {
+    fn head(&self) -> &GridHead {
+        &self.head
+    }
+
+    fn read(&self, geometry: bool, arrays: &[usize], _: &dyn Progress) -> Result<GridRead> {
+        let axes = self.file.axes.into_iter().filter(|_| geometry);
+        let variables: Vec<usize> = axes.chain(arrays.iter().map(|&array| self.variables[array])).collect();
+        let mut arrays = self.file.values(self.zone, &variables)?;
+        let mut read = GridRead::default();
+        if geometry {
+            let axes: Vec<Vec<f64>> = arrays.drain(..3).collect();
+            let point = |i: usize| DVec3::new(axes[0][i], axes[1][i], axes[2][i]);
+            read.points = Some((0..axes[0].len()).map(point).collect());
+            read.cells = Some(self.file.cells(self.zone)?);
+        }
+        Ok(GridRead { arrays, ..read })
+    }
 }
 
 impl TecplotFile {
@@ -264,45 +295,61 @@ impl TecplotFile {
         Ok(TextZone { head: zone, is_block, data, has_repeats, connectivity, faces })
     }
 
-    fn values(&self, zone: usize, variable: usize) -> Result<Vec<f64>> {
-        let mut own = &self.zones[zone];
-        while let Some(other) = own.head.shared[variable] {
-            own = &self.zones[other];
+    /// Values of variables of a zone, in one pass over the numbers of each zone that holds some.
+    fn values(&self, zone: usize, variables: &[usize]) -> Result<Vec<Vec<f64>>> {
+        let holder = |&variable: &usize| {
+            std::iter::successors(Some(zone), |&own| self.zones[own].head.shared[variable])
+                .last()
+                .unwrap_or(zone)
+        };
+        let holders: Vec<usize> = variables.iter().map(holder).collect();
+        let mut all = vec![Vec::new(); variables.len()];
+        for holder in BTreeSet::from_iter(&holders) {
+            let own = |place: &usize| holders[*place] == *holder;
+            let places: Vec<usize> = (0..variables.len()).filter(own).collect();
+            let held: Vec<usize> = places.iter().map(|&place| variables[place]).collect();
+            let found = self.held_values(&self.zones[*holder], &held)?;
+            places.into_iter().zip(found).for_each(|(place, values)| all[place] = values);
         }
-        let stored: Vec<usize> = (0..self.variables.len()).filter(|&other| own.head.holds(other)).collect();
-        let mut cursor = Cursor::at(&self.source, own.data);
-        if !own.has_repeats {
-            return plain_values(&mut cursor, own, &stored, variable);
-        }
-        let mut values = Vec::new();
-        if own.is_block {
-            let before =
-                stored.iter().filter(|&&other| other < variable).map(|&other| own.head.len(other)).sum();
-            let mut run = Run::new(&mut cursor);
-            run.skip(before)?;
-            for _ in 0..own.head.len(variable) {
-                values.push(run.next()?);
-            }
-        } else {
-            let mut run = Run::new(&mut cursor);
-            for _ in 0..own.head.node_count {
-                for &other in &stored {
-                    let value = run.next()?;
-                    if other == variable {
-                        values.push(value);
-                    }
-                }
-            }
-        }
-        Ok(values)
+        Ok(all)
     }
 
-    fn read_zone(&self, zone: usize) -> Result<(Vec<DVec3>, Cells)> {
-        let [x, y, z] = self.axes.map(|axis| self.values(zone, axis));
-        let points = x?.into_iter().zip(y?).zip(z?).map(|((x, y), z)| DVec3::new(x, y, z)).collect();
+    /// Values of variables whose numbers a zone holds itself.
+    fn held_values(&self, zone: &TextZone, variables: &[usize]) -> Result<Vec<Vec<f64>>> {
+        let stored: Vec<usize> = (0..self.variables.len()).filter(|&other| zone.head.holds(other)).collect();
+        let places: Vec<Option<usize>> =
+            variables.iter().map(|variable| stored.iter().position(|own| own == variable)).collect();
+        let mut cursor = Cursor::at(&self.source, zone.data);
+        let mut run = Run { has_repeats: zone.has_repeats, ..Run::new(&mut cursor) };
+        let mut all = vec![Vec::new(); variables.len()];
+        if zone.is_block {
+            let behind_last = places.iter().flatten().max().map_or(0, |last| last + 1);
+            for (place, &variable) in stored[..behind_last].iter().enumerate() {
+                let count = zone.head.len(variable);
+                match places.iter().position(|own| *own == Some(place)) {
+                    Some(wanted) => all[wanted] = run.numbers(count)?,
+                    None => run.skip(count).map(drop)?,
+                }
+            }
+            return Ok(all);
+        }
+        let mut left = zone.head.node_count;
+        let batch = (8 * BATCH / stored.len().max(1) as u64).max(1);
+        while left > 0 {
+            let count = left.min(batch);
+            let rows = run.numbers(count.saturating_mul(stored.len() as u64))?;
+            for (values, place) in all.iter_mut().zip(&places) {
+                values.extend(place.iter().flat_map(|&place| rows.iter().skip(place).step_by(stored.len())));
+            }
+            left -= count;
+        }
+        Ok(all)
+    }
+
+    fn cells(&self, zone: usize) -> Result<Cells> {
         let own = &self.zones[zone].head;
         if let ZoneKind::Ordered(points_along) = own.kind {
-            return Ok((points, Cells::Structured(points_along.map(|n| n as usize))));
+            return Ok(Cells::Structured(points_along.map(|n| n as usize)));
         }
         let mut holder = &self.zones[zone];
         while let Some(other) = holder.head.shared_cells {
@@ -316,7 +363,7 @@ impl TecplotFile {
         let (mut cursor, mut cells) =
             (Cursor::at(&self.source, holder.connectivity), GatheredCells::default());
         if own.kind == ZoneKind::Polyhedra {
-            return Ok((points, read_polyhedra(&mut cursor, holder.faces, own)?));
+            return read_polyhedra(&mut cursor, holder.faces, own);
         }
         let mut left = own.cell_count;
         let corner_count = own.kind.corners();
@@ -327,7 +374,7 @@ impl TecplotFile {
             cells.add_all(code, corner_count as usize, &corners);
             left -= count;
         }
-        Ok((points, cells.into_cells()))
+        Ok(cells.into_cells())
     }
 }
 
@@ -359,13 +406,23 @@ fn read_polyhedra(cursor: &mut Cursor, [face_count, node_count]: [u64; 2], zone:
 /// Numbers of text, of which 3*0.5 stands for three.
 struct Run<'a> {
     cursor: &'a mut Cursor,
+    /// False if each number is known to stand for one.
+    has_repeats: bool,
     value: f64,
+    /// Times that it still comes.
     repeats: u64,
 }
 
 impl Run<'_> {
     fn new(cursor: &mut Cursor) -> Run<'_> {
-        Run { cursor, value: 0.0, repeats: 0 }
+        Run { cursor, has_repeats: true, value: 0.0, repeats: 0 }
+    }
+
+    fn numbers(&mut self, count: u64) -> Result<Vec<f64>> {
+        match self.has_repeats {
+            true => (0..count).map(|_| self.next()).collect(),
+            false => self.cursor.numbers(NumberType::F64, count, "a number"),
+        }
     }
 
     fn next(&mut self) -> Result<f64> {
@@ -377,11 +434,7 @@ impl Run<'_> {
             let (count, value) = star.map_or((&b"1"[..], word), |star| (&word[..star], &word[star + 1..]));
             let parsed = numbers::parse(NumberType::I64, count)
                 .and_then(|count: u64| Ok((count, numbers::parse(NumberType::F64, value)?)));
-            let parsed = parsed.map_err(|error| {
-                let found = error.got.unwrap_or_default();
-                self.cursor.error("a number is damaged").got(found).expected("a number")
-            });
-            (self.repeats, self.value) = parsed?;
+            (self.repeats, self.value) = parsed.map_err(|error| self.damaged(error))?;
             if self.repeats == 0 {
                 return Err(self.cursor.error("a number is repeated no times").expected("at least once"));
             }
@@ -390,27 +443,36 @@ impl Run<'_> {
         Ok(self.value)
     }
 
-    /// Passes over numbers, which are not parsed.
-    fn skip(&mut self, mut count: u64) -> Result<()> {
+    /// Passes over numbers, which are not parsed but for one that goes on behind them: gives how often that one stands, or 0.
+    fn skip(&mut self, mut count: u64) -> Result<u64> {
+        if !self.has_repeats {
+            return self.cursor.skip_numbers(count, 0).map(|()| 0);
+        }
+        let begun = count.min(self.repeats);
+        (self.repeats, count) = (self.repeats - begun, count - begun);
+        let mut last = self.repeats;
         while count > 0 {
             let Some(word) = self.cursor.word()? else {
                 let error = self.cursor.error("the file ends early");
                 return Err(error.expected(format_args!("{count} numbers more")));
             };
-            let repeats = match word.iter().position(|&byte| byte == b'*') {
-                None => 1,
-                Some(star) => numbers::parse(NumberType::I64, &word[..star]).unwrap_or(1).max(1),
+            let Some(star) = word.iter().position(|&byte| byte == b'*') else {
+                count -= 1;
+                continue;
             };
+            let repeats: u64 = numbers::parse(NumberType::I64, &word[..star]).unwrap_or(1).max(1);
             if repeats > count {
-                return Err(self
-                    .cursor
-                    .error("a repeated number goes beyond its zone")
-                    .got(repeats)
-                    .expected(count));
+                let value = numbers::parse(NumberType::F64, &word[star + 1..]);
+                self.value = value.map_err(|error| self.damaged(error))?;
+                (self.repeats, last) = (repeats - count, repeats);
             }
-            count -= repeats;
+            count = count.saturating_sub(repeats);
         }
-        Ok(())
+        Ok(last)
+    }
+
+    fn damaged(&self, error: Error) -> Error {
+        self.cursor.error("a number is damaged").got(error.got.unwrap_or_default()).expected("a number")
     }
 }
 
@@ -422,28 +484,14 @@ fn skip_numbers(cursor: &mut Cursor, count: u64) -> Result<bool> {
         return Ok(false);
     }
     *cursor = start;
-    Run::new(cursor).skip(count).map(|()| true)
-}
-
-/// Values of a variable in a zone whose numbers stand for one each; `stored`: the variables that it holds.
-fn plain_values(cursor: &mut Cursor, zone: &TextZone, stored: &[usize], variable: usize) -> Result<Vec<f64>> {
-    if zone.is_block {
-        let before =
-            stored.iter().filter(|&&other| other < variable).map(|&other| zone.head.len(other)).sum();
-        cursor.skip_numbers(before, 0)?;
-        return cursor.numbers(NumberType::F64, zone.head.len(variable), "a number");
+    let mut run = Run::new(cursor);
+    match (run.skip(count)?, run.repeats) {
+        (_, 0) => Ok(true),
+        (repeats, beyond) => Err(cursor
+            .error("a repeated number goes beyond its zone")
+            .got(repeats)
+            .expected(repeats - beyond)),
     }
-    let place = stored.iter().position(|&other| other == variable);
-    let (mut values, mut left) = (Vec::new(), zone.head.node_count);
-    let batch = (8 * BATCH / stored.len().max(1) as u64).max(1);
-    while let Some(place) = place.filter(|_| left > 0) {
-        let count = left.min(batch);
-        let rows: Vec<f64> =
-            cursor.numbers(NumberType::F64, count.saturating_mul(stored.len() as u64), "a number")?;
-        values.extend(rows.iter().skip(place).step_by(stored.len()));
-        left -= count;
-    }
-    Ok(values)
 }
 
 /// Keys and values up to the first line of numbers, or to the end of the file.

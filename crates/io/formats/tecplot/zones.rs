@@ -1,7 +1,7 @@
 //! Zones of Tecplot data as both forms have them, and the data set that they are.
 
 use crate::formats::blocks::{left_out, selected};
-use crate::formats::contents::{Dataset, Piece, PieceArray, Stored};
+use crate::formats::contents::{Dataset, Piece};
 use crate::formats::lazy::GatheredCells;
 use crate::formats::request::Request;
 use crate::formats::source::Source;
@@ -155,21 +155,15 @@ fn check_axes(zone: &ZoneHead, axes: [usize; 3]) -> Result<()> {
     }
 }
 
-/// Arrays of a zone: the variables but coordinates and those without values there.
-pub(super) fn arrays(
-    zone: &ZoneHead,
-    variable_count: usize,
-    axes: [usize; 3],
-    stored: impl Fn(usize) -> Stored,
-) -> Vec<PieceArray> {
+/// Variables that are arrays of a zone: all but coordinates and those without values there.
+pub(super) fn quantities(zone: &ZoneHead, axes: [usize; 3]) -> impl Iterator<Item = (usize, Association)> {
     let association = |variable: usize| match zone.at_cells[variable] {
         true => Association::Cell,
         false => Association::Point,
     };
-    (0..variable_count)
-        .filter(|variable| !axes.contains(variable) && !zone.passive[*variable])
-        .map(|variable| PieceArray::new(association(variable), stored(variable)))
-        .collect()
+    (0..zone.at_cells.len())
+        .filter(move |variable| !axes.contains(variable) && !zone.passive[*variable])
+        .map(move |variable| (variable, association(variable)))
 }
 
 /// The volumes among zones at the requested time, each as a piece that `piece` makes by its number and that of its block.

@@ -75,6 +75,21 @@ fn zones_are_blocks_and_steps() {
     assert!(inspect(&path, &Request::default(), &NoProgress).unwrap().blocks.is_empty());
 }
 
+/// A variable that a reader passes over may end within the repeats that the next one begins with.
+#[test]
+fn a_repeated_number_may_be_of_two_variables() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "VARIABLES = x y z f g h\nZONE N=4 E=1 ET=TETRAHEDRON F=FEBLOCK\n0 1 0 0\n0 0 1 0\n3*0 1\n5 6*7 8\n4*9\n1 2 3 4\n";
+    let path = file(&folder, "a.dat", text.as_bytes());
+    for (name, values) in [("f", [5.0, 7.0, 7.0, 7.0]), ("g", [7.0, 7.0, 7.0, 8.0]), ("h", [9.0; 4])] {
+        assert_eq!(**grid(&path, &request(name)).scalar.as_ref().unwrap(), values, "{name}");
+    }
+    let all = Request { point_arrays: vec!["f".into(), "h".into()], ..request("g") };
+    let all = grid(&path, &all);
+    assert_eq!(*all.point_arrays["f"].values, [5.0, 7.0, 7.0, 7.0]);
+    assert_eq!(*all.point_arrays["h"].values, [9.0; 4]);
+}
+
 #[test]
 fn mistakes_say_what_and_where() {
     let folder = tempfile::tempdir().unwrap();
