@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, PoisonError};
-use voltet_core::grid::{Array, Grid, Options, RawGrid, build, build_part, join, values_part_points};
+use voltet_core::grid::{Array, Grid, Options, RawGrid, SharedPoints, build, build_part, join_by};
 use voltet_core::progress::{NoProgress, Progress};
 use voltet_core::{Error, Result};
 use voltet_graph::Arrays;
@@ -47,7 +47,7 @@ impl HostGrid {
     /// Puts pieces together and builds the tetrahedra. `scalar`: the array of one component that becomes the grid's scalar.
     ///
     /// # Errors
-    /// - those of [`join`] and [`build`].
+    /// - those of [`join_by`] and [`build`].
     pub fn build(pieces: Vec<RawGrid>, scalar: Option<&str>, options: &Options) -> Result<HostGrid> {
         let grid = Source::new(pieces, options, false).into_grid(scalar)?;
         grid.ok_or_else(|| Error::run("the grid has nothing to draw"))
@@ -104,7 +104,7 @@ impl HostGrid {
             return Ok(grid.clone());
         }
         let own = own.filter(|name| names.contains(*name));
-        let grid = source.only(&names).built(own, progress)?.map(Arc::new);
+        let grid = source.only(&names).built(None, own, progress)?.map(Arc::new);
         *last() = Some((names, grid.clone()));
         Ok(grid)
     }
@@ -122,11 +122,15 @@ impl Source {
     fn into_grid(self, scalar: Option<&str>) -> Result<Option<HostGrid>> {
         let arrays =
             || self.pieces.iter().flat_map(|piece| piece.point_arrays.iter().chain(&piece.cell_arrays));
-        if arrays().all(|(_, array)| is_finite(array)) && !values_part_points(&self.pieces) {
-            return Ok(self.built(scalar, &NoProgress)?.map(|grid| HostGrid::from(Arc::new(grid))));
+        let shared = SharedPoints::by_values(&self.pieces);
+        let is_one_for_all = arrays().all(|(_, array)| is_finite(array))
+            && shared.as_ref().is_none_or(|shared| !shared.are_parted_by_values(&self.pieces));
+        if is_one_for_all {
+            let grid = self.built(shared.as_ref(), scalar, &NoProgress)?;
+            return Ok(grid.map(|grid| HostGrid::from(Arc::new(grid))));
         }
         // Pieces that do not fit together are an error, whatever could be drawn of them.
-        let whole = self.split(join(self.pieces.clone())?, scalar, &NoProgress);
+        let whole = self.split(join_by(self.pieces.clone(), shared.as_ref())?, scalar, &NoProgress);
         let whole = match &whole {
             Ok(Some(_)) => whole,
             // Without arrays that leave nothing to draw there may be something.
@@ -136,7 +140,7 @@ impl Source {
                 let spoilt: BTreeSet<&String> = arrays().filter(is_not_finite).map(|own| own.0).collect();
                 let names =
                     arrays().map(|own| own.0).filter(|name| !spoilt.contains(name)).cloned().collect();
-                self.only(&names).built(scalar, &NoProgress).or(whole)
+                self.only(&names).built(None, scalar, &NoProgress).or(whole)
             }
         };
         Ok(whole?.map(|whole| HostGrid { source: Some(self), ..Arc::new(whole).into() }))
@@ -164,9 +168,14 @@ impl Source {
         Some(name).filter(is_known).or_else(|| stem().filter(is_known)).map(str::to_string)
     }
 
-    /// The grid; `None`: a piece that has nothing to draw.
-    fn built(mut self, scalar: Option<&str>, progress: &dyn Progress) -> Result<Option<Grid>> {
-        let raw = join(std::mem::take(&mut self.pieces))?;
+    /// The grid, by the shared points of the pieces where they are known; `None`: a piece that has nothing to draw.
+    fn built(
+        mut self,
+        shared: Option<&SharedPoints>,
+        scalar: Option<&str>,
+        progress: &dyn Progress,
+    ) -> Result<Option<Grid>> {
+        let raw = join_by(std::mem::take(&mut self.pieces), shared)?;
         self.split(raw, scalar, progress)
     }
 

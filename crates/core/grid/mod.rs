@@ -45,10 +45,10 @@ pub use parts::{
     Array, Association, BoundaryValues, CellSet, CellValues, Cells, FileCells, HangingPoint, ImportStats,
     Options, Polyhedron, RawGrid, Scalar, is_drawn, structured_corners,
 };
-pub use pieces::{check_cells, into_set, join};
+pub use pieces::{check_cells, into_set, join, join_by};
 pub use point_keys::{Exchange, PointKeys, boxes_of_others};
 pub use polygon::triangles_of_polygon;
-pub use shared_points::{SharedPoints, values_part_points};
+pub use shared_points::SharedPoints;
 pub use subset::{Subset, cells_above, cells_by_points, whole_cells};
 pub use tetrahedra::{GhostCells, Grid, tetrahedron_volume};
 

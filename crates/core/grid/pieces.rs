@@ -11,6 +11,7 @@ use super::shared_points::{PointHolder, PointNumbers, SharedPoints, shared_point
 use super::{CellType, code};
 use crate::{Error, Result, SharedSlice, counted};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Tuples that one task handles.
@@ -24,7 +25,15 @@ const CHUNK: usize = 1 << 13;
 /// - an array that a piece lacks, or has with other components;
 /// - a cell that names a point beyond its piece;
 /// - more points or cells than 32 bits number.
-pub fn join(mut pieces: Vec<RawGrid>) -> Result<RawGrid> {
+pub fn join(pieces: Vec<RawGrid>) -> Result<RawGrid> {
+    join_by(pieces, None)
+}
+
+/// Like [`join`], by the shared points of the pieces with cells where they were found before ([`SharedPoints::by_values`]).
+///
+/// # Errors
+/// As of [`join`].
+pub fn join_by(mut pieces: Vec<RawGrid>, shared: Option<&SharedPoints>) -> Result<RawGrid> {
     if pieces.iter().any(|piece| piece.cells.count() > 0) {
         pieces.retain(|piece| piece.cells.count() > 0);
     }
@@ -35,7 +44,7 @@ pub fn join(mut pieces: Vec<RawGrid>) -> Result<RawGrid> {
     for (index, piece) in pieces.iter_mut().enumerate() {
         prepare(piece, index)?;
     }
-    let shared = shared_points(&pieces);
+    let shared = shared.map_or_else(|| Cow::Owned(shared_points(&pieces)), Cow::Borrowed);
     let whole = |(piece, grid)| JoinedPiece { piece, grid, originals: None, is_halo: false };
     join_pieces(pieces.into_iter().enumerate().map(whole).collect(), &shared)
 }

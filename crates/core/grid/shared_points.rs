@@ -90,6 +90,22 @@ impl SharedPoints {
         SharedPoints { of_pieces: lists, count: ranks.len(), firsts }
     }
 
+    /// The shared points of pieces of which one has no global ids, so that values count; `None` where they do not, or for a single piece.
+    pub fn by_values(pieces: &[RawGrid]) -> Option<SharedPoints> {
+        let values_count = pieces.len() > 1 && pieces.iter().any(|piece| piece.global_ids.is_none());
+        values_count.then(|| shared_points(pieces))
+    }
+
+    /// True if values keep points of the pieces apart that are at one position: which of them are one depends on the arrays that are there.
+    pub fn are_parted_by_values(&self, pieces: &[RawGrid]) -> bool {
+        let without_arrays = |piece: &RawGrid| RawGrid {
+            block: piece.block,
+            global_ids: piece.global_ids.clone(),
+            ..RawGrid::new(piece.points.clone(), Cells::default())
+        };
+        *self != shared_points(&pieces.iter().map(without_arrays).collect::<Vec<_>>())
+    }
+
     pub(super) fn count(&self) -> usize {
         self.count
     }
@@ -297,19 +313,6 @@ fn merged(lists: &[Vec<SharedPoint>], mut counts: Vec<u32>) -> (Vec<u32>, bool) 
         ranks[point as usize] = next.next().unwrap_or(u32::MAX);
         going.extend(lists);
     }
-}
-
-/// True if values keep points of pieces apart that are at one position: which of them are one depends on the arrays that are there.
-pub fn values_part_points(pieces: &[RawGrid]) -> bool {
-    let without_arrays = |piece: &RawGrid| RawGrid {
-        block: piece.block,
-        global_ids: piece.global_ids.clone(),
-        ..RawGrid::new(piece.points.clone(), Cells::default())
-    };
-    // By global ids alone values do not count.
-    pieces.len() > 1
-        && pieces.iter().any(|piece| piece.global_ids.is_none())
-        && shared_points(pieces) != shared_points(&pieces.iter().map(without_arrays).collect::<Vec<_>>())
 }
 
 /// The shared points of pieces that are all there.

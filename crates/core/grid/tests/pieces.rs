@@ -176,7 +176,9 @@ fn a_crack_and_a_jump_stay_and_blocks_stay_apart() {
     assert_eq!(count(vec![tetrahedron(1.0, 0.0, 0), tetrahedron(-1.0, 0.0, 0)]), 7);
     assert_eq!(count(vec![tetrahedron(1.0, 0.0, 0), tetrahedron(-1.0, 0.5, 0)]), 9);
     assert_eq!(count(vec![tetrahedron(1.0, 0.0, 0), tetrahedron(-1.0, 0.0, 1)]), 12);
-    let parts = |pieces: &[RawGrid]| values_part_points(pieces);
+    let parts = |pieces: &[RawGrid]| {
+        SharedPoints::by_values(pieces).is_some_and(|shared| shared.are_parted_by_values(pieces))
+    };
     assert!(!parts(&[tetrahedron(1.0, 0.0, 0), tetrahedron(-1.0, 0.0, 0)]));
     assert!(parts(&[tetrahedron(1.0, 0.0, 0), tetrahedron(-1.0, 0.5, 0)]));
     assert!(!parts(&[tetrahedron(1.0, 0.0, 0), tetrahedron(-1.0, 0.5, 1)]));
