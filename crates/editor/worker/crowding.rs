@@ -46,7 +46,6 @@ impl Crowding {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::PathBuf;
     use voltet_core::Error;
     use voltet_graph::pipeline::Pipeline;
 
@@ -54,15 +53,7 @@ mod tests {
         let text = include_str!("../ui_tests/scene.toml");
         assert!(text.contains(change[0]), "{}", change[0]);
         let nodes = Pipeline::parse(&text.replacen(change[0], change[1], 1)).unwrap().nodes;
-        RenderRequest {
-            nodes,
-            folder: PathBuf::new(),
-            node: "picture".into(),
-            size: None,
-            background: [0.0; 3],
-            coarse_first: true,
-            grip_moves: false,
-        }
+        RenderRequest { coarse_first: true, ..RenderRequest::of_picture(nodes) }
     }
 
     /// Divisors that are tried where a device holds pictures from `held` on alone.

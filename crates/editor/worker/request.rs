@@ -44,6 +44,14 @@ pub struct RenderRequest {
 }
 
 impl RenderRequest {
+    /// The full picture of the node `picture`, over black.
+    #[cfg(test)]
+    pub fn of_picture(nodes: Vec<NodeEntry>) -> RenderRequest {
+        let (folder, node) = (PathBuf::new(), "picture".into());
+        let (size, background, coarse_first, grip_moves) = (None, [0.0; 3], false, false);
+        RenderRequest { nodes, folder, node, size, background, coarse_first, grip_moves }
+    }
+
     /// The names of the nodes that feed the picture, and its own.
     pub fn upstream(&self) -> BTreeSet<String> {
         upstream(&self.nodes, &self.node)
@@ -419,8 +427,7 @@ mod tests {
     use voltet_core::grid::GhostCells;
 
     fn over(background: [f64; 3]) -> RenderRequest {
-        let (nodes, folder, node) = (Vec::new(), PathBuf::new(), "picture".into());
-        RenderRequest { nodes, folder, node, size: None, background, coarse_first: false, grip_moves: false }
+        RenderRequest { background, ..RenderRequest::of_picture(Vec::new()) }
     }
 
     /// Within one level of what a PNG file of the picture holds.

@@ -35,15 +35,7 @@ pub(super) fn nodes(text: &str) -> Vec<NodeEntry> {
 }
 
 pub(super) fn wanted(nodes: Vec<NodeEntry>, folder: &std::path::Path) -> RenderRequest {
-    RenderRequest {
-        nodes,
-        folder: folder.to_path_buf(),
-        node: "picture".into(),
-        size: None,
-        background: [0.0; 3],
-        coarse_first: false,
-        grip_moves: false,
-    }
+    RenderRequest { folder: folder.to_path_buf(), ..RenderRequest::of_picture(nodes) }
 }
 
 fn worker() -> Worker {

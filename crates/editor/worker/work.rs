@@ -484,20 +484,12 @@ impl FrameTimeModel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::PathBuf;
     use voltet_graph::pipeline::Pipeline;
     use voltet_graph::{LocatedValue, ParameterValue};
 
     fn wanted() -> RenderRequest {
-        RenderRequest {
-            nodes: Pipeline::parse(include_str!("../ui_tests/scene.toml")).unwrap().nodes,
-            folder: PathBuf::new(),
-            node: "picture".into(),
-            size: None,
-            background: [0.0; 3],
-            coarse_first: true,
-            grip_moves: false,
-        }
+        let nodes = Pipeline::parse(include_str!("../ui_tests/scene.toml")).unwrap().nodes;
+        RenderRequest { coarse_first: true, ..RenderRequest::of_picture(nodes) }
     }
 
     fn with(node: &str, key: &str, datum: ParameterValue) -> RenderRequest {
