@@ -3,7 +3,7 @@
 use super::coordinates::Coordinates;
 use crate::conduit::{Loan, Node, NumberKind, Numbers};
 use glam::DVec3;
-use voltet_core::grid::{CellSet, Cells, Polyhedron, code};
+use voltet_core::grid::{CellSet, Cells, code};
 use voltet_core::{Error, Result, SharedSlice, counted};
 
 pub(super) struct Topology {
@@ -177,7 +177,7 @@ fn unstructured(node: &Node, point_count: usize, loan: &Loan) -> Result<Cells> {
     // Numbers of faces stand beside those of points.
     let limit = if has_polyhedra { point_count.max(faces.len()) } else { point_count };
     let numbers = point_numbers(&numbers, limit)?;
-    let mut set = CellSet { offsets: vec![0], ..CellSet::default() };
+    let mut set = CellSet::default();
     for (cell, [start, count]) in ranges.into_iter().enumerate() {
         let shape = shapes.of_cell(cell);
         let own = &numbers[start..start + count];
@@ -187,19 +187,13 @@ fn unstructured(node: &Node, point_count: usize, loan: &Loan) -> Result<Cells> {
                 .map(|&face| faces.get(face as usize).cloned().ok_or(face))
                 .collect::<std::result::Result<_, u32>>()
                 .map_err(|face| out_of_range(&connectivity, cell, face, faces.len(), "subelement"))?;
-            let mut points = own.concat();
-            points.sort_unstable();
-            points.dedup();
-            set.connectivity.extend(points);
-            set.polyhedra.push(Polyhedron { cell: cell as u32, faces: own });
+            set.push_polyhedron(own);
         } else {
             if let Some(&point) = own.iter().find(|&&point| has_polyhedra && point as usize >= point_count) {
                 return Err(out_of_range(&connectivity, cell, point, point_count, "point"));
             }
-            set.connectivity.extend(own);
+            set.push(shape.code, own.iter().copied());
         }
-        set.types.push(shape.code);
-        set.offsets.push(set.connectivity.len() as u64);
     }
     Ok(Cells::Mixed(set))
 }

@@ -1,10 +1,11 @@
 //! Edges of a grid's cells on its boundary, as the file has the cells: without the diagonals of faces that were split.
 
+use super::Grid;
 use super::boundary::outer_faces;
+use super::cell_set::{CellSet, Polyhedron};
 use super::cell_types::{CellType, code};
-use super::parts::{CellSet, Cells, FileCells, structured_corners};
+use super::parts::{Cells, FileCells, structured_corners};
 use super::split;
-use super::{Grid, Polyhedron};
 use crate::Result;
 use crate::progress::Progress;
 use rayon::prelude::*;

@@ -4,11 +4,11 @@
 //! A way from a piece into another one goes through a shared point, so cells within some layers of a part of the grid lie within as
 //! many layers of shared points of their own piece.
 
+use super::cell_set::Polyhedron;
 use super::cell_types::CellType;
 use super::curved::is_curved;
 use super::parts::{
-    Array, Association, BoundaryValues, CellSet, Cells, HangingPoint, Polyhedron, RawGrid, Scalar, corners,
-    is_left_out,
+    Array, Association, BoundaryValues, Cells, HangingPoint, RawGrid, Scalar, corners, is_left_out,
 };
 use super::pieces::{JoinedPiece, join_pieces, prepare};
 use super::shared_points::{PointHolder, SharedPoint, SharedPoints};
@@ -291,21 +291,7 @@ fn subset(whole: &RawGrid, cells: &[u32], points: &[u32]) -> RawGrid {
     points.iter().zip(0..).for_each(|(&point, number)| numbers[point as usize] = number);
     let number = |point: u32| numbers[point as usize];
     let own_cells = match &whole.cells {
-        Cells::Mixed(set) => {
-            let mut own = CellSet { offsets: vec![0], ..CellSet::default() };
-            for &cell in cells {
-                own.types.push(set.types[cell as usize]);
-                own.connectivity.extend(corners(&whole.cells, cell as usize).iter().map(|&p| number(p)));
-                own.offsets.push(own.connectivity.len() as u64);
-            }
-            let polyhedron = |polyhedron: &Polyhedron| {
-                let cell = cells.binary_search(&polyhedron.cell).ok()? as u32;
-                let face = |face: &Vec<u32>| face.iter().map(|&point| number(point)).collect();
-                Some(Polyhedron { cell, faces: polyhedron.faces.iter().map(face).collect() })
-            };
-            own.polyhedra = set.polyhedra.iter().filter_map(polyhedron).collect();
-            Cells::Mixed(own)
-        }
+        Cells::Mixed(set) => Cells::Mixed(set.subset(cells, number)),
         own => {
             let corners = |&cell: &u32| std::array::from_fn(|i| number(corners(own, cell as usize)[i]));
             Cells::Tetrahedra(cells.iter().map(corners).collect())

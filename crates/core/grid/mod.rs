@@ -5,6 +5,7 @@ mod boundary;
 mod build;
 mod carve;
 mod cell_edges;
+mod cell_set;
 mod cell_types;
 mod cell_values;
 mod contour;
@@ -34,6 +35,7 @@ pub use adjacency::{
 pub use boundary::boundary;
 pub use build::{build, build_part};
 pub use cell_edges::{BoundaryEdges, boundary_edges};
+pub use cell_set::{CellSet, Polyhedron};
 pub use cell_types::{CellType, code, describe_counts};
 pub use cell_values::add_from_cells;
 pub use contour::contour;
@@ -42,8 +44,8 @@ pub use feature_edges::{SharpTriangles, feature_edges, sharp_triangles};
 pub use grid_surface::{EdgePoint, GridSurface, point_normals};
 pub use halo::{Halo, join_part};
 pub use parts::{
-    Array, Association, BoundaryValues, CellSet, CellValues, Cells, FileCells, HangingPoint, ImportStats,
-    Options, Polyhedron, RawGrid, Scalar, is_drawn, structured_corners,
+    Array, Association, BoundaryValues, CellValues, Cells, FileCells, HangingPoint, ImportStats, Options,
+    RawGrid, Scalar, is_drawn, structured_corners,
 };
 pub use pieces::{check_cells, into_set, join, join_by};
 pub use point_keys::{Exchange, PointKeys, boxes_of_others};

@@ -1,5 +1,6 @@
 //! Parts of a grid as a reader returns them: points, cells in VTK's terms, and arrays; and a file's own cells beside the tetrahedra.
 
+use super::cell_set::CellSet;
 use crate::{Error, Result, SharedSlice};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -395,28 +396,6 @@ impl Default for Options {
             without_tetrahedra: false,
         }
     }
-}
-
-/// Cells of a file, in VTK's terms.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct CellSet {
-    /// VTK cell type code of every cell.
-    pub types: Vec<u8>,
-    /// `offsets[i] .. offsets[i + 1]` is cell i's part of `connectivity`; `types.len() + 1` entries.
-    pub offsets: Vec<u64>,
-    /// Point numbers, in VTK's vertex order.
-    pub connectivity: Vec<u32>,
-    /// Faces of the polyhedra (type 42); empty where there are none.
-    pub polyhedra: Vec<Polyhedron>,
-}
-
-/// The faces of one polyhedral cell.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct Polyhedron {
-    /// Number of the cell.
-    pub cell: u32,
-    /// Each face a closed loop of point numbers.
-    pub faces: Vec<Vec<u32>>,
 }
 
 pub(super) struct Cell<'a> {

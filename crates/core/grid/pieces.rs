@@ -3,9 +3,10 @@
 //!
 //! The rule: docs/src/explanation/optics.md, section 2.
 
+use super::cell_set::CellSet;
 use super::parts::{
-    Array, Association, BoundaryValues, CellSet, Cells, DUPLICATE, HangingPoint, NEIGHBOUR, OWNED, RawGrid,
-    Scalar, corners, is_drawn, is_ghost, number, structured_corners,
+    Array, Association, BoundaryValues, Cells, DUPLICATE, HangingPoint, NEIGHBOUR, OWNED, RawGrid, Scalar,
+    corners, is_drawn, is_ghost, number, structured_corners,
 };
 use super::shared_points::{PointHolder, PointNumbers, SharedPoints, shared_points};
 use super::{CellType, code};
@@ -183,25 +184,14 @@ fn join_boundary_values(
 fn join_cells(pieces: &mut [RawGrid], starts: &[usize], numbers: &[u32]) -> Cells {
     let all_tetrahedra = pieces.iter().all(|piece| matches!(piece.cells, Cells::Tetrahedra(_)));
     let mut tetrahedra = Vec::new();
-    let mut all = CellSet { offsets: vec![0], ..CellSet::default() };
+    let mut all = CellSet::default();
     for (piece, &start) in pieces.iter_mut().zip(starts) {
         let number = |corner: u32| numbers[start + corner as usize];
         match std::mem::take(&mut piece.cells) {
             Cells::Tetrahedra(own) if all_tetrahedra => {
                 tetrahedra.par_extend(own.par_iter().with_min_len(CHUNK).map(|corners| corners.map(number)));
             }
-            cells => {
-                let set = into_set(cells);
-                let (first_cell, begin) = (all.types.len() as u32, all.connectivity.len() as u64);
-                all.types.extend(set.types);
-                all.offsets.extend(set.offsets[1..].iter().map(|offset| offset + begin));
-                all.connectivity.par_extend(set.connectivity.into_par_iter().with_min_len(CHUNK).map(number));
-                for mut polyhedron in set.polyhedra {
-                    polyhedron.cell += first_cell;
-                    polyhedron.faces.iter_mut().flatten().for_each(|corner| *corner = number(*corner));
-                    all.polyhedra.push(polyhedron);
-                }
-            }
+            cells => all.append(into_set(cells), number),
         }
     }
     if all_tetrahedra { Cells::Tetrahedra(tetrahedra.into()) } else { Cells::Mixed(all) }
@@ -209,22 +199,17 @@ fn join_cells(pieces: &mut [RawGrid], starts: &[usize], numbers: &[u32]) -> Cell
 
 /// Any cells as a set; those of a structured grid as hexahedra, for they may be no boxes along the axes.
 pub fn into_set(cells: Cells) -> CellSet {
-    let regular = |code: u8, corners: usize, connectivity: Vec<u32>| {
-        let count = connectivity.len() / corners;
-        let offsets = (0..=count).map(|number| (corners * number) as u64).collect();
-        CellSet { types: vec![code; count], offsets, connectivity, polyhedra: Vec::new() }
-    };
     match cells {
         Cells::Mixed(set) => set,
         Cells::Tetrahedra(mut own) => {
-            regular(code::TETRA, 4, std::mem::take(own.make_mut()).into_flattened())
+            CellSet::of_type(code::TETRA, 4, std::mem::take(own.make_mut()).into_flattened())
         }
         Cells::Structured(dimensions) => {
             let corners = |number: usize| {
                 let corners = structured_corners(dimensions, number);
                 [0, 1, 3, 2, 4, 5, 7, 6].map(|corner: usize| corners[corner])
             };
-            regular(code::HEXAHEDRON, 8, (0..cells.count()).flat_map(corners).collect())
+            CellSet::of_type(code::HEXAHEDRON, 8, (0..cells.count()).flat_map(corners).collect())
         }
     }
 }

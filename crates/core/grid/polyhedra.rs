@@ -8,7 +8,8 @@
 //! without filling what is not its own is left out and counted.
 
 use super::carve::{Apex, Pieces, apex, carve, join};
-use super::parts::{CellSet, Polyhedron, number};
+use super::cell_set::{CellSet, Polyhedron};
+use super::parts::number;
 use super::polygon::{Triangle, clip_ears, fan, fan_start};
 use super::split::emit_distinct;
 use crate::{Error, Result, counted};

@@ -1,8 +1,9 @@
 //! The cells of a file one by one: which are drawn, and the tetrahedra of each.
 
+use super::cell_set::Polyhedron;
 use super::cell_types::{CellType, code};
 use super::curved::{Curved, is_curved};
-use super::parts::{Cell, Cells, Polyhedron, is_left_out, is_neighbour, structured_corners};
+use super::parts::{Cell, Cells, is_left_out, is_neighbour, structured_corners};
 use super::polyhedra::{self, Added, Polyhedra};
 use super::split;
 use crate::{Error, Result};

@@ -1,9 +1,10 @@
 //! Grids of a file's own cells alone, to write them in another format: no tetrahedra are made, and every point and value stays as it is.
 //! Of cells that several pieces hold, the owner's is left.
 
+use super::cell_set::CellSet;
 use super::cell_types::code;
 use super::cell_values::gather;
-use super::parts::{CellSet, Cells, FileCells, OWNED, Polyhedron, RawGrid, as_given};
+use super::parts::{Cells, FileCells, OWNED, RawGrid, as_given};
 use super::polyhedra::Polyhedra;
 use super::source::Source;
 use super::{Array, Grid};
@@ -86,7 +87,7 @@ fn drop_owned_ghosts(parts: &mut RawGrid) -> u64 {
     }
     match &mut parts.cells {
         Cells::Tetrahedra(own) => *own = kept.iter().map(|&cell| own[cell as usize]).collect(),
-        Cells::Mixed(set) => *set = subset(set, &kept),
+        Cells::Mixed(set) => *set = set.subset(&kept, |point| point),
         // Pieces of structured grids have become sets.
         Cells::Structured(_) => {}
     }
@@ -97,26 +98,6 @@ fn drop_owned_ghosts(parts: &mut RawGrid) -> u64 {
         *values = gather(values, *component_count, &kept).into();
     }
     count
-}
-
-/// Some of the cells, by their numbers in ascending order.
-fn subset(set: &CellSet, kept: &[u32]) -> CellSet {
-    let mut some = CellSet { offsets: vec![0], ..CellSet::default() };
-    for cell in kept.iter().map(|&cell| cell as usize) {
-        let corners = set.offsets[cell] as usize..set.offsets[cell + 1] as usize;
-        some.connectivity.extend_from_slice(&set.connectivity[corners]);
-        some.types.push(set.types[cell]);
-        some.offsets.push(some.connectivity.len() as u64);
-    }
-    some.polyhedra = set
-        .polyhedra
-        .iter()
-        .filter_map(|polyhedron| {
-            let cell = kept.binary_search(&polyhedron.cell).ok()? as u32;
-            Some(Polyhedron { cell, faces: polyhedron.faces.clone() })
-        })
-        .collect();
-    some
 }
 
 /// Refuses polyhedra without faces, and faces of cells that are none.

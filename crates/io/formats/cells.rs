@@ -1,7 +1,6 @@
 //! Cells from a file: types, connectivity, faces of polyhedra.
 
 use super::contents::{Geometry, Meter, Piece, Stored, StoredCells, StoredFaces};
-use super::lazy::GatheredCells;
 use rayon::prelude::*;
 use voltet_core::grid::{CellSet, CellType, Cells, Polyhedron, code, structured_corners};
 use voltet_core::{Error, Result};
@@ -55,14 +54,14 @@ pub(super) fn leave_out_further_points(cells: &mut Cells) -> Option<String> {
     if count == 0 {
         return None;
     }
-    let mut trimmed = GatheredCells::default();
+    let mut trimmed = CellSet::default();
     for (&code, ends) in set.types.iter().zip(set.offsets.windows(2)) {
         // Damaged offsets are an error once the grid is built.
         let own = set.connectivity.get(ends[0] as usize..end_of(code, ends) as usize)?;
-        trimmed.add(code, own.iter().copied());
+        trimmed.push(code, own.iter().copied());
     }
     let polyhedra = std::mem::take(&mut set.polyhedra);
-    *set = CellSet { polyhedra, ..trimmed.into_set() };
+    *set = CellSet { polyhedra, ..trimmed };
     let cells = voltet_core::counted(count, "cell");
     Some(format!("The points of {cells} beyond those that their type of cell has are left out."))
 }
@@ -249,22 +248,14 @@ pub fn face_stream(stream: &[u32], number: usize) -> Result<Vec<Vec<u32>>> {
 
 /// Polyhedra whose connectivity is their face stream: it becomes the list of their points.
 fn from_streams(types: Vec<u8>, offsets: &[u64], streams: Vec<u32>) -> Result<CellSet> {
-    let mut cells = CellSet { offsets: vec![0], ..CellSet::default() };
-    for (number, &code) in types.iter().enumerate() {
+    let mut cells = CellSet::default();
+    for (number, code) in types.into_iter().enumerate() {
         let own = &streams[offsets[number] as usize..offsets[number + 1] as usize];
-        if code == code::POLYHEDRON {
-            let faces = face_stream(own, number)?;
-            let mut points = faces.concat();
-            points.sort_unstable();
-            points.dedup();
-            cells.connectivity.extend(points);
-            cells.polyhedra.push(Polyhedron { cell: number as u32, faces });
-        } else {
-            cells.connectivity.extend(own);
+        match code {
+            code::POLYHEDRON => cells.push_polyhedron(face_stream(own, number)?),
+            _ => cells.push(code, own.iter().copied()),
         }
-        cells.offsets.push(cells.connectivity.len() as u64);
     }
-    cells.types = types;
     Ok(cells)
 }
 
@@ -282,9 +273,9 @@ fn counted(list: &Stored, types: &Stored, meter: &Meter) -> Result<Cells> {
             list.par_chunks(5).with_min_len(1 << 12).map(corners).collect::<Vec<_>>().into(),
         ));
     }
-    let mut cells = CellSet { offsets: vec![0], ..CellSet::default() };
+    let mut cells = CellSet::default();
     let mut rest = &list[..];
-    for number in 0..types.len() {
+    for (number, &code) in types.iter().enumerate() {
         let own = rest.split_first().and_then(|(&count, after)| after.split_at_checked(count as usize));
         let Some((own, after)) = own else {
             return Err(Error::run(format!("the list of cells ends within cell {number}"))
@@ -292,8 +283,7 @@ fn counted(list: &Stored, types: &Stored, meter: &Meter) -> Result<Cells> {
                 .expected("each cell's count and its points")
                 .at_item("CELLS"));
         };
-        cells.connectivity.extend(own);
-        cells.offsets.push(cells.connectivity.len() as u64);
+        cells.push(code, own.iter().copied());
         rest = after;
     }
     if !rest.is_empty() {
@@ -305,7 +295,7 @@ fn counted(list: &Stored, types: &Stored, meter: &Meter) -> Result<Cells> {
     if types.contains(&code::POLYHEDRON) {
         return from_streams(types, &cells.offsets, cells.connectivity).map(Cells::Mixed);
     }
-    Ok(Cells::Mixed(CellSet { types, ..cells }))
+    Ok(Cells::Mixed(cells))
 }
 
 #[cfg(test)]

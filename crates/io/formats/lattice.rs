@@ -131,13 +131,7 @@ impl Lattice {
     }
 
     pub fn cells(&self) -> Cells {
-        let count = self.boxes.len();
-        Cells::Mixed(CellSet {
-            types: vec![code::VOXEL; count],
-            offsets: (0..=count as u64).map(|number| 8 * number).collect(),
-            connectivity: self.corners.clone(),
-            polyhedra: Vec::new(),
-        })
+        Cells::Mixed(CellSet::of_type(code::VOXEL, 8, self.corners.clone()))
     }
 
     /// Points within faces and edges of larger boxes, those of the largest first.

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::grid::code::TETRA;
-use voltet_core::grid::{CellSet, Cells, Polyhedron};
+use voltet_core::grid::{CellSet, Cells};
 use voltet_core::progress::Progress;
 use voltet_core::reading::{GridHead, GridRead, OpenGrid};
 use voltet_core::{Error, Result};
@@ -37,8 +37,8 @@ pub(super) fn geometry(
     counts: [u64; 3],
     read: impl Fn(&dyn Progress) -> Result<(Vec<DVec3>, Cells)> + Send + Sync + 'static,
 ) -> Geometry {
-    let head = mesh_head(counts);
-    Geometry::Added(Arc::new(ExternalFormat::new(Arc::new(LazyGrid { head, read: Box::new(read) }))))
+    let open = LazyGrid { head: mesh_head(counts), read: Box::new(read) };
+    Geometry::Added(Arc::new(ExternalFormat::new(Arc::new(open))))
 }
 
 /// The head of so many points, cells, and points of cells.
@@ -147,85 +147,38 @@ pub(super) fn tetrahedra(corners: Vec<u32>) -> Cells {
     Cells::Tetrahedra(tetrahedra.into())
 }
 
-pub(super) struct GatheredCells(pub CellSet);
-
-impl Default for GatheredCells {
-    fn default() -> Self {
-        GatheredCells(CellSet { offsets: vec![0], ..CellSet::default() })
+/// The cells of parts, one part after the other.
+pub(super) fn joined(parts: Vec<CellSet>) -> Cells {
+    let corner_count = parts.iter().map(|part| part.connectivity.len()).sum();
+    if corner_count == 0 || !parts.iter().all(are_tetrahedra) {
+        let mut all = CellSet::default();
+        parts.into_iter().for_each(|part| all.append(part, |point| point));
+        return into_cells(all);
     }
+    let mut corners = vec![0; corner_count];
+    let (mut rest, mut places) = (&mut corners[..], Vec::new());
+    for part in &parts {
+        let (own, after) = rest.split_at_mut(part.connectivity.len());
+        places.push(own);
+        rest = after;
+    }
+    let copies = places.into_par_iter().zip(&parts);
+    copies.for_each(|(to, part)| to.copy_from_slice(&part.connectivity));
+    tetrahedra(corners)
 }
 
-impl GatheredCells {
-    /// Adds a cell of a VTK type with its points in VTK's order.
-    pub fn add(&mut self, code: u8, corners: impl IntoIterator<Item = u32>) {
-        self.0.connectivity.extend(corners);
-        self.0.offsets.push(self.0.connectivity.len() as u64);
-        self.0.types.push(code);
+/// All cells of a set; as tetrahedra where they are nothing else.
+pub(super) fn into_cells(set: CellSet) -> Cells {
+    if set.types.is_empty() || !are_tetrahedra(&set) {
+        return Cells::Mixed(set);
     }
+    tetrahedra(set.connectivity)
+}
 
-    /// Adds cells of one VTK type, all of so many points, by the points of all.
-    pub fn add_all(&mut self, code: u8, point_count: usize, corners: &[u32]) {
-        let (begin, count) = (self.0.connectivity.len(), corners.len().checked_div(point_count).unwrap_or(0));
-        self.0.connectivity.extend_from_slice(&corners[..count * point_count]);
-        self.0.offsets.extend((1..=count).map(|cell| (begin + cell * point_count) as u64));
-        self.0.types.resize(self.0.types.len() + count, code);
-    }
-
-    pub fn add_polyhedron(&mut self, faces: Vec<Vec<u32>>) {
-        let mut corners = faces.concat();
-        corners.sort_unstable();
-        corners.dedup();
-        self.0.polyhedra.push(Polyhedron { cell: self.0.types.len() as u32, faces });
-        self.add(voltet_core::grid::code::POLYHEDRON, corners);
-    }
-
-    /// The cells of parts, one part after the other.
-    pub fn join(parts: Vec<GatheredCells>) -> Cells {
-        let corner_count = parts.iter().map(|part| part.0.connectivity.len()).sum();
-        if corner_count == 0 || !parts.iter().all(GatheredCells::are_tetrahedra) {
-            let mut all = GatheredCells::default();
-            parts.into_iter().for_each(|part| all.append(part));
-            return all.into_cells();
-        }
-        let mut corners = vec![0; corner_count];
-        let (mut rest, mut places) = (&mut corners[..], Vec::new());
-        for part in &parts {
-            let (own, after) = rest.split_at_mut(part.0.connectivity.len());
-            places.push(own);
-            rest = after;
-        }
-        let copies = places.into_par_iter().zip(&parts);
-        copies.for_each(|(to, part)| to.copy_from_slice(&part.0.connectivity));
-        tetrahedra(corners)
-    }
-
-    fn append(&mut self, other: GatheredCells) {
-        let (begin, first) = (self.0.connectivity.len() as u64, self.0.types.len() as u32);
-        self.0.connectivity.extend_from_slice(&other.0.connectivity);
-        self.0.offsets.extend(other.0.offsets[1..].iter().map(|end| begin + end));
-        self.0.types.extend_from_slice(&other.0.types);
-        let moved = |own: Polyhedron| Polyhedron { cell: first + own.cell, faces: own.faces };
-        self.0.polyhedra.extend(other.0.polyhedra.into_iter().map(moved));
-    }
-
-    /// All of them; as tetrahedra where they are nothing else.
-    pub fn into_cells(self) -> Cells {
-        if self.0.types.is_empty() || !self.are_tetrahedra() {
-            return Cells::Mixed(self.0);
-        }
-        tetrahedra(self.0.connectivity)
-    }
-
-    /// True if none is anything else.
-    fn are_tetrahedra(&self) -> bool {
-        let CellSet { types, connectivity, .. } = &self.0;
-        let is_part = |part: &[u8]| part.iter().fold(true, |all, &code| all & (code == TETRA));
-        types.par_chunks(PART).all(is_part) && connectivity.len() == 4 * types.len()
-    }
-
-    pub fn into_set(self) -> CellSet {
-        self.0
-    }
+/// True if none is anything else.
+fn are_tetrahedra(CellSet { types, connectivity, .. }: &CellSet) -> bool {
+    let is_part = |part: &[u8]| part.iter().fold(true, |all, &code| all & (code == TETRA));
+    types.par_chunks(PART).all(is_part) && connectivity.len() == 4 * types.len()
 }
 
 #[cfg(test)]

@@ -3,14 +3,14 @@
 
 use super::blocks::selected;
 use super::contents::{CellBlocks, Dataset, Meter, Piece};
-use super::lazy::{GatheredCells, MeshTags, Tags, mesh_head, missing_node};
+use super::lazy::{MeshTags, Tags, into_cells, mesh_head, missing_node};
 use super::request::Request;
 use super::source::Source;
 use glam::DVec3;
 use std::collections::HashMap;
 use std::sync::Arc;
 use voltet_core::Result;
-use voltet_core::grid::Association;
+use voltet_core::grid::{Association, CellSet};
 use voltet_core::progress::Progress;
 use voltet_core::reading::{FileArray, GridHead, GridRead, OpenGrid};
 
@@ -146,7 +146,7 @@ impl<M: TaggedMesh> OpenGrid for OpenMesh<M> {
         let mut read = GridRead::default();
         if geometry {
             read.points = Some(self.read_nodes()?);
-            read.cells = Some(self.read_elements()?.0.into_cells());
+            read.cells = Some(into_cells(self.read_elements()?.0));
         }
         Ok(GridRead { arrays: self.values(arrays)?, ..read })
     }
@@ -179,9 +179,9 @@ impl<M: TaggedMesh> OpenMesh<M> {
     }
 
     /// Selected cells, and the block of each.
-    fn read_elements(&self) -> Result<(GatheredCells, Vec<f64>)> {
+    fn read_elements(&self) -> Result<(CellSet, Vec<f64>)> {
         let nodes = self.tags(0)?;
-        let (mut cells, mut tags, mut blocks) = (GatheredCells::default(), Vec::new(), Vec::new());
+        let (mut cells, mut tags, mut blocks) = (CellSet::default(), Vec::new(), Vec::new());
         let (mut corners, mut block) = (Vec::new(), 0);
         self.mesh.each_element(&mut |element| {
             if self.blocks.get(block).is_some_and(|last| !is_same(last, element.block)) {
@@ -197,7 +197,7 @@ impl<M: TaggedMesh> OpenMesh<M> {
                 })?;
                 corners.push(number as u32);
             }
-            cells.add(element.code, corners.iter().copied());
+            cells.push(element.code, corners.iter().copied());
             tags.push(element.tag);
             blocks.push(block as f64);
             Ok(())

@@ -26,8 +26,7 @@ pub enum Kind {
 pub fn box_of(kind: Kind, counts: [usize; 3], bounds: [DVec3; 2], jitter: f64) -> RawGrid {
     let counts = counts.map(|n| n.max(1));
     let points = lattice(counts, bounds, jitter);
-    let mut out =
-        Builder { points, set: CellSet { offsets: vec![0], ..CellSet::default() }, mid: Default::default() };
+    let mut out = Builder { points, set: CellSet::default(), mid: Default::default() };
     if kind == Kind::Tetrahedra || kind == Kind::QuadraticTetrahedra {
         let grid = box_of_tetrahedra(counts, bounds, jitter);
         for t in grid.tetrahedra.iter() {

@@ -214,7 +214,7 @@ fn neighbours_of_different_types_share_their_curved_faces() {
             points.len() as u32 - 1
         }
     };
-    let mut set = CellSet { offsets: vec![0], ..CellSet::default() };
+    let mut set = CellSet::default();
     let mut add = |code: u8, nodes: Vec<u32>| {
         set.types.push(code);
         set.connectivity.extend(nodes);

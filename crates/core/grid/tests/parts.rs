@@ -52,7 +52,7 @@ fn cut(whole: &RawGrid, owners: &[usize], cut: Cut) -> Vec<RawGrid> {
             used.swap(i, (random.next() * (i + 1) as f64) as usize);
         }
         let numbers: BTreeMap<u32, u32> = used.iter().copied().zip(0..).collect();
-        let mut set = CellSet { offsets: vec![0], ..CellSet::default() };
+        let mut set = CellSet::default();
         for &cell in &kept {
             if let Some(polyhedron) = polyhedra.get(&(cell as u32)) {
                 let face = |face: &Vec<u32>| face.iter().map(|p| numbers[p]).collect();

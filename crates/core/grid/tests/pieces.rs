@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// Hexahedra and wedges over a jittered lattice, with values at points and cells.
 fn whole(n: usize) -> RawGrid {
     let points = lattice([n; 3], UNIT, 0.2);
-    let mut set = CellSet { offsets: vec![0], ..CellSet::default() };
+    let mut set = CellSet::default();
     for cell in 0..n * n * n {
         let [a, b, c, d, e, f, g, h] = structured_corners([n + 1; 3], cell);
         let cells: &[(u8, &[u32])] = match cell % 3 {
@@ -43,7 +43,7 @@ fn piece(whole: &RawGrid, ids: bool, keep: impl Fn(usize) -> Option<u8>) -> RawG
     let mut used: Vec<u32> = kept.iter().flat_map(|&(cell, _)| corners(cell)).copied().collect();
     used.sort_unstable();
     used.dedup();
-    let mut set = CellSet { offsets: vec![0], ..CellSet::default() };
+    let mut set = CellSet::default();
     for &(cell, _) in &kept {
         set.types.push(all.types[cell]);
         set.connectivity.extend(corners(cell).iter().map(|&p| used.partition_point(|&q| q < p) as u32));

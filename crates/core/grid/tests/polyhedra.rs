@@ -233,7 +233,7 @@ fn polyhedra_that_cannot_be_split_are_left_out_and_named() {
 fn joined_cells(counts: [usize; 3], jitter: f64, owner: &[u32]) -> RawGrid {
     let parts = box_of(Kind::Polyhedra, counts, UNIT, jitter);
     let Cells::Mixed(cells) = &parts.cells else { unreachable!() };
-    let mut set = CellSet { offsets: vec![0], ..CellSet::default() };
+    let mut set = CellSet::default();
     for number in 0..=owner.iter().copied().max().unwrap() {
         let own = cells.polyhedra.iter().filter(|p| owner[p.cell as usize] == number);
         let mut faces: HashMap<Vec<u32>, Vec<Vec<u32>>> = HashMap::new();

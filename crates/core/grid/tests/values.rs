@@ -39,7 +39,7 @@ fn cell_values_are_averaged_by_the_volume_of_the_cells() {
 fn two_sizes(cells: std::ops::Range<usize>) -> RawGrid {
     let low = [[0, 0, 0], [2, 0, 0], [2, 1, 0], [2, 0, 1], [2, 1, 1]];
     let mut places: Vec<[u32; 3]> = Vec::new();
-    let mut set = CellSet { offsets: vec![0], ..CellSet::default() };
+    let mut set = CellSet::default();
     let number = |place: [u32; 3], places: &mut Vec<[u32; 3]>| {
         let known = places.iter().position(|own| *own == place);
         known.unwrap_or_else(|| {

@@ -5,10 +5,10 @@
 //! sections, from 1; values of cells are those of the three-dimensional ones, in that order. Nodes are numbered from 1.
 
 use crate::formats::contents::{Meter, Stored};
-use crate::formats::lazy::{self, GatheredCells};
+use crate::formats::lazy;
 use crate::formats::node_orders::{HEXAHEDRON, IN_ORDER, WEDGE};
 use std::sync::atomic::AtomicBool;
-use voltet_core::grid::{Cells, code};
+use voltet_core::grid::{CellSet, Cells, code};
 use voltet_core::{Error, Result, counted};
 
 /// An element type: number, name, dimension, number of nodes, VTK's cell type and for each of its points the place of the node.
@@ -128,7 +128,7 @@ pub(super) fn cells(sections: &[Section], cell_count: u64, meter: &Meter) -> Res
     {
         return tetrahedra(only, cell_count, meter);
     }
-    let mut cells = GatheredCells::default();
+    let mut cells = CellSet::default();
     let faces = sections.iter().filter(|section| section.kind == NGON);
     let faces: Vec<Polygons> =
         faces.map(|section| Polygons::of_section(section, meter)).collect::<Result<_>>()?;
@@ -140,7 +140,6 @@ pub(super) fn cells(sections: &[Section], cell_count: u64, meter: &Meter) -> Res
             kind => uniform(section, known(section, kind)?, &mut cells, meter)?,
         }
     }
-    let cells = cells.into_set();
     match cells.types.len() as u64 == cell_count {
         true => Ok(Cells::Mixed(cells)),
         false => Err(wrong_count(cells.types.len() as u64, cell_count)),
@@ -204,7 +203,7 @@ fn tetrahedra(section: &Section, cell_count: u64, meter: &Meter) -> Result<Cells
     }
 }
 
-fn uniform(section: &Section, element: &ElementType, cells: &mut GatheredCells, meter: &Meter) -> Result<()> {
+fn uniform(section: &Section, element: &ElementType, cells: &mut CellSet, meter: &Meter) -> Result<()> {
     if element.dimension < 3 {
         return Ok(());
     }
@@ -222,18 +221,18 @@ fn push(
     element: &ElementType,
     nodes: &[u32],
     further: &[u32],
-    cells: &mut GatheredCells,
+    cells: &mut CellSet,
 ) -> Result<()> {
     let nodes = element.order.iter().map(|&place| nodes[place as usize]).chain(further.iter().copied());
     for node in nodes.clone() {
         point(section, node)?;
     }
-    cells.add(element.vtk, nodes.map(|node| node - 1));
+    cells.push(element.vtk, nodes.map(|node| node - 1));
     Ok(())
 }
 
 /// A section in which each element's type stands before its nodes.
-fn mixed(section: &Section, cells: &mut GatheredCells, meter: &Meter) -> Result<()> {
+fn mixed(section: &Section, cells: &mut CellSet, meter: &Meter) -> Result<()> {
     let numbers: Vec<u32> = section.connectivity.load(meter)?;
     let mut rest = &numbers[..];
     for number in 0..section.count()? {
@@ -311,7 +310,7 @@ impl Polygons {
 }
 
 /// Polyhedra by the numbers of their faces, negative where the face's nodes turn the other way.
-fn polyhedra(section: &Section, faces: &[Polygons], cells: &mut GatheredCells, meter: &Meter) -> Result<()> {
+fn polyhedra(section: &Section, faces: &[Polygons], cells: &mut CellSet, meter: &Meter) -> Result<()> {
     let parts: NumberLists<i64> = NumberLists::of_section(section, meter)?;
     for range in &parts.ranges {
         let mut own = Vec::new();
@@ -325,7 +324,7 @@ fn polyhedra(section: &Section, faces: &[Polygons], cells: &mut GatheredCells, m
             })?;
             own.push(nodes.iter().map(|&node| point(section, node)).collect::<Result<Vec<u32>>>()?);
         }
-        cells.add_polyhedron(own);
+        cells.push_polyhedron(own);
     }
     Ok(())
 }

@@ -3,13 +3,13 @@
 use super::case::StepFile;
 use crate::formats::contents::structured_counts;
 use crate::formats::cursor::{Cursor, Place};
-use crate::formats::lazy::{GatheredCells, tetrahedra};
+use crate::formats::lazy::{into_cells, tetrahedra};
 use crate::formats::numbers::{ByteOrder, NumberType, Target};
 use crate::formats::source::Source;
 use glam::DVec3;
 use std::collections::HashMap;
 use std::sync::Arc;
-use voltet_core::grid::{Association, Cells, code};
+use voltet_core::grid::{Association, CellSet, Cells, code};
 use voltet_core::{Error, Result};
 
 /// Element types: name, number of nodes, type code of VTK or 0 where it is no volume. The order of nodes is VTK's.
@@ -328,7 +328,7 @@ impl GoldGeometry {
             let corners = count.saturating_mul(4);
             return Ok((points, tetrahedra(self.at(*place).cursor.node_numbers(corners, n, "an element")?)));
         }
-        let mut cells = GatheredCells::default();
+        let mut cells = CellSet::default();
         for own in part.volumes() {
             let mut file = self.at(own.place);
             if own.kind.0 == 0 {
@@ -340,11 +340,11 @@ impl GoldGeometry {
                 let count = left.min(BATCH);
                 let corners =
                     file.cursor.node_numbers(count.saturating_mul(own.kind.0 as u64), n, "an element")?;
-                cells.add_all(own.kind.1, own.kind.0, &corners);
+                cells.push_all(own.kind.1, own.kind.0, &corners);
                 left -= count;
             }
         }
-        Ok((points, cells.into_cells()))
+        Ok((points, into_cells(cells)))
     }
 
     /// Coordinates along each axis of a rectilinear block; of a uniform one the first, and the distance to the next.
@@ -536,7 +536,7 @@ fn elements(file: &mut GoldFile, name: &str, has_ids: bool) -> Result<GoldElemen
     Ok(GoldElements { name: name.to_owned(), count, kind, place })
 }
 
-fn polyhedra(file: &mut GoldFile, count: u64, node_count: u64, cells: &mut GatheredCells) -> Result<()> {
+fn polyhedra(file: &mut GoldFile, count: u64, node_count: u64, cells: &mut CellSet) -> Result<()> {
     let face_counts: Vec<u32> = file.numbers(NumberType::I32, count)?;
     let face_count = face_counts.iter().map(|&count| u64::from(count)).sum();
     let sizes: Vec<u32> = file.numbers(NumberType::I32, face_count)?;
@@ -546,7 +546,7 @@ fn polyhedra(file: &mut GoldFile, count: u64, node_count: u64, cells: &mut Gathe
         for size in sizes.by_ref().take(face_count as usize) {
             faces.push(file.cursor.node_numbers(size.into(), node_count, "an element")?);
         }
-        cells.add_polyhedron(faces);
+        cells.push_polyhedron(faces);
     }
     Ok(())
 }

@@ -4,13 +4,12 @@
 //! the other. An element with nodes that VTK's cell lacks (in faces or the middle) becomes the cell without these.
 
 use crate::formats::contents::{Meter, Stored};
-use crate::formats::lazy::{GatheredCells, tetrahedra};
+use crate::formats::lazy::tetrahedra;
 use crate::formats::node_orders::{HEXAHEDRON, IN_ORDER, WEDGE};
 use glam::DVec3;
 use rayon::prelude::*;
 use voltet_core::grid::{CellSet, CellType, Cells, code};
 use voltet_core::progress::{Progress, refuse_beyond_memory};
-use voltet_core::reading::{GridHead, GridRead, OpenGrid};
 use voltet_core::{Error, Result, counted};
 
 /// A cell type: its code, and for each of its points the number of the element's node.
@@ -120,7 +119,6 @@ pub(super) struct FaceBlock {
 
 /// Points and cells of a file.
 pub(super) struct Mesh {
-    pub head: GridHead,
     /// One array for each axis of space.
     pub coordinates: Vec<Stored>,
     pub blocks: Vec<BlockElements>,
@@ -128,27 +126,15 @@ pub(super) struct Mesh {
     pub faces: Vec<FaceBlock>,
 }
 
-impl OpenGrid for Mesh {
-    fn head(&self) -> &GridHead {
-        &self.head
-    }
-
-    fn read(&self, geometry: bool, _arrays: &[usize], progress: &dyn Progress) -> Result<GridRead> {
-        let mut read = GridRead::default();
-        if geometry {
-            let meter = Meter::new(
-                progress,
-                self.head.point_count.saturating_mul(24).saturating_add(self.head.cell_bytes),
-            );
-            let points = self.points(&meter)?;
-            read.cells = Some(self.cells(points.len(), &meter)?);
-            read.points = Some(points);
-        }
-        Ok(read)
-    }
-}
-
 impl Mesh {
+    /// Points and cells; `byte_count`: of all, for progress.
+    pub fn read(&self, byte_count: u64, progress: &dyn Progress) -> Result<(Vec<DVec3>, Cells)> {
+        let meter = Meter::new(progress, byte_count);
+        let points = self.points(&meter)?;
+        let cells = self.cells(points.len(), &meter)?;
+        Ok((points, cells))
+    }
+
     fn points(&self, meter: &Meter) -> Result<Vec<DVec3>> {
         let axes: Result<Vec<Vec<f64>>> = self.coordinates.iter().map(|axis| axis.load(meter)).collect();
         let axes = axes?;
@@ -158,16 +144,16 @@ impl Mesh {
     }
 
     fn cells(&self, point_count: usize, meter: &Meter) -> Result<Cells> {
-        let mut cells = GatheredCells::default();
+        let mut cells = CellSet::default();
         let mut faces = None;
         for block in &self.blocks {
             match block {
                 BlockElements::Alike { shape, connectivity } => {
-                    add_alike(shape, connectivity, point_count, &mut cells.0, meter)?;
+                    add_alike(shape, connectivity, point_count, &mut cells, meter)?;
                 }
                 BlockElements::Polygons { counts, connectivity } => {
                     let nodes = lists(counts, connectivity, point_count, meter)?;
-                    nodes.into_iter().for_each(|nodes| cells.add(POLYGON, nodes));
+                    nodes.into_iter().for_each(|nodes| cells.push(POLYGON, nodes));
                 }
                 BlockElements::Polyhedra { counts, faces: numbers } => {
                     if faces.is_none() {
@@ -184,13 +170,12 @@ impl Mesh {
                     let what = || format!("the faces of {}", counted(of_cells.len(), "cell"));
                     refuse_beyond_memory(meter.progress(), what, bytes)?;
                     for own in of_cells {
-                        cells.add_polyhedron(of_cell(own));
+                        cells.push_polyhedron(of_cell(own));
                     }
                 }
             }
         }
         let are_tetrahedra = |block: &BlockElements| matches!(block, BlockElements::Alike { shape, .. } if shape.code == code::TETRA);
-        let cells = cells.into_set();
         if !cells.types.is_empty() && self.blocks.iter().all(are_tetrahedra) {
             return Ok(tetrahedra(cells.connectivity));
         }

@@ -8,8 +8,9 @@ mod cells;
 mod variables;
 
 use super::blocks;
-use super::contents::{CellBlocks, Dataset, ExternalFormat, Geometry, Meter, Piece, PieceArray, Stored};
+use super::contents::{CellBlocks, Dataset, Meter, Piece, PieceArray, Stored};
 use super::hdf5;
+use super::lazy::{geometry, mesh_head};
 use super::netcdf;
 use super::request::{Format, Request, list};
 use super::source::Source;
@@ -22,7 +23,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use variables::Variables;
 use voltet_core::grid::Association;
-use voltet_core::reading::GridHead;
 use voltet_core::{Error, Result, counted};
 
 /// The declaration of files in netCDF's own form; those in HDF5 are told by [`ROOT`].
@@ -336,13 +336,17 @@ impl Selection<'_> {
         let cell_count = cell_count.ok_or_else(|| Error::run("the file cannot hold that many elements"))?;
         let mut arrays = self.node_arrays()?;
         arrays.extend(self.element_arrays(&read, cell_count));
-        let mesh = self.mesh(&read, cell_count)?;
-        let geometry = Geometry::Added(Arc::new(ExternalFormat::new(Arc::new(mesh))));
+        let mesh = self.mesh(&read)?;
+        let corners = |own: &ReadBlock| own.block.element_count.saturating_mul(own.kind.node_count());
+        let corner_count = read.iter().map(corners).fold(0, u64::saturating_add);
         let counts = [self.part.node_count, cell_count];
+        let all = [counts[0], cell_count, corner_count];
+        let byte_count = counts[0].saturating_mul(24).saturating_add(mesh_head(all).cell_bytes);
+        let geometry = geometry(all, move |progress| mesh.read(byte_count, progress));
         Ok(Piece::new(counts, geometry, arrays).with_blocks(CellBlocks::Runs(runs)))
     }
 
-    fn mesh(&self, read: &[ReadBlock], cell_count: u64) -> Result<Mesh> {
+    fn mesh(&self, read: &[ReadBlock]) -> Result<Mesh> {
         let variables = &self.part.variables;
         let axis = |axis: &'static str| variables.has(axis).then(|| variables.part(axis, &[], axis, 1));
         let coordinates: Result<Vec<Stored>> = match variables.has("coordx") {
@@ -377,17 +381,9 @@ impl Selection<'_> {
                 }
             })
         };
-        let cell_bytes =
-            |own: &ReadBlock| own.block.element_count.saturating_mul(own.kind.node_count() * 4 + 9);
         let has_polyhedra = read.iter().any(|own| matches!(own.kind, BlockKind::Polyhedra));
         let faces = if has_polyhedra { face_blocks(variables)? } else { Vec::new() };
-        let head = GridHead {
-            point_count: self.part.node_count,
-            cell_count,
-            cell_bytes: read.iter().map(cell_bytes).fold(0, u64::saturating_add),
-            ..GridHead::default()
-        };
-        Ok(Mesh { head, coordinates, blocks: read.iter().map(elements).collect::<Result<_>>()?, faces })
+        Ok(Mesh { coordinates, blocks: read.iter().map(elements).collect::<Result<_>>()?, faces })
     }
 
     /// Results at nodes; of a file of one process also the numbers of the nodes.

@@ -1,11 +1,11 @@
 //! Cells of OpenFOAM from their faces: tetrahedra, pyramids, prisms and hexahedra where the faces show them, polyhedra elsewhere.
 
 use super::file::{CollatedPart, FoamFile, misfit};
-use crate::formats::lazy::GatheredCells;
+use crate::formats::lazy::joined;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::path::PathBuf;
-use voltet_core::grid::{Cells, code};
+use voltet_core::grid::{CellSet, Cells, code};
 use voltet_core::{Error, Result};
 
 #[derive(Clone)]
@@ -109,7 +109,7 @@ impl FaceCells {
             return cells;
         }
         let of_part = |part: usize| {
-            let mut gathered = GatheredCells::default();
+            let mut gathered = CellSet::default();
             let mut faces = Vec::new();
             let part = part * PART..self.cell_count.min((part + 1) * PART);
             for cell in part.filter(|&cell| selection.contains(cell)) {
@@ -118,15 +118,14 @@ impl FaceCells {
                     faces.push((self.face((entry >> 1) as usize), entry & 1 == 0));
                 }
                 match simple_cell(&faces) {
-                    Some((code, corners)) => gathered.add(code, corners.iter().copied()),
-                    None => gathered.add_polyhedron(faces.iter().map(|&face| outward(face)).collect()),
+                    Some((code, corners)) => gathered.push(code, corners.iter().copied()),
+                    None => gathered.push_polyhedron(faces.iter().map(|&face| outward(face)).collect()),
                 }
             }
             gathered
         };
-        let parts: Vec<GatheredCells> =
-            (0..self.cell_count.div_ceil(PART)).into_par_iter().map(of_part).collect();
-        GatheredCells::join(parts)
+        let parts: Vec<CellSet> = (0..self.cell_count.div_ceil(PART)).into_par_iter().map(of_part).collect();
+        joined(parts)
     }
 
     /// Beginning of each cell's faces, and the end of the last ones; faces by cell, whose lowest bit says that the cell is the neighbour, whose

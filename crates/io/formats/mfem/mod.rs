@@ -22,7 +22,7 @@ use self::space::{FieldSpace, GridFunction};
 use super::blocks::selected;
 use super::contents::{CellBlocks, Compute, Dataset, Piece, PieceArray, Stored};
 use super::cursor::Cursor;
-use super::lazy::{GatheredCells, geometry};
+use super::lazy::{geometry, into_cells};
 use super::numbers::NumberType;
 use super::request::{Format, Request};
 use super::source::Source;
@@ -32,7 +32,7 @@ use glam::DVec3;
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use voltet_core::grid::{Association, Cells};
+use voltet_core::grid::{Association, CellSet, Cells};
 use voltet_core::reading::FileArray;
 use voltet_core::{Error, Result, counted};
 
@@ -248,17 +248,17 @@ impl MfemCells {
                 values.chunks(nodes.component_count).map(mesh::position).collect()
             }
         };
-        let mut gathered = GatheredCells::default();
+        let mut gathered = CellSet::default();
         let mut add = |cell: usize| {
             let shape = &SHAPES[usize::from(self.mesh.elements.types[cell])];
             let nodes = self.nodes.of_element(cell);
-            gathered.add(shape.codes[usize::from(self.is_second_order)], nodes.iter().copied());
+            gathered.push(shape.codes[usize::from(self.is_second_order)], nodes.iter().copied());
         };
         match &self.chosen {
             None => (0..self.blocks.len()).for_each(add),
             Some(chosen) => chosen.iter().for_each(|&cell| add(cell as usize)),
         }
-        Ok((points, gathered.into_cells()))
+        Ok((points, into_cells(gathered)))
     }
 }
 

@@ -13,7 +13,6 @@ use crate::formats::cursor::Cursor;
 use crate::formats::numbers::{ByteOrder, NumberType};
 use crate::formats::request::{Format, Request};
 use crate::formats::source::Source;
-use rayon::prelude::*;
 use std::sync::Arc;
 use voltet_core::grid::{CellSet, Cells, code};
 use voltet_core::{Error, Result, counted};
@@ -519,9 +518,7 @@ impl BinaryFile {
             ZoneKind::Polyhedra => self.polyhedra(holder, meter),
             _ => {
                 let connectivity = connectivity().load(meter)?;
-                let types = vec![code::HEXAHEDRON; own.cell_count as usize];
-                let offsets = (0..=own.cell_count).into_par_iter().map(|cell| cell * corners).collect();
-                Ok(Cells::Mixed(CellSet { types, offsets, connectivity, polyhedra: Vec::new() }))
+                Ok(Cells::Mixed(CellSet::of_type(code::HEXAHEDRON, corners as usize, connectivity)))
             }
         }
     }

@@ -5,7 +5,7 @@
 use super::zones::{ZoneHead, ZoneKind, axes, dataset, polyhedra, quantities};
 use crate::formats::contents::{CellBlocks, Dataset, Piece};
 use crate::formats::cursor::{Cursor, Place};
-use crate::formats::lazy::{GatheredCells, mesh_head};
+use crate::formats::lazy::{into_cells, mesh_head};
 use crate::formats::nastran;
 use crate::formats::numbers::{self, NumberType};
 use crate::formats::request::{Format, Request};
@@ -14,7 +14,7 @@ use glam::DVec3;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
-use voltet_core::grid::{Cells, code};
+use voltet_core::grid::{CellSet, Cells, code};
 use voltet_core::progress::Progress;
 use voltet_core::reading::{FileArray, GridHead, GridRead, OpenGrid};
 use voltet_core::{Error, Result};
@@ -360,8 +360,7 @@ impl TecplotFile {
             return Err(Error::run("a zone shares the cells of one with others").at_item(&own.name));
         }
         let code = if own.kind == ZoneKind::Tetrahedra { code::TETRA } else { code::HEXAHEDRON };
-        let (mut cursor, mut cells) =
-            (Cursor::at(&self.source, holder.connectivity), GatheredCells::default());
+        let (mut cursor, mut cells) = (Cursor::at(&self.source, holder.connectivity), CellSet::default());
         if own.kind == ZoneKind::Polyhedra {
             return read_polyhedra(&mut cursor, holder.faces, own);
         }
@@ -371,10 +370,10 @@ impl TecplotFile {
             let count = left.min(BATCH);
             let corners =
                 cursor.node_numbers(count.saturating_mul(corner_count), own.node_count, "a cell")?;
-            cells.add_all(code, corner_count as usize, &corners);
+            cells.push_all(code, corner_count as usize, &corners);
             left -= count;
         }
-        Ok(cells.into_cells())
+        Ok(into_cells(cells))
     }
 }
 

@@ -2,10 +2,9 @@
 
 use crate::formats::blocks::{left_out, selected};
 use crate::formats::contents::{Dataset, Piece};
-use crate::formats::lazy::GatheredCells;
 use crate::formats::request::Request;
 use crate::formats::source::Source;
-use voltet_core::grid::{Association, Cells};
+use voltet_core::grid::{Association, CellSet, Cells};
 use voltet_core::{Error, Result};
 
 #[derive(Clone, Copy, PartialEq)]
@@ -124,9 +123,9 @@ pub(super) fn polyhedra(zone: &ZoneHead, bounds: &[u64], nodes: &[u32], sides: &
         })?;
         own.push(points.to_vec());
     }
-    let mut gathered = GatheredCells::default();
-    cells.into_iter().for_each(|faces| gathered.add_polyhedron(faces));
-    Ok(Cells::Mixed(gathered.into_set()))
+    let mut gathered = CellSet::default();
+    cells.into_iter().for_each(|faces| gathered.push_polyhedron(faces));
+    Ok(Cells::Mixed(gathered))
 }
 
 /// Places of x, y and z among the variables.

@@ -4,7 +4,7 @@
 //! each type.
 
 use crate::formats::contents::{Convert, Meter, Stored};
-use crate::formats::lazy::{GatheredCells, tetrahedra};
+use crate::formats::lazy::tetrahedra;
 use std::sync::Arc;
 use voltet_core::grid::{CellSet, Cells, code};
 use voltet_core::{Error, Result};
@@ -103,18 +103,12 @@ impl Topology {
         if self.vtk == code::TETRA {
             return Ok(tetrahedra(numbers));
         }
-        let count = numbers.len().checked_div(node_count).unwrap_or(0);
-        Ok(Cells::Mixed(CellSet {
-            types: vec![self.vtk; count],
-            offsets: (0..=count).map(|cell| (cell * node_count) as u64).collect(),
-            connectivity: numbers,
-            polyhedra: Vec::new(),
-        }))
+        Ok(Cells::Mixed(CellSet::of_type(self.vtk, node_count, numbers)))
     }
 
     /// Cells of several types or numbers of nodes.
     fn counted(&self, numbers: &[u32], cell_count: u64, base: u32) -> Result<CellSet> {
-        let mut cells = GatheredCells::default();
+        let mut cells = CellSet::default();
         let mut rest = numbers;
         for number in 0..cell_count {
             let ends = || Error::run(format!("the connectivity ends within cell {number}"));
@@ -132,10 +126,10 @@ impl Topology {
             for &node in nodes {
                 point(node, base)?;
             }
-            cells.add(topology.vtk, nodes.iter().map(|node| node - base));
+            cells.push(topology.vtk, nodes.iter().map(|node| node - base));
         }
         match rest {
-            [] => Ok(cells.into_set()),
+            [] => Ok(cells),
             _ => {
                 let error = Error::run("the connectivity holds more numbers than the cells take");
                 Err(error.got(numbers.len()).expected(numbers.len() - rest.len()))
@@ -165,7 +159,7 @@ fn take<'a>(rest: &mut &'a [u32], count: usize) -> Option<&'a [u32]> {
 }
 
 /// Adds a polyhedron: the number of its faces, then of each the number of its nodes and these. `None`: the numbers end before.
-fn polyhedron(rest: &mut &[u32], base: u32, cells: &mut GatheredCells) -> Result<Option<()>> {
+fn polyhedron(rest: &mut &[u32], base: u32, cells: &mut CellSet) -> Result<Option<()>> {
     let mut faces = Vec::new();
     let Some(face_count) = take(rest, 1) else { return Ok(None) };
     for _ in 0..face_count[0] {
@@ -174,6 +168,6 @@ fn polyhedron(rest: &mut &[u32], base: u32, cells: &mut GatheredCells) -> Result
         };
         faces.push(nodes.iter().map(|&node| point(node, base)).collect::<Result<Vec<u32>>>()?);
     }
-    cells.add_polyhedron(faces);
+    cells.push_polyhedron(faces);
     Ok(Some(()))
 }

@@ -70,12 +70,8 @@ fn mixed_cells(rng: &mut Rng, [nx, ny, nz]: [usize; 3]) -> Result<Grid> {
             );
         }
     }
-    let mut cells = CellSet { types: vec![], offsets: vec![0], connectivity: vec![], polyhedra: vec![] };
-    let mut add = |code: u8, corners: &[u32]| {
-        cells.types.push(code);
-        cells.connectivity.extend(corners);
-        cells.offsets.push(cells.connectivity.len() as u64);
-    };
+    let mut cells = CellSet::default();
+    let mut add = |code: u8, corners: &[u32]| cells.push(code, corners.iter().copied());
     for cell in 0..nx * ny * nz {
         let (i, j, k) = (cell % nx, cell / nx % ny, cell / (nx * ny));
         let p: [u32; 8] = std::array::from_fn(|c| number(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2)));
