@@ -324,7 +324,7 @@ fn failed(path: &Path, why: &str) -> Error {
 /// The error where ffmpeg is not there, with the command that would be run, and the one that makes the film of the pictures.
 fn missing(path: &Path, error: &io::Error, options: &[String], command: &[String]) -> Error {
     let line = |words: &mut dyn Iterator<Item = String>| {
-        words.map(|word| quoted(&word)).collect::<Vec<String>>().join(" ")
+        words.map(|word| files::argument(Path::new(&word))).collect::<Vec<String>>().join(" ")
     };
     let mut given = command.to_vec();
     if !given.iter().any(|word| word == "--resume") {
@@ -339,10 +339,4 @@ fn missing(path: &Path, error: &io::Error, options: &[String], command: &[String
             line(&mut given.into_iter())
         ))
         .in_file(path)
-}
-
-/// A word of a command as a shell takes it.
-fn quoted(text: &str) -> String {
-    let is_plain = |letter: char| letter.is_alphanumeric() || "-_./:=+".contains(letter);
-    if text.chars().all(is_plain) { text.to_string() } else { format!("'{}'", text.replace('\'', "'\\''")) }
 }
