@@ -126,11 +126,11 @@ impl Source {
         let is_one_for_all = arrays().all(|(_, array)| is_finite(array))
             && shared.as_ref().is_none_or(|shared| !shared.are_parted_by_values(&self.pieces));
         if is_one_for_all {
-            let grid = self.built(shared.as_ref(), scalar, &NoProgress)?;
+            let grid = self.built(shared, scalar, &NoProgress)?;
             return Ok(grid.map(|grid| HostGrid::from(Arc::new(grid))));
         }
         // Pieces that do not fit together are an error, whatever could be drawn of them.
-        let whole = self.split(join_by(self.pieces.clone(), shared.as_ref())?, scalar, &NoProgress);
+        let whole = self.split(join_by(self.pieces.clone(), shared)?, scalar, &NoProgress);
         let whole = match &whole {
             Ok(Some(_)) => whole,
             // Without arrays that leave nothing to draw there may be something.
@@ -171,7 +171,7 @@ impl Source {
     /// The grid, by the shared points of the pieces where they are known; `None`: a piece that has nothing to draw.
     fn built(
         mut self,
-        shared: Option<&SharedPoints>,
+        shared: Option<SharedPoints>,
         scalar: Option<&str>,
         progress: &dyn Progress,
     ) -> Result<Option<Grid>> {

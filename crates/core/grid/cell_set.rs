@@ -37,9 +37,10 @@ impl Default for CellSet {
 }
 
 impl CellSet {
-    /// Cells of one VTK type, all of so many points, by the points of all.
-    pub fn of_type(code: u8, point_count: usize, connectivity: Vec<u32>) -> CellSet {
+    /// Cells of one VTK type, all of so many points, by the points of all. Points behind the last whole cell are left out.
+    pub fn of_type(code: u8, point_count: usize, mut connectivity: Vec<u32>) -> CellSet {
         let count = connectivity.len().checked_div(point_count).unwrap_or(0);
+        connectivity.truncate(count * point_count);
         let offsets = (0..=count).into_par_iter().map(|cell| (cell * point_count) as u64).collect();
         CellSet { types: vec![code; count], offsets, connectivity, polyhedra: Vec::new() }
     }
@@ -51,7 +52,7 @@ impl CellSet {
         self.types.push(code);
     }
 
-    /// Adds cells of one VTK type, all of so many points, by the points of all.
+    /// Adds cells of one VTK type as [`of_type`](Self::of_type) makes them.
     pub fn push_all(&mut self, code: u8, point_count: usize, corners: &[u32]) {
         let (begin, count) = (self.connectivity.len(), corners.len().checked_div(point_count).unwrap_or(0));
         self.connectivity.extend_from_slice(&corners[..count * point_count]);
@@ -87,7 +88,9 @@ impl CellSet {
         let mut some = CellSet::default();
         for cell in cells.iter().map(|&cell| cell as usize) {
             let corners = self.offsets[cell] as usize..self.offsets[cell + 1] as usize;
-            some.push(self.types[cell], self.connectivity[corners].iter().map(|&point| number(point)));
+            // Damaged offsets are an error once the grid is built.
+            let corners = self.connectivity.get(corners).unwrap_or(&[]);
+            some.push(self.types[cell], corners.iter().map(|&point| number(point)));
         }
         let polyhedron = |polyhedron: &Polyhedron| {
             let cell = cells.binary_search(&polyhedron.cell).ok()? as u32;

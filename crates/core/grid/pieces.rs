@@ -12,7 +12,6 @@ use super::shared_points::{PointHolder, PointNumbers, SharedPoints, shared_point
 use super::{CellType, code};
 use crate::{Error, Result, SharedSlice, counted};
 use rayon::prelude::*;
-use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Tuples that one task handles.
@@ -33,8 +32,8 @@ pub fn join(pieces: Vec<RawGrid>) -> Result<RawGrid> {
 /// Like [`join`], by the shared points of the pieces with cells where they were found before ([`SharedPoints::by_values`]).
 ///
 /// # Errors
-/// As of [`join`].
-pub fn join_by(mut pieces: Vec<RawGrid>, shared: Option<&SharedPoints>) -> Result<RawGrid> {
+/// As of [`join`]; the shared points are those of another number of pieces with cells.
+pub fn join_by(mut pieces: Vec<RawGrid>, shared: Option<SharedPoints>) -> Result<RawGrid> {
     if pieces.iter().any(|piece| piece.cells.count() > 0) {
         pieces.retain(|piece| piece.cells.count() > 0);
     }
@@ -45,7 +44,11 @@ pub fn join_by(mut pieces: Vec<RawGrid>, shared: Option<&SharedPoints>) -> Resul
     for (index, piece) in pieces.iter_mut().enumerate() {
         prepare(piece, index)?;
     }
-    let shared = shared.map_or_else(|| Cow::Owned(shared_points(&pieces)), Cow::Borrowed);
+    let shared = shared.unwrap_or_else(|| shared_points(&pieces));
+    if shared.piece_count() != pieces.len() {
+        let error = Error::usage("the shared points are those of other pieces").got(shared.piece_count());
+        return Err(error.expected(format_args!("{}, those with cells", counted(pieces.len(), "piece"))));
+    }
     let whole = |(piece, grid)| JoinedPiece { piece, grid, originals: None, is_halo: false };
     join_pieces(pieces.into_iter().enumerate().map(whole).collect(), &shared)
 }

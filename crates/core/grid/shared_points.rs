@@ -110,6 +110,10 @@ impl SharedPoints {
         self.count
     }
 
+    pub(super) fn piece_count(&self) -> usize {
+        self.of_pieces.len()
+    }
+
     /// True if a piece has none.
     pub fn is_empty_at(&self, piece: usize) -> bool {
         self.of_piece(piece).is_empty()

@@ -71,9 +71,7 @@ struct Builder {
 
 impl Builder {
     fn cell(&mut self, code: u8, corners: &[u32]) {
-        self.set.types.push(code);
-        self.set.connectivity.extend_from_slice(corners);
-        self.set.offsets.push(self.set.connectivity.len() as u64);
+        self.set.push(code, corners.iter().copied());
     }
 
     fn quadratic(&mut self, code: u8, corners: &[u32], edges: &[(usize, usize)]) {

@@ -215,16 +215,11 @@ fn neighbours_of_different_types_share_their_curved_faces() {
         }
     };
     let mut set = CellSet::default();
-    let mut add = |code: u8, nodes: Vec<u32>| {
-        set.types.push(code);
-        set.connectivity.extend(nodes);
-        set.offsets.push(set.connectivity.len() as u64);
-    };
-    add(code::QUADRATIC_HEXAHEDRON, (0..20).collect());
-    let wedge = halves(&WEDGE[..15]).into_iter().map(|p| number(DVec3::new(1.0 + p.x, p.y, p.z))).collect();
-    add(code::QUADRATIC_WEDGE, wedge);
-    let pyramid = halves(PYRAMID).into_iter().map(|p| number(p + DVec3::Z)).collect();
-    add(code::QUADRATIC_PYRAMID, pyramid);
+    set.push(code::QUADRATIC_HEXAHEDRON, 0..20);
+    let wedge = halves(&WEDGE[..15]).into_iter().map(|p| number(DVec3::new(1.0 + p.x, p.y, p.z)));
+    set.push(code::QUADRATIC_WEDGE, wedge);
+    let pyramid = halves(PYRAMID).into_iter().map(|p| number(p + DVec3::Z));
+    set.push(code::QUADRATIC_PYRAMID, pyramid);
     let parts = RawGrid::new(points, Cells::Mixed(set));
     for seed in 1..20 {
         for subdivision in [1, 2] {

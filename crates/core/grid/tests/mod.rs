@@ -2,6 +2,7 @@
 
 mod boxes;
 mod cell_edges;
+mod cell_sets;
 mod curved;
 mod higher_order;
 mod linear;

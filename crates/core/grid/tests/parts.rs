@@ -59,9 +59,7 @@ fn cut(whole: &RawGrid, owners: &[usize], cut: Cut) -> Vec<RawGrid> {
                 let faces = polyhedron.faces.iter().map(face).collect();
                 set.polyhedra.push(Polyhedron { cell: set.types.len() as u32, faces });
             }
-            set.types.push(all.types[cell]);
-            set.connectivity.extend(corners(cell).iter().map(|p| numbers[p]));
-            set.offsets.push(set.connectivity.len() as u64);
+            set.push(all.types[cell], corners(cell).iter().map(|p| numbers[p]));
         }
         let points: Vec<DVec3> = used.iter().map(|&p| whole.points[p as usize]).collect();
         let mut raw = RawGrid::new(points, Cells::Mixed(set));

@@ -20,9 +20,7 @@ fn whole(n: usize) -> RawGrid {
             _ => &[(code::WEDGE, &[a, b, d, e, f, h]), (code::WEDGE, &[a, d, c, e, h, g])],
         };
         for (code, corners) in cells {
-            set.types.push(*code);
-            set.connectivity.extend_from_slice(corners);
-            set.offsets.push(set.connectivity.len() as u64);
+            set.push(*code, corners.iter().copied());
         }
     }
     let at_points = points.iter().map(|p| (3.0 * p.x).sin() + p.y * p.z).collect::<Vec<f64>>();
@@ -45,9 +43,7 @@ fn piece(whole: &RawGrid, ids: bool, keep: impl Fn(usize) -> Option<u8>) -> RawG
     used.dedup();
     let mut set = CellSet::default();
     for &(cell, _) in &kept {
-        set.types.push(all.types[cell]);
-        set.connectivity.extend(corners(cell).iter().map(|&p| used.partition_point(|&q| q < p) as u32));
-        set.offsets.push(set.connectivity.len() as u64);
+        set.push(all.types[cell], corners(cell).iter().map(|&p| used.partition_point(|&q| q < p) as u32));
     }
     let points: Vec<DVec3> = used.iter().map(|&p| whole.points[p as usize]).collect();
     let mut raw = RawGrid::new(points, Cells::Mixed(set));
@@ -187,6 +183,13 @@ fn a_crack_and_a_jump_stay_and_blocks_stay_apart() {
     let with_ids = |value: f64| RawGrid { global_ids: Some((0..6).collect()), ..tetrahedron(1.0, value, 0) };
     assert!(!parts(&[with_ids(0.0), with_ids(0.5)]));
     assert!(parts(&[with_ids(0.0), tetrahedron(-1.0, 0.5, 0)]));
+    // Joined by the points that were found before, as by those that are found then.
+    let pair = || vec![tetrahedron(1.0, 0.0, 0), tetrahedron(-1.0, 0.5, 0)];
+    let text = |raw: Result<RawGrid>| format!("{:?}", raw.unwrap());
+    assert_eq!(text(join_by(pair(), SharedPoints::by_values(&pair()))), text(join(pair())));
+    let three = [pair(), vec![RawGrid::default()]].concat();
+    let error = join_by(three.clone(), SharedPoints::by_values(&three)).unwrap_err().to_string();
+    assert!(error.contains("found 3; expected 2 pieces, those with cells"), "{error}");
     let bare = RawGrid { scalar: None, ..tetrahedron(1.0, 0.0, 0) };
     let error = join(vec![tetrahedron(1.0, 0.0, 0), bare]).unwrap_err().to_string();
     assert!(error.contains("lacks the array 's'"), "{error}");

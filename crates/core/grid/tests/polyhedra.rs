@@ -217,11 +217,7 @@ fn polyhedra_that_cannot_be_split_are_left_out_and_named() {
         both.points = both.points.iter().chain(parts.points.iter()).copied().collect();
         both.scalar = None;
         let (Cells::Mixed(set), Cells::Mixed(bad)) = (&mut both.cells, &parts.cells) else { unreachable!() };
-        set.types.push(code::POLYHEDRON);
-        set.connectivity.extend(bad.connectivity.iter().map(|p| p + shift));
-        set.offsets.push(set.connectivity.len() as u64);
-        let faces = bad.polyhedra[0].faces.iter().map(|f| f.iter().map(|p| p + shift).collect()).collect();
-        set.polyhedra.push(Polyhedron { cell: 1, faces });
+        set.append(bad.clone(), |p| p + shift);
         let grid = built(both).unwrap();
         assert!((total_volume(&grid) - 1.0).abs() < 1e-12);
         let [warning] = &grid.origin.warnings[..] else { panic!("{:?}", grid.origin.warnings) };
@@ -244,13 +240,7 @@ fn joined_cells(counts: [usize; 3], jitter: f64, owner: &[u32]) -> RawGrid {
         }
         let mut faces: Vec<Vec<u32>> = faces.into_values().filter(|same| same.len() == 1).flatten().collect();
         faces.sort_unstable();
-        let mut corners = faces.concat();
-        corners.sort_unstable();
-        corners.dedup();
-        set.types.push(code::POLYHEDRON);
-        set.connectivity.extend(corners);
-        set.offsets.push(set.connectivity.len() as u64);
-        set.polyhedra.push(Polyhedron { cell: number, faces });
+        set.push_polyhedron(faces);
     }
     parts_with_scalar(RawGrid::new(parts.points, Cells::Mixed(set)), "s", |p| p.x + 2.0 * p.y - p.z)
 }

@@ -49,12 +49,8 @@ fn two_sizes(cells: std::ops::Range<usize>) -> RawGrid {
     };
     for cell in cells.clone() {
         let size = if cell == 0 { 2 } else { 1 };
-        for corner in 0..8_u32 {
-            let place = std::array::from_fn(|axis| low[cell][axis] + size * (corner >> axis & 1));
-            set.connectivity.push(number(place, &mut places));
-        }
-        set.types.push(code::VOXEL);
-        set.offsets.push(set.connectivity.len() as u64);
+        let corner = |corner: u32| std::array::from_fn(|axis| low[cell][axis] + size * (corner >> axis & 1));
+        set.push(code::VOXEL, (0..8).map(|own| number(corner(own), &mut places)));
     }
     let mut hanging = Vec::new();
     if cells.len() == 5 {
@@ -211,9 +207,7 @@ fn ghosts_and_surfaces_are_left_out_and_unused_points_dropped() {
     parts.scalar.as_mut().unwrap().values.make_mut().extend([99.0, f64::NAN]);
     let Cells::Mixed(set) = &mut parts.cells else { unreachable!() };
     for (kind, corners) in [(5_u8, vec![0, 1, 2]), (1, vec![lonely as u32]), (3, vec![0, 1])] {
-        set.types.push(kind);
-        set.connectivity.extend(corners);
-        set.offsets.push(set.connectivity.len() as u64);
+        set.push(kind, corners);
     }
     let mut ghost = vec![0; 15];
     ghost[..3].fill(8);
