@@ -14,6 +14,7 @@ pub use write::{
     write_whole,
 };
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 /// A file without a name, for what need not stay in memory: it goes when it is dropped.
@@ -75,11 +76,11 @@ pub fn display_path(path: &Path) -> String {
     }
 }
 
-/// A path as an argument of a command that is shown: quoted where a shell would take it apart.
-pub fn argument(path: &Path) -> String {
-    let text = path.to_string_lossy();
-    let is_plain = |c: char| c.is_alphanumeric() || "/._-+=:,@%\\".contains(c);
-    match text.chars().all(is_plain) {
+/// A word as an argument of a command that is shown: quoted where a shell would take it apart, or read a sign in another way.
+pub fn argument(word: impl AsRef<OsStr>) -> String {
+    let text = word.as_ref().to_string_lossy();
+    let is_plain = |c: char| c.is_alphanumeric() || "/._-+=:,@%".contains(c) || cfg!(windows) && c == '\\';
+    match !text.is_empty() && text.chars().all(is_plain) {
         true => text.into_owned(),
         false => format!("'{}'", text.replace('\'', r"'\''")),
     }
@@ -123,6 +124,17 @@ impl Fnv {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_argument_is_quoted_where_a_shell_would_read_it_in_another_way() {
+        let plain = "a/b-c_1.5+x=y:z,@%";
+        for (text, shown) in
+            [(plain, plain), ("", "''"), ("a b", "'a b'"), ("it's", r"'it'\''s'"), ("$x", "'$x'")]
+        {
+            assert_eq!(argument(text), shown);
+        }
+        assert_eq!(argument(r"a\b"), if cfg!(windows) { r"a\b" } else { r"'a\b'" });
+    }
 
     #[test]
     fn the_hash_is_the_published_one() {

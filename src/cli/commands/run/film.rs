@@ -324,7 +324,7 @@ fn failed(path: &Path, why: &str) -> Error {
 /// The error where ffmpeg is not there, with the command that would be run, and the one that makes the film of the pictures.
 fn missing(path: &Path, error: &io::Error, options: &[String], command: &[String]) -> Error {
     let line = |words: &mut dyn Iterator<Item = String>| {
-        words.map(|word| files::argument(Path::new(&word))).collect::<Vec<String>>().join(" ")
+        words.map(|word| files::argument(&word)).collect::<Vec<String>>().join(" ")
     };
     let mut given = command.to_vec();
     if !given.iter().any(|word| word == "--resume") {
