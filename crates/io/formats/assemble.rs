@@ -1,10 +1,11 @@
 //! From the table of contents to the grid: decodes what is asked for, has pieces put together and tetrahedra built.
 
 use super::contents::{
-    BLOCK, CellBlocks, DEGREES, Dataset, ExternalFormat, GHOST_LEVELS, GHOST_TYPE, GLOBAL_IDS, Geometry,
-    Meter, NumberedPiece, Piece, grid_of, structured_counts,
+    BLOCK, CellBlocks, DEGREES, Dataset, GHOST_LEVELS, GHOST_TYPE, GLOBAL_IDS, Geometry, Meter,
+    NumberedPiece, OpenPiece, Piece, PieceArray, grid_of, structured_counts,
 };
 use super::request::{ArraySelection, Component, Request};
+use super::vectors::length;
 use super::{blocks, cells, hexahedra, request};
 use crate::memory::GridSize;
 use glam::DVec3;
@@ -28,7 +29,7 @@ const HIDDEN_POINT: u64 = 2;
 pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Progress) -> Result<Grid> {
     let meter = Meter::new(progress, dataset.file_bytes);
     let pieces = pieces_with_cells(dataset);
-    let external = fetch(dataset, &pieces, request, progress)?;
+    let open = fetch(dataset, &pieces, request, progress)?;
     let cells: Vec<Cells> = all_or_first(pieces.par_iter().map(|piece| cells::load(piece.1, &meter)))?;
     let has_cells = cells.iter().any(|cells| cells.count() > 0);
     if !(request.options.without_tetrahedra && has_cells) {
@@ -64,7 +65,7 @@ pub(super) fn assemble(dataset: &Dataset, request: &Request, progress: &dyn Prog
     let mut parts = grid::join(loaded.into_iter().map(|piece| piece.1).collect())?;
     describe(&mut parts, dataset, request, &choices)?;
     parts.origin.warnings.extend(sentences);
-    parts.origin.warnings.extend(external.iter().flat_map(|external| external.ready().warnings.clone()));
+    parts.origin.warnings.extend(open.iter().flat_map(|open| open.ready().warnings.clone()));
     if request.every_array {
         parts.origin.arrays_decoded += left.arrays.len() as u64;
     } else {
@@ -88,7 +89,7 @@ pub(super) fn load_all(
     meter: &Meter,
 ) -> Result<Vec<(usize, RawGrid)>> {
     let is_unsplit = is_unsplit(request, choices);
-    refuse_beyond_memory(&pieces, choices.len(), is_unsplit, meter.progress())?;
+    check_memory(&pieces, choices.len(), is_unsplit, meter.progress())?;
     let (ids, fills) = (global_ids(dataset), is_unsplit && dataset.has_blocks);
     let wanted = PieceRequest { request, choices, ids, fills };
     all_or_first(pieces.into_par_iter().map(|((index, piece), cells)| {
@@ -145,8 +146,7 @@ pub(super) fn is_averaged(request: &Request, choices: &[ArraySelection]) -> bool
         && choices.iter().any(|choice| choice.association == Association::Cell)
 }
 
-/// Checks that memory holds the grids that are made by code, and reads the first with its arrays; has each other one read in one pass with
-/// its arrays. Gives the files of all.
+/// Checks that memory holds the open grids; has each read in one pass with its arrays, a single one at once. Gives all of them.
 ///
 /// Errors: memory ends before all are there.
 pub(super) fn fetch<'a>(
@@ -154,27 +154,53 @@ pub(super) fn fetch<'a>(
     pieces: &[NumberedPiece<'a>],
     request: &Request,
     progress: &dyn Progress,
-) -> Result<Vec<&'a ExternalFormat>> {
-    let external: Vec<&ExternalFormat> = pieces
-        .iter()
-        .filter_map(|(_, piece)| match &piece.geometry {
-            Geometry::Added(external) => Some(&**external),
-            _ => None,
-        })
-        .collect();
-    if external.is_empty() {
-        return Ok(external);
+) -> Result<Vec<&'a OpenPiece>> {
+    let open = |piece: &'a Piece| match &piece.geometry {
+        Geometry::Open(open) => Some((piece, &**open)),
+        _ => None,
+    };
+    let open: Vec<(&Piece, &OpenPiece)> = pieces.iter().filter_map(|own| open(own.1)).collect();
+    if open.is_empty() {
+        return Ok(Vec::new());
     }
     let choices = choices(dataset, request)?;
-    let places = |own: &ExternalFormat| own.places(|name, association| is_read(&choices, name, association));
-    let bytes = external.iter().map(|own| own.byte_count(true, &places(own))).fold(0, u64::saturating_add);
+    // Of blocks, those that lack an array are not drawn.
+    let is_whole = |piece: &Piece| {
+        let mut own = choices.iter().map(|choice| piece.array(choice.association, &choice.name));
+        !dataset.has_blocks || is_unsplit(request, &choices) || own.all(|array| array.is_some())
+    };
+    let places = |&(piece, own): &(&Piece, &OpenPiece)| match is_whole(piece) {
+        true => own.places(piece, |array| is_read(&choices, array)),
+        false => Vec::new(),
+    };
+    let places: Vec<Vec<usize>> = open.iter().map(places).collect();
+    let bytes = open.iter().zip(&places).map(|(own, places)| own.1.byte_count(true, places));
     let cell_count = pieces.iter().map(|piece| piece.1.cell_count).fold(0, u64::saturating_add);
     let point_count = point_count(pieces.iter().map(|piece| piece.1));
-    progress::refuse_beyond_memory(progress, || grid_of(point_count, cell_count), bytes)?;
-    // A reader from outside has one piece, and is called from here; pieces of others are read side by side as they are taken.
-    external[1..].iter().for_each(|own| own.expect(places(own)));
-    external[0].read(true, &places(external[0]), progress)?;
-    Ok(external)
+    let what = || grid_of(point_count, cell_count);
+    refuse_beyond_memory(progress, pieces.len(), what, bytes.fold(0, u64::saturating_add))?;
+    match (&open[..], &places[..]) {
+        // A reader from outside has one piece, and is called from here.
+        ([(_, own)], [places]) => own.read(true, places, progress)?,
+        // Those of others are read side by side as they are taken.
+        _ => open.iter().zip(places).for_each(|(own, places)| own.1.read_ahead(places)),
+    }
+    Ok(open.into_iter().map(|own| own.1).collect())
+}
+
+/// Refuses pieces that take more memory than is left; several can be read one after the other.
+fn refuse_beyond_memory(
+    progress: &dyn Progress,
+    piece_count: usize,
+    what: impl FnOnce() -> String,
+    bytes: u64,
+) -> Result<()> {
+    progress::refuse_beyond_memory(progress, what, bytes).map_err(|error| match piece_count {
+        0 | 1 => error,
+        _ => {
+            error.expected("more memory, or voltet run --memory SIZE, which reads pieces one after the other")
+        }
+    })
 }
 
 /// Number of the grid that a piece is of; points of different ones stay apart.
@@ -201,17 +227,18 @@ pub(super) fn global_ids(dataset: &Dataset) -> Option<&str> {
 }
 
 /// True if an array is read: it is chosen, or says which cells are ghosts or of which degree.
-fn is_read(choices: &[ArraySelection], name: &str, association: Association) -> bool {
-    choices.iter().any(|choice| choice.association == association && choice.name == name)
-        || [GHOST_TYPE, GHOST_LEVELS, DEGREES].contains(&name)
+fn is_read(choices: &[ArraySelection], array: &PieceArray) -> bool {
+    let name = &array.stored.name;
+    choices.iter().any(|choice| choice.association == array.association && choice.name == *name)
+        || [GHOST_TYPE, GHOST_LEVELS, DEGREES].contains(&name.as_str())
 }
 
 fn point_count<'a>(pieces: impl Iterator<Item = &'a Piece>) -> u64 {
     pieces.map(|piece| piece.point_count).fold(0, u64::saturating_add)
 }
 
-/// An early error where the grid would not fit into memory. The cells of the file are there already.
-fn refuse_beyond_memory(
+/// An early error where the grid would not fit into memory. The cells of the file are there already, and what was read with them.
+fn check_memory(
     pieces: &[(NumberedPiece, Cells)],
     array_count: usize,
     is_unsplit: bool,
@@ -229,13 +256,13 @@ fn refuse_beyond_memory(
         true => format!("a grid of {}", counted(size.points, "point")),
         false => format!("a grid of about {}", counted(size.tetrahedra, "tetrahedron")),
     };
-    progress::refuse_beyond_memory(progress, what, size.bytes().saturating_add(further)).map_err(|error| {
-        match pieces {
-            [_, _, ..] => error
-                .expected("more memory, or voltet run --memory SIZE, which reads pieces one after the other"),
-            _ => error,
-        }
-    })
+    let ready = |((_, piece), _): &(NumberedPiece, Cells)| match &piece.geometry {
+        Geometry::Open(open) => open.ready_bytes(array_count),
+        _ => 0,
+    };
+    let ready = pieces.iter().map(ready).fold(0, u64::saturating_add);
+    let bytes = size.bytes().saturating_add(further).saturating_sub(ready);
+    refuse_beyond_memory(progress, pieces.len(), what, bytes)
 }
 
 /// The arrays that a request means: the scalar, those beside it on the points, those that stay on the cells, the displacement.
@@ -320,7 +347,7 @@ pub(super) fn unread_of<'a>(
     for array in pieces.flat_map(|piece| &piece.arrays) {
         let name = &array.stored.name;
         let is_own = !dataset.blocks.is_empty() && name == BLOCK && array.association == Association::Cell;
-        if !is_own && !is_read(choices, name, array.association) && ids != Some(name) {
+        if !is_own && !is_read(choices, array) && ids != Some(name) {
             value_count = value_count.saturating_add(array.stored.promised()?.unwrap_or(0));
             if !arrays.contains(name) {
                 arrays.push(name.clone());
@@ -342,8 +369,8 @@ pub(super) struct PieceRequest<'a> {
 
 /// A piece as the import takes it.
 pub(super) fn load(piece: &Piece, mut cells: Cells, wanted: &PieceRequest, meter: &Meter) -> Result<RawGrid> {
-    if let Geometry::Added(external) = &piece.geometry {
-        external.expect(external.places(|name, association| is_read(wanted.choices, name, association)));
+    if let Geometry::Open(open) = &piece.geometry {
+        open.read_ahead(open.places(piece, |array| is_read(wanted.choices, array)));
     }
     // The values first, for progress: they are bytes of the file, the points of a uniform grid are not.
     let mut columns = wanted.choices.iter().zip(columns(piece, wanted, meter)?);
@@ -421,7 +448,7 @@ fn move_points(points: &mut [DVec3], displacement: &[f64], request: &Request) {
         .for_each(|(point, &vector)| *point += factor * DVec3::from_array(vector));
 }
 
-/// The values of each choice. An array of which several components are chosen is decoded once.
+/// The values of each choice. An array that is chosen several times, or of which several components are, is decoded once.
 fn columns(piece: &Piece, wanted: &PieceRequest, meter: &Meter) -> Result<Vec<Vec<f64>>> {
     let choices = wanted.choices;
     let decoded = |choice: &ArraySelection| match piece.array(choice.association, &choice.name) {
@@ -429,24 +456,21 @@ fn columns(piece: &Piece, wanted: &PieceRequest, meter: &Meter) -> Result<Vec<Ve
         _ => decoded(piece, choice, meter),
     };
     let mut columns: Vec<Option<Vec<f64>>> = vec![None; choices.len()];
-    for (i, choice) in choices.iter().enumerate().filter(|choice| choice.1.component != Component::All) {
-        if columns[i].is_none() {
-            let values = decoded(choice)?;
-            if choice.component_count == 1 && choice.component != Component::Magnitude {
-                columns[i] = Some(values);
-                continue;
-            }
-            let is_same = |other: &ArraySelection| {
-                let whole = ArraySelection { component: choice.component, ..other.clone() };
-                whole == *choice && other.component != Component::All
-            };
-            for (other, column) in choices.iter().zip(&mut columns).filter(|other| is_same(other.0)) {
-                *column = Some(component(&values, other));
-            }
+    while let Some(first) = columns.iter().position(Option::is_none) {
+        let (choice, values) = (&choices[first], decoded(&choices[first])?);
+        let is_same = |&other: &usize| {
+            ArraySelection { component: choice.component, ..choices[other].clone() } == *choice
+        };
+        let same: Vec<usize> = (first..choices.len()).filter(is_same).collect();
+        let whole = same.iter().copied().find(|&other| choices[other].is_whole());
+        for &other in same.iter().filter(|&&other| Some(other) != whole) {
+            columns[other] = Some(component(&values, &choices[other]));
+        }
+        if let Some(whole) = whole {
+            columns[whole] = Some(values);
         }
     }
-    let of = |(choice, column): (_, Option<Vec<f64>>)| column.map_or_else(|| decoded(choice), Ok);
-    choices.iter().zip(columns).map(of).collect()
+    Ok(columns.into_iter().flatten().collect())
 }
 
 /// NaN for each number of an array that a piece lacks.
@@ -493,15 +517,6 @@ fn decoded(piece: &Piece, choice: &ArraySelection, meter: &Meter) -> Result<Vec<
     stored.load(meter)
 }
 
-/// Length of a vector, without overflow on the way.
-pub fn length(vector: &[f64]) -> f64 {
-    let scale = vector.iter().fold(0.0_f64, |scale, value| scale.max(value.abs()));
-    if scale == 0.0 || !scale.is_finite() || vector.iter().any(|value| value.is_nan()) {
-        return vector.iter().map(|value| value.abs()).sum();
-    }
-    scale * vector.iter().map(|value| (value / scale).powi(2)).sum::<f64>().sqrt()
-}
-
 /// `vtkGhostType` of the cells, those at hidden points hidden; `None` where all are 0.
 fn ghosts(piece: &Piece, cells: &Cells, meter: &Meter) -> Result<Option<Vec<u8>>> {
     let of = |association, name| -> Result<Option<Vec<u64>>> {
@@ -541,7 +556,7 @@ pub(super) fn load_points(piece: &Piece, meter: &Meter) -> Result<Vec<DVec3>> {
         Geometry::Unstructured { points, .. } | Geometry::Curvilinear { points, .. } => {
             points.load_tuples::<f64, _>(meter)
         }
-        Geometry::Added(external) => external.take(None, |read| read.points.take(), meter.progress()),
+        Geometry::Open(open) => open.take(None, |read| read.points.take(), meter.progress()),
         Geometry::Adaptive(lattice) => Ok(lattice.positions()),
         Geometry::Rectilinear { axes, .. } => {
             let [x, y, z] = &**axes;

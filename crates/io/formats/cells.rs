@@ -20,7 +20,7 @@ pub(super) fn load(piece: &Piece, meter: &Meter) -> Result<Cells> {
             StoredCells::Counted { list, types } => counted(list, types, meter),
             StoredCells::Converted(convert) => convert(meter),
         },
-        Geometry::Added(external) => external.take(None, |read| read.cells.take(), meter.progress()),
+        Geometry::Open(open) => open.take(None, |read| read.cells.take(), meter.progress()),
         Geometry::Adaptive(lattice) => Ok(lattice.cells()),
         Geometry::Curvilinear { dimensions, .. }
         | Geometry::Rectilinear { dimensions, .. }
@@ -35,7 +35,7 @@ pub(super) fn has_types(piece: &Piece, is_of_kind: impl Fn(u8) -> bool, meter: &
             StoredCells::Offsets { types, .. } | StoredCells::Counted { types, .. } => types.load(meter)?,
             StoredCells::Converted(_) => types_of(load(piece, meter)?),
         },
-        Geometry::Added(_) | Geometry::Adaptive(_) => types_of(load(piece, meter)?),
+        Geometry::Open(_) | Geometry::Adaptive(_) => types_of(load(piece, meter)?),
         _ => Vec::new(),
     };
     Ok(types.into_iter().any(is_of_kind))

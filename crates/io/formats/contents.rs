@@ -128,8 +128,8 @@ pub(super) enum Geometry {
     Unstructured { points: Stored, cells: Box<StoredCells> },
     /// A box of hexahedra; `dimensions` counts points. `points`: first coordinate fastest.
     Curvilinear { dimensions: [u64; 3], points: Stored },
-    /// Grid of a reader from outside.
-    Added(Arc<ExternalFormat>),
+    /// Grid that is read in passes, by code of a format or by a reader from outside.
+    Open(Arc<OpenPiece>),
     /// Boxes of several sizes.
     Adaptive(Arc<Lattice>),
     /// Axis-parallel boxes between coordinates.
@@ -211,15 +211,15 @@ impl Piece {
     pub fn of_open(source: &Arc<Source>, open: Arc<dyn OpenGrid>) -> Piece {
         let head = open.head().clone();
         let counts = [head.point_count, head.cell_count];
-        let added = Arc::new(ExternalFormat::new(open));
+        let open = Arc::new(OpenPiece::new(open));
         let array = |(place, array): (usize, &FileArray)| {
-            let of = added.clone();
+            let of = open.clone();
             PieceArray::computed(source, array, counts, move |meter| {
                 of.take(Some(place), |read| read.arrays.remove(&place), meter.progress())
             })
         };
         let arrays = head.arrays.iter().enumerate().map(array).collect();
-        Piece::new(counts, Geometry::Added(added), arrays)
+        Piece::new(counts, Geometry::Open(open), arrays)
     }
 
     pub fn with_blocks(self, blocks: CellBlocks) -> Piece {
@@ -407,45 +407,53 @@ impl Stored {
     }
 }
 
-/// An open file of a format that comes from outside, and what was read of it and not yet taken.
-pub(super) struct ExternalFormat {
+/// An open grid, and what was read of it and not yet taken.
+pub(super) struct OpenPiece {
     open: Arc<dyn OpenGrid>,
-    ready: Mutex<ExternalRead>,
+    ready: Mutex<PartsRead>,
 }
 
 /// Parts of a file that were read.
 #[derive(Default)]
-pub(super) struct ExternalRead {
+pub(super) struct PartsRead {
     pub points: Option<Vec<DVec3>>,
     pub cells: Option<Cells>,
     /// By their places in the head.
     pub arrays: BTreeMap<usize, Vec<f64>>,
     pub warnings: Vec<String>,
     /// Places of arrays that are read in one pass with what is taken next.
-    expected: Vec<usize>,
+    ahead: Vec<usize>,
 }
 
-impl ExternalFormat {
-    /// Wraps an open file of which nothing was read yet.
-    pub fn new(open: Arc<dyn OpenGrid>) -> ExternalFormat {
-        ExternalFormat { open, ready: Mutex::default() }
+impl OpenPiece {
+    /// Wraps an open grid of which nothing was read yet.
+    pub fn new(open: Arc<dyn OpenGrid>) -> OpenPiece {
+        OpenPiece { open, ready: Mutex::default() }
     }
 
     /// Parts that were read and not yet taken.
-    pub fn ready(&self) -> MutexGuard<'_, ExternalRead> {
+    pub fn ready(&self) -> MutexGuard<'_, PartsRead> {
         self.ready.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Places of its arrays that are `wanted`.
-    pub fn places(&self, wanted: impl Fn(&str, Association) -> bool) -> Vec<usize> {
-        let arrays = self.open.head().arrays.iter().enumerate();
-        arrays.filter(|(_, array)| wanted(&array.name, array.association)).map(|(place, _)| place).collect()
+    /// Places in the head of those arrays of its piece that are `wanted`: the head's come first, by the names that the piece gives them.
+    pub fn places(&self, piece: &Piece, wanted: impl Fn(&PieceArray) -> bool) -> Vec<usize> {
+        let arrays = piece.arrays.iter().take(self.open.head().arrays.len()).enumerate();
+        arrays.filter(|(_, array)| wanted(array)).map(|(place, _)| place).collect()
     }
 
     /// Has the arrays at these places read in one pass with the part that is taken next.
-    pub fn expect(&self, places: Vec<usize>) {
+    pub fn read_ahead(&self, places: Vec<usize>) {
         let mut ready = self.ready();
-        ready.expected = places.into_iter().filter(|place| !ready.arrays.contains_key(place)).collect();
+        ready.ahead = places.into_iter().filter(|place| !ready.arrays.contains_key(place)).collect();
+    }
+
+    /// Bytes of the points, and of one number a point of each of at most so many arrays, that were read and not yet taken.
+    pub fn ready_bytes(&self, array_count: usize) -> u64 {
+        let (ready, point_count) = (self.ready(), self.open.head().point_count);
+        let points = ready.points.as_ref().map_or(0, |points| size_of_val(&points[..]) as u64);
+        let numbers = ready.arrays.values().take(array_count).map(|own| point_count.min(own.len() as u64));
+        points.saturating_add(numbers.fold(0, u64::saturating_add).saturating_mul(8))
     }
 
     /// Bytes that the grid and the arrays at these places take.
@@ -483,13 +491,13 @@ impl ExternalFormat {
     }
 
     /// A part by the function that takes it from what was read: the geometry, or the array at a place. Read now if it is not there, with the
-    /// arrays that are expected.
+    /// arrays that are read ahead.
     ///
     /// Errors: as [`read`](Self::read); memory ends before it is there.
     pub fn take<T>(
         &self,
         array: Option<usize>,
-        take: impl Fn(&mut ExternalRead) -> Option<T>,
+        take: impl Fn(&mut PartsRead) -> Option<T>,
         progress: &dyn Progress,
     ) -> Result<T> {
         let mut places = {
@@ -497,7 +505,7 @@ impl ExternalFormat {
             if let Some(taken) = take(&mut ready) {
                 return Ok(taken);
             }
-            std::mem::take(&mut ready.expected)
+            std::mem::take(&mut ready.ahead)
         };
         places.extend(array.filter(|place| !places.contains(place)));
         let head = self.open.head();

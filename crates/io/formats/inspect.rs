@@ -6,6 +6,7 @@ use super::contents::{
     BLOCK, CellBlocks, Dataset, Geometry, Meter, Piece, PieceArray, Stored, StoredCells, StoredFaces,
 };
 use super::request::Request;
+use super::vectors::length;
 use super::{assemble, cells, request};
 use crate::memory::GridSize;
 use glam::DVec3;
@@ -221,7 +222,7 @@ fn decoded_bytes(piece: &Piece) -> u64 {
     let points = piece.point_count.saturating_mul(33_u64.saturating_add(widest(Association::Point)));
     let cells = piece.cell_count.saturating_mul(42_u64.saturating_add(widest(Association::Cell)));
     let of_geometry = match &piece.geometry {
-        Geometry::Added(added) => added.byte_count(true, &[]),
+        Geometry::Open(open) => open.byte_count(true, &[]),
         Geometry::Unstructured { cells, .. } => match &**cells {
             StoredCells::Offsets { connectivity, faces, .. } => {
                 let of_faces = match faces {
@@ -466,7 +467,7 @@ fn add_array(
     let (array, of_all) = &mut arrays[place];
     let are_drawn = if association == Association::Cell { &drawn.cells } else { &drawn.points };
     for (number, tuple) in values.chunks(stored.component_count).enumerate() {
-        let value = if let [only] = tuple { *only } else { assemble::length(tuple) };
+        let value = if let [only] = tuple { *only } else { length(tuple) };
         array.tuple_count += 1;
         if !value.is_finite() {
             array.not_finite_count += 1;

@@ -1,7 +1,7 @@
 //! Parts of formats whose points and cells are made by code: geometry that is read when it is asked for, numbers by tags, cells
 //! gathered one by one.
 
-use super::contents::{ExternalFormat, Geometry};
+use super::contents::{Geometry, OpenPiece};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -38,7 +38,7 @@ pub(super) fn geometry(
     read: impl Fn(&dyn Progress) -> Result<(Vec<DVec3>, Cells)> + Send + Sync + 'static,
 ) -> Geometry {
     let open = LazyGrid { head: mesh_head(counts), read: Box::new(read) };
-    Geometry::Added(Arc::new(ExternalFormat::new(Arc::new(open))))
+    Geometry::Open(Arc::new(OpenPiece::new(Arc::new(open))))
 }
 
 /// The head of so many points, cells, and points of cells.

@@ -91,7 +91,7 @@ mod xdmf;
 mod xml;
 mod xz;
 
-pub use assemble::{SkippedArray, length};
+pub use assemble::SkippedArray;
 pub use blocks::blocks_named;
 pub use cells::face_stream;
 pub use contents::BLOCK;
@@ -103,6 +103,7 @@ pub use quantities::{ArrayChoice, differ};
 pub use request::{Component, Request, SelectedArrays, TimeStep, list as quoted_names, shortened};
 pub use source::existing_file;
 pub use surfaces::{SURFACE_FILES, read_surface};
+pub use vectors::length;
 pub use voltet_core::grid::{Association, CellValues, Options};
 pub use voltet_core::reading::FileArray;
 

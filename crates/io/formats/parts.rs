@@ -198,7 +198,7 @@ struct OwnPieces<'a> {
 impl OwnPieces<'_> {
     /// Reads pieces with all that is requested, and keeps them.
     fn keep(&mut self, pieces: Vec<NumberedPiece>) -> Result<()> {
-        let external = fetch(self.dataset, &pieces, self.request, self.meter.progress())?;
+        let open = fetch(self.dataset, &pieces, self.request, self.meter.progress())?;
         let cells: Vec<Cells> =
             all_or_first(pieces.par_iter().map(|piece| cells::load(piece.1, self.meter)))?;
         self.reads += pieces.len() as u64;
@@ -206,7 +206,7 @@ impl OwnPieces<'_> {
         let loaded = load_all(self.dataset, with_cells, self.request, self.choices, self.meter)?;
         self.kept.extend(loaded);
         if let Some(first) = self.kept.values_mut().next() {
-            let warnings = external.iter().flat_map(|external| external.ready().warnings.clone());
+            let warnings = open.iter().flat_map(|open| open.ready().warnings.clone());
             first.origin.warnings.extend(warnings);
         }
         pieces.iter().for_each(|piece| forget(piece.1));
@@ -351,10 +351,10 @@ fn is_flat(piece: &Piece) -> bool {
     }
 }
 
-/// Drops what a reader from outside has read of a piece and nobody took.
+/// Drops what was read of a piece and nobody took.
 fn forget(piece: &Piece) {
-    if let Geometry::Added(external) = &piece.geometry {
-        *external.ready() = Default::default();
+    if let Geometry::Open(open) = &piece.geometry {
+        *open.ready() = Default::default();
     }
 }
 
@@ -398,7 +398,7 @@ pub(super) fn read(
     let meter = Meter::new(progress, dataset.file_bytes);
     let unread: Vec<NumberedPiece> =
         own.iter().copied().filter(|piece| !kept.contains_key(&piece.0)).collect();
-    let external = fetch(dataset, &unread, request, progress)?;
+    let open = fetch(dataset, &unread, request, progress)?;
     let pieces: Vec<_> = own.iter().map(|&piece| (piece, kept.remove(&piece.0))).collect();
     let found: Vec<ReadPiece> = all_or_first(pieces.into_par_iter().map(|(piece, kept)| match kept {
         Some(kept) => Ok(ReadPiece::Whole(Box::new(kept))),
@@ -428,7 +428,7 @@ pub(super) fn read(
     let mut parts = grid::join_part(loaded, &borders.halos, &borders.shared, &borders.first_cells)?;
     describe(&mut parts, dataset, request, &choices)?;
     parts.origin.warnings.extend(sentences);
-    parts.origin.warnings.extend(external.iter().flat_map(|external| external.ready().warnings.clone()));
+    parts.origin.warnings.extend(open.iter().flat_map(|open| open.ready().warnings.clone()));
     (parts.origin.arrays_unread, parts.origin.values_unread) = (left.arrays, left.value_count);
     if borders.is_adaptive {
         parts.hanging.get_or_insert_default();

@@ -186,6 +186,14 @@ pub(super) struct ArraySelection {
     pub component: Component,
 }
 
+impl ArraySelection {
+    /// True if all values of the array are chosen.
+    pub fn is_whole(&self) -> bool {
+        self.component == Component::All
+            || self.component_count == 1 && self.component != Component::Magnitude
+    }
+}
+
 /// The arrays that stand for all pieces': those of the first that holds cells; where pieces are blocks, of each those that none
 /// before it has.
 pub(super) fn model(dataset: &Dataset) -> Result<Vec<&PieceArray>> {

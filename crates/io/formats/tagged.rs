@@ -238,6 +238,7 @@ impl<M: TaggedMesh> OpenMesh<M> {
 #[cfg(test)]
 mod tests {
     use super::super::assemble::assemble;
+    use super::super::blocks::number_cells;
     use super::*;
     use std::sync::{Mutex, PoisonError};
     use voltet_core::grid::code;
@@ -246,8 +247,8 @@ mod tests {
     /// Tables of nodes and of elements and the columns that were read of them, each time that they were.
     type Passes = Arc<Mutex<Vec<(Association, Vec<usize>)>>>;
 
-    /// A tetrahedron whose values are the number of the row and that of the column.
-    struct OneTetrahedron(Passes);
+    /// A tetrahedron of a block, whose values are the number of the row and that of the column.
+    struct OneTetrahedron(Passes, &'static str);
 
     impl TaggedMesh for OneTetrahedron {
         fn each_node(&self, visit: VisitNode) -> Result<()> {
@@ -258,7 +259,7 @@ mod tests {
         }
 
         fn each_element(&self, visit: VisitElement) -> Result<()> {
-            visit(&TaggedElement { tag: 9, code: code::TETRA, block: "", nodes: &[1, 2, 3, 4] })
+            visit(&TaggedElement { tag: 9, code: code::TETRA, block: self.1, nodes: &[1, 2, 3, 4] })
         }
 
         fn each_row(&self, of: Association, columns: &[usize], visit: VisitValues) -> Result<()> {
@@ -271,42 +272,122 @@ mod tests {
         }
     }
 
-    #[test]
-    fn the_arrays_of_a_request_are_read_in_one_pass_and_no_others() {
+    fn array(name: &str, association: Association, columns: &[usize]) -> ArrayColumns {
+        (FileArray { name: name.into(), association, component_count: columns.len() }, columns.to_vec())
+    }
+
+    const POINT: Association = Association::Point;
+    const CELL: Association = Association::Cell;
+
+    /// A source for data sets that read nothing of it.
+    fn source() -> (tempfile::TempDir, Arc<Source>) {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a");
         std::fs::write(&path, " ").unwrap();
         let source = Source::open(&path).unwrap();
-        let array = |name: &str, association, columns: &[usize]| {
-            let component_count = columns.len();
-            (FileArray { name: name.into(), association, component_count }, columns.to_vec())
-        };
-        let (point, cell) = (Association::Point, Association::Cell);
-        let request = Request {
-            scalar: Some("s".into()),
-            point_arrays: vec!["v".into(), "c".into()],
-            ..Request::default()
-        };
-        let passes = [(); 2].map(|()| Passes::default());
-        let mut all = passes.iter().map(|passes| {
-            let arrays = vec![
-                array("other", point, &[0]),
-                array("v", point, &[5, 3, 4]),
-                array("s", point, &[2]),
-                array("c", cell, &[1]),
-                array("other", cell, &[0]),
-            ];
-            dataset(&source, "a mesh".into(), OneTetrahedron(passes.clone()), arrays, &request).unwrap()
+        (folder, source)
+    }
+
+    /// Several such tetrahedra as pieces, and their passes; `arrays`: of each.
+    fn pieces(
+        source: &Arc<Source>,
+        block: &'static str,
+        arrays: Vec<Vec<ArrayColumns>>,
+        request: &Request,
+    ) -> (Dataset, Vec<Passes>) {
+        let all: Vec<Passes> = arrays.iter().map(|_| Passes::default()).collect();
+        let own = arrays.into_iter().zip(&all).map(|(arrays, passes)| {
+            let mesh = OneTetrahedron(passes.clone(), block);
+            dataset(source, "a mesh".into(), mesh, arrays, request).unwrap()
         });
-        let (mut both, second) = (all.next().unwrap(), all.next().unwrap());
-        both.pieces.extend(second.pieces);
+        let add = |mut all: Dataset, own: Dataset| {
+            all.pieces.extend(own.pieces);
+            all
+        };
+        (own.reduce(add).unwrap(), all)
+    }
+
+    fn several() -> (Vec<ArrayColumns>, Request) {
+        let arrays = vec![
+            array("other", POINT, &[0]),
+            array("v", POINT, &[5, 3, 4]),
+            array("s", POINT, &[2]),
+            array("c", CELL, &[1]),
+            array("other", CELL, &[0]),
+        ];
+        let point_arrays = vec!["v".into(), "c".into()];
+        (arrays, Request { scalar: Some("s".into()), point_arrays, ..Request::default() })
+    }
+
+    #[test]
+    fn the_arrays_of_a_request_are_read_in_one_pass_and_no_others() {
+        let (_folder, source) = source();
+        let (arrays, mut request) = several();
+        request.point_arrays.push("s".into());
+        let (both, passes) = pieces(&source, "", vec![arrays.clone(), arrays], &request);
         let grid = assemble(&both, &request, &NoProgress).unwrap();
         for passes in &passes {
-            let expected = [(point, vec![5, 3, 4, 2]), (cell, vec![1])];
+            let expected = [(POINT, vec![5, 3, 4, 2]), (CELL, vec![1])];
             assert_eq!(*passes.lock().unwrap(), expected);
         }
         assert_eq!(**grid.scalar.as_ref().unwrap(), [12.0, 22.0, 32.0, 42.0]);
+        assert_eq!(*grid.point_arrays["s"].values, [12.0, 22.0, 32.0, 42.0]);
         assert_eq!(grid.point_arrays["v"].values[..3], [15.0, 13.0, 14.0]);
         assert_eq!(*grid.point_arrays["c"].values, [91.0; 4]);
+    }
+
+    #[test]
+    fn arrays_of_blocks_that_are_not_drawn_are_not_read() {
+        let (_folder, source) = source();
+        let (arrays, request) = several();
+        let lacking = vec![array("v", POINT, &[5, 3, 4])];
+        let (mut both, passes) = pieces(&source, "", vec![arrays, lacking], &request);
+        (both.has_blocks, both.blocks) = (true, vec!["a".into(), "b".into()]);
+        both.pieces[1].blocks = CellBlocks::One(1);
+        let grid = assemble(&both, &request, &NoProgress).unwrap();
+        assert_eq!((grid.tetrahedra.len(), passes[0].lock().unwrap().len()), (1, 2));
+        assert!(passes[1].lock().unwrap().is_empty());
+    }
+
+    #[test]
+    fn the_numbers_of_blocks_are_not_the_array_of_the_file_with_their_name() {
+        let (_folder, source) = source();
+        let request = Request { scalar: Some("block".into()), ..Request::default() };
+        let (mut one, passes) = pieces(&source, "b", vec![vec![array("block", CELL, &[0])]], &request);
+        number_cells(&mut one, &request, &source).unwrap();
+        let grid = assemble(&one, &request, &NoProgress).unwrap();
+        assert_eq!(**grid.scalar.as_ref().unwrap(), [0.0; 4]);
+        assert!(passes[0].lock().unwrap().is_empty());
+    }
+
+    /// Memory that is left each time that somebody asks, the last first; later there is no limit.
+    struct MemoryLeft(Mutex<Vec<u64>>);
+
+    impl Progress for MemoryLeft {
+        fn report(&self, _stage: &str, _fraction: f64) {}
+
+        fn memory_left(&self) -> Option<u64> {
+            self.0.lock().unwrap_or_else(PoisonError::into_inner).pop()
+        }
+    }
+
+    #[test]
+    fn arrays_that_are_there_are_not_counted_again() {
+        let (_folder, source) = source();
+        let (arrays, request) = several();
+        let read = |count: usize, last: &[u64]| {
+            let (own, _) = pieces(&source, "", vec![arrays.clone(); count], &request);
+            assemble(&own, &request, &MemoryLeft(Mutex::new(last.to_vec())))
+        };
+        // Points, a tetrahedron and two arrays further, without the points, the scalar, 4 numbers of 'v' and one of 'c'.
+        let needed = 4 * 32 + 16 + 2 * 4 * 8 - 4 * 24 - 4 * 8 - 4 * 8 - 8;
+        assert!(read(1, &[needed, u64::MAX]).is_ok());
+        let error = read(1, &[needed - 1, u64::MAX]).unwrap_err().to_string();
+        assert!(error.contains("memory ends") && !error.contains("--memory"), "{error}");
+        let error = read(2, &[0]).unwrap_err().to_string();
+        assert!(
+            error.contains("a grid of 8 points and 2 cells") && error.contains("--memory SIZE"),
+            "{error}"
+        );
     }
 }

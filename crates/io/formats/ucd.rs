@@ -52,8 +52,8 @@ struct UcdMesh {
     nodes: TextRange,
     node_count: u64,
     cells: TextRange,
-    /// Rows of the values at nodes and of those at cells, and the number of values in each row.
-    tables: [Option<(TextRange, usize)>; 2],
+    /// Rows of the values at nodes and of those at cells, and the names and numbers of components of the arrays of a row.
+    tables: [Option<(TextRange, Vec<(String, usize)>)>; 2],
 }
 
 fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
@@ -90,7 +90,8 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
                 return Err(error.got(format_args!("{row_count} rows of {width} values")));
             }
             let rows = cursor.skip_rows(row_count, is_row, &rows_of(row_count, "values"))?;
-            *table = Some((rows, width as usize));
+            let heads = found.iter().map(|(head, _)| (head.name.clone(), head.component_count));
+            *table = Some((rows, heads.collect()));
             let mut columns = 0..width as usize;
             for (head, unit) in found {
                 units.push(unit);
@@ -223,7 +224,7 @@ impl TaggedMesh for UcdMesh {
     }
 
     fn each_row(&self, of: Association, columns: &[usize], visit: VisitValues) -> Result<()> {
-        let Some((rows, width)) = &self.tables[usize::from(of == Association::Cell)] else { return Ok(()) };
+        let Some((rows, arrays)) = &self.tables[usize::from(of == Association::Cell)] else { return Ok(()) };
         // Numbers, values in these columns, and all of a row.
         let parse = |line: &[u8], (tags, values, row): &mut (Vec<u64>, Vec<f64>, Vec<f64>)| {
             if is_blank(line) {
@@ -232,8 +233,11 @@ impl TaggedMesh for UcdMesh {
             let mut words = LineWords(line);
             tags.push(words.number(NumberType::U64, "the number of a node or cell")?);
             row.clear();
-            for _ in 0..*width {
-                row.push(words.number(NumberType::F64, "a value")?);
+            for (name, component_count) in arrays {
+                for _ in 0..*component_count {
+                    let value = words.number(NumberType::F64, "a value");
+                    row.push(value.map_err(|error| error.at_item(name))?);
+                }
             }
             values.extend(columns.iter().map(|&column| row[column]));
             Ok(())

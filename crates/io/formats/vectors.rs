@@ -98,6 +98,15 @@ fn is_tensor(stem: &str, names: &[String]) -> bool {
     })
 }
 
+/// Length of a vector, without overflow on the way.
+pub fn length(vector: &[f64]) -> f64 {
+    let scale = vector.iter().fold(0.0_f64, |scale, value| scale.max(value.abs()));
+    if scale == 0.0 || !scale.is_finite() || vector.iter().any(|value| value.is_nan()) {
+        return vector.iter().map(|value| value.abs()).sum();
+    }
+    scale * vector.iter().map(|value| (value / scale).powi(2)).sum::<f64>().sqrt()
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::contents::Encoding;

@@ -70,16 +70,7 @@ fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {
 }
 
 fn piece(file: &Arc<TecplotFile>, zone: usize, block: usize) -> Piece {
-    let own = &file.zones[zone].head;
-    let corner_count = own.cell_count.saturating_mul(own.kind.corners().max(4));
-    let (mut arrays, mut variables) = (Vec::new(), Vec::new());
-    for (variable, association) in quantities(own, file.axes) {
-        let name = file.variables[variable].clone();
-        arrays.push(FileArray { name, association, component_count: 1 });
-        variables.push(variable);
-    }
-    let head = GridHead { arrays, ..mesh_head([own.node_count, own.cell_count, corner_count]) };
-    let open = OpenZone { file: file.clone(), zone, head, variables };
+    let open = OpenZone::new(file, zone);
     Piece::of_open(&file.source, Arc::new(open)).with_blocks(CellBlocks::One(block))
 }
 
@@ -90,6 +81,21 @@ struct OpenZone {
     head: GridHead,
     /// The variable of each array of the head.
     variables: Vec<usize>,
+}
+
+impl OpenZone {
+    fn new(file: &Arc<TecplotFile>, zone: usize) -> OpenZone {
+        let own = &file.zones[zone].head;
+        let corner_count = own.cell_count.saturating_mul(own.kind.corners().max(4));
+        let (mut arrays, mut variables) = (Vec::new(), Vec::new());
+        for (variable, association) in quantities(own, file.axes) {
+            let name = file.variables[variable].clone();
+            arrays.push(FileArray { name, association, component_count: 1 });
+            variables.push(variable);
+        }
+        let head = GridHead { arrays, ..mesh_head([own.node_count, own.cell_count, corner_count]) };
+        OpenZone { file: file.clone(), zone, head, variables }
+    }
 }
 
 impl OpenGrid for OpenZone {
@@ -326,10 +332,11 @@ impl TecplotFile {
             let behind_last = places.iter().flatten().max().map_or(0, |last| last + 1);
             for (place, &variable) in stored[..behind_last].iter().enumerate() {
                 let count = zone.head.len(variable);
-                match places.iter().position(|own| *own == Some(place)) {
-                    Some(wanted) => all[wanted] = run.numbers(count)?,
-                    None => run.skip(count).map(drop)?,
-                }
+                let read = match places.iter().position(|own| *own == Some(place)) {
+                    Some(wanted) => run.numbers(count).map(|values| all[wanted] = values),
+                    None => run.skip(count),
+                };
+                read.map_err(|error| error.at_item(&self.variables[variable]))?;
             }
             return Ok(all);
         }
@@ -410,11 +417,13 @@ struct Run<'a> {
     value: f64,
     /// Times that it still comes.
     repeats: u64,
+    /// Times that it comes in all, where it was passed over in part.
+    all_repeats: u64,
 }
 
 impl Run<'_> {
     fn new(cursor: &mut Cursor) -> Run<'_> {
-        Run { cursor, has_repeats: true, value: 0.0, repeats: 0 }
+        Run { cursor, has_repeats: true, value: 0.0, repeats: 0, all_repeats: 0 }
     }
 
     fn numbers(&mut self, count: u64) -> Result<Vec<f64>> {
@@ -442,14 +451,13 @@ impl Run<'_> {
         Ok(self.value)
     }
 
-    /// Passes over numbers, which are not parsed but for one that goes on behind them: gives how often that one stands, or 0.
-    fn skip(&mut self, mut count: u64) -> Result<u64> {
+    /// Passes over numbers, which are not parsed but for one that goes on behind them.
+    fn skip(&mut self, mut count: u64) -> Result<()> {
         if !self.has_repeats {
-            return self.cursor.skip_numbers(count, 0).map(|()| 0);
+            return self.cursor.skip_numbers(count, 0);
         }
         let begun = count.min(self.repeats);
         (self.repeats, count) = (self.repeats - begun, count - begun);
-        let mut last = self.repeats;
         while count > 0 {
             let Some(word) = self.cursor.word()? else {
                 let error = self.cursor.error("the file ends early");
@@ -463,11 +471,11 @@ impl Run<'_> {
             if repeats > count {
                 let value = numbers::parse(NumberType::F64, &word[star + 1..]);
                 self.value = value.map_err(|error| self.damaged(error))?;
-                (self.repeats, last) = (repeats - count, repeats);
+                (self.repeats, self.all_repeats) = (repeats - count, repeats);
             }
             count = count.saturating_sub(repeats);
         }
-        Ok(last)
+        Ok(())
     }
 
     fn damaged(&self, error: Error) -> Error {
@@ -484,13 +492,13 @@ fn skip_numbers(cursor: &mut Cursor, count: u64) -> Result<bool> {
     }
     *cursor = start;
     let mut run = Run::new(cursor);
-    match (run.skip(count)?, run.repeats) {
-        (_, 0) => Ok(true),
-        (repeats, beyond) => Err(cursor
-            .error("a repeated number goes beyond its zone")
-            .got(repeats)
-            .expected(repeats - beyond)),
+    run.skip(count)?;
+    let Run { repeats: beyond, all_repeats, .. } = run;
+    if beyond == 0 {
+        return Ok(true);
     }
+    let error = cursor.error("a repeated number goes beyond its zone");
+    Err(error.got(all_repeats).expected(all_repeats - beyond))
 }
 
 /// Keys and values up to the first line of numbers, or to the end of the file.
@@ -576,3 +584,7 @@ fn lists(text: &str, variable_count: usize) -> std::result::Result<VariableLists
     }
     Ok(lists)
 }
+
+#[cfg(test)]
+#[path = "text_tests.rs"]
+mod tests;

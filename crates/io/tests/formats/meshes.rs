@@ -79,6 +79,12 @@ fn ucd_has_vectors_materials_and_gaps() {
     let blank = ["9 1 1 1\n", "2 6 tet 20 5 7 9\n", "10 1 2 3 100\n"];
     let blank =
         blank.iter().fold(text.to_owned(), |text, row| text.replacen(row, &format!("{row} \n\r\n"), 1));
+    let names = ["U:2", "load", "U"].map(String::from).to_vec();
+    let several = grid(&path, &Request { point_arrays: names, ..scalar("p") });
+    assert_eq!(several.scalar, grid(&path, &scalar("p")).scalar);
+    assert_eq!(*several.point_arrays["U:2"].values, [3.0, 6.0, 9.0, 12.0, 15.0]);
+    assert_eq!(several.point_arrays["U"].values[..6], [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+    assert_eq!(Some(&several.point_arrays["load"].values), grid(&path, &scalar("load")).scalar.as_ref());
     let gaps = grid(&file(&folder, "b.inp", blank.as_bytes()), &scalar("load"));
     assert_eq!(gaps.scalar, grid(&path, &scalar("load")).scalar);
     let message = |from: &str, to: &str| {
@@ -90,7 +96,7 @@ fn ucd_has_vectors_materials_and_gaps() {
         ("6 tet", "6 tat", ["'tat'", "tet, hex", "a.inp:11"]),
         ("20 5 7 9", "20 5 7 99", ["element 2", "does not exist", "found 99"]),
         ("2 3 1\n", "2 3 2\n", ["numbers of components", "'2 3 2'", "sum 4"]),
-        ("7 10 11 12 400", "7 10 11 12 4OO", ["damaged", "'4OO'", "a.inp:18"]),
+        ("7 10 11 12 400", "7 10 11 12 4OO", ["damaged", "'4OO'", "a.inp:18:1, 'p')"]),
     ] {
         let found = message(from, to);
         says(&found, &words);

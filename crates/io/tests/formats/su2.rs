@@ -85,6 +85,13 @@ fn su2_has_its_solution_in_a_file_of_its_own() {
         );
         let speed = grid(&path, &with("Momentum:magnitude", &solution));
         assert_eq!(**speed.scalar.as_ref().unwrap(), [0.0, 5.0, 2.0, 7.0], "{name}");
+        let arrays = vec!["Momentum".into(), "Momentum:2".into()];
+        let several = grid(&path, &Request { point_arrays: arrays, ..with("Density", &solution) });
+        assert_eq!(**several.scalar.as_ref().unwrap(), [1.5, 1.25, 2.5, 3.5], "{name}");
+        let (vectors, z) =
+            (&several.point_arrays["Momentum"].values, &several.point_arrays["Momentum:2"].values);
+        assert_eq!(**vectors, [0.0, 0.0, 0.0, 4.0, 0.0, 3.0, 0.0, 0.0, 2.0, 0.0, 7.0, 0.0], "{name}");
+        assert_eq!(**z, [0.0, 3.0, 2.0, 0.0], "{name}");
         let names = inspect(&path, &with("Density", &solution), &NoProgress).unwrap();
         let names: Vec<String> = names.arrays.into_iter().map(|array| array.head.name).collect();
         assert_eq!(names, ["Density", "Momentum"], "{name}");
