@@ -331,23 +331,53 @@ fn opening(file: Option<&Path>) {
     }
 }
 
-/// Frames of the interface, sixty a second, while the data of a pipeline are read and drawn, and the pointer moves.
+/// Frames of the interface, sixty a second, while the data of a pipeline are read and drawn, the histogram is found, and the pointer moves.
 fn beside_work(document: Document) {
     let Some(mut window) = Window::open(document) else { return };
-    let (begun, mut times) = (Instant::now(), Vec::new());
+    let (begun, mut times, mut longest) = (Instant::now(), Vec::new(), (0.0, [0.0; 3]));
     let is_drawn = |window: &Window| {
         window
             .editor
             .worker()
             .shown(|shown| shown.failure.is_some() || shown.pixels.is_some() && !shown.is_busy)
     };
-    while !is_drawn(&window) && begun.elapsed() < Duration::from_secs(120) {
+    let mut last = None;
+    let mut quiet = 0;
+    while quiet < 600 && begun.elapsed() < Duration::from_secs(240) {
+        quiet = if is_drawn(&window) { quiet + 1 } else { 0 };
         let at = pos2(20.0 + (times.len() % 60) as f32 * 10.0, 300.0);
-        times.push(window.frame(vec![Event::PointerMoved(at)]));
+        let before = scheduled();
+        let time = window.frame(vec![Event::PointerMoved(at)]);
+        let [own, waited] = [0, 1].map(|k| scheduled()[k] - before[k]);
+        let now = Instant::now();
+        let gap = last.replace(now).map_or(0.0, |last| (now - last).as_secs_f64() * 1e3);
+        if time > 8.0 || gap > 25.0 {
+            eprintln!(
+                "{:8.1} s: frame {time:.1} ms (own {own:.1}, no core {waited:.1}, blocked {:.1}) gap {gap:.1}",
+                begun.elapsed().as_secs_f64(),
+                time - own - waited
+            );
+        }
+        times.push(time);
+        if time > longest.0 {
+            longest = (time, [own, waited, time - own - waited]);
+        }
         std::thread::sleep(Duration::from_micros(16_600));
     }
     row("a frame while data are read and drawn (median)", median(times.clone()), 16.0);
-    row("the longest one", times.into_iter().fold(0.0, f64::max), 50.0);
+    row("a frame meanwhile (99 %)", at_share(times, 0.99), 50.0);
+    let (time, [own, waited, blocked]) = longest;
+    row("the longest one", time, 50.0);
+    println!(
+        "| the longest one: own work {own:.1} ms, without a core {waited:.1} ms, blocked {blocked:.1} ms | | |"
+    );
+}
+
+/// Milliseconds that this thread has worked, and that it was ready and had no core; 0 where the system does not tell.
+fn scheduled() -> [f64; 2] {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    let mut numbers = text.split(' ').map(|number| number.trim().parse::<f64>().unwrap_or(0.0) * 1e-6);
+    [(); 2].map(|()| numbers.next().unwrap_or(0.0))
 }
 
 fn turn(nodes: &mut [NodeEntry], by: f64) {

@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::grid::Grid;
 use voltet_core::probing::{Axis, Histogram, Volumes, histogram, value_range};
-use voltet_core::progress::Progress;
+use voltet_core::progress::{PartProgress, Progress};
 use voltet_core::transfer::{AxisScale, DECADES, DataStatistics};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
@@ -16,6 +16,12 @@ use voltet_graph::{ArrayRef, Demand, RunContext};
 use voltet_nodes::relative::{self, DataScope};
 
 const BINS: usize = 256;
+
+/// Stage of a distribution that is being computed.
+pub(crate) const HISTOGRAM: &str = "histogram";
+
+/// Shares of the time of a distribution that pass with the volumes by *g* alone, and with those by both quantities.
+const SHARES: [f64; 2] = [0.2, 0.5];
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct DistributionQuery {
@@ -52,7 +58,8 @@ impl DistributionQuery {
     /// Exact within every cell. Along *g* it reaches as far as nearly all of the volume does: a few slivers have gradients of
     /// many times that. Where there is no gradient, *g* is 0.
     fn find(&self, call: &RunContext) -> Result<Distribution> {
-        let (volume, progress) = (call.volume("volume")?, call.progress());
+        let (volume, whole) = (call.volume("volume")?, call.progress());
+        let part = |range| PartProgress { whole, stage: HISTOGRAM, range };
         let scales = self.axes.each_ref().map(|quantity| scale_of(&self.scales, quantity));
         let placed = |axis: usize| -> Result<Cow<'_, [f64]>> {
             let (values, scale) = (values_of(&volume, &self.axes[axis])?, scales[axis]);
@@ -68,10 +75,10 @@ impl DistributionQuery {
             if scales[axis].is_curved() {
                 axes[axis].low = axes[axis].low.max(axes[axis].high - DECADES);
             } else if self.axes[axis] == ArrayRef::Named("g") {
-                axes[axis] = of_nearly_all(grid, positions, progress)?;
+                axes[axis] = of_nearly_all(grid, positions, &part([0.0, SHARES[0]]))?;
             }
         }
-        let histogram = histogram(grid, [&x, &y], axes, progress)?;
+        let histogram = histogram(grid, [&x, &y], axes, &part(SHARES))?;
         let shown = [0, 1].map(|k| [axes[k].low, axes[k].high].map(|position| scales[k].value(position)));
         let (quantities, scales) = (self.quantities(), self.scales);
         let steps = self.scope.steps(call.step_count("volume")?);
@@ -80,7 +87,7 @@ impl DistributionQuery {
                 let has_gradient = volume.gradient_magnitude.is_some();
                 series_scales(call, (quantities, steps), (shown, scales), has_gradient)?
             }
-            None => DataScales::find(&quantities, (shown, scales), progress, |look| look(&volume))?,
+            None => DataScales::find(&quantities, (shown, scales), (whole, 1), |look| look(&volume))?,
         };
         Ok(Distribution { histogram, known })
     }
@@ -159,7 +166,7 @@ impl Spread {
 
     fn add(&mut self, grid: &Grid, values: &[f64], progress: &dyn Progress) -> Result<()> {
         let volumes = Volumes::new(grid, values, progress)?;
-        let own = volumes.below_each(&self.values);
+        let own = volumes.below_each(&self.values, progress)?;
         self.below.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
         self.total += volumes.total();
         Ok(())
@@ -207,11 +214,12 @@ pub(crate) struct DataScales {
 
 impl DataScales {
     /// Scales of all volumes that `each` calls a function with. It is called twice: for the ranges, and for the volumes below values
-    /// within them. `quantities`: those of the plane's axes first; `shown`: the values at the ends of these axes.
+    /// within them. `quantities`: those of the plane's axes first; `shown`: the values at the ends of these axes; `volume_count`: of how
+    /// many volumes.
     fn find(
         quantities: &[ArrayRef],
         (shown, axes): ([[f64; 2]; 2], [AxisScale; 2]),
-        progress: &dyn Progress,
+        (whole, volume_count): (&dyn Progress, usize),
         each: impl Fn(&mut dyn FnMut(&Volume) -> Result<()>) -> Result<()>,
     ) -> Result<DataScales> {
         let mut known = DataScales { axes, ..DataScales::default() };
@@ -227,9 +235,14 @@ impl DataScales {
             let spread = Spread::new(shown, known.ranges[quantity], scale_of(&axes, quantity));
             known.spreads.insert(quantity.clone(), spread);
         }
+        let (mut done, count) = (0, (volume_count * quantities.len()).max(1));
+        let share = |done: usize| SHARES[1] + (1.0 - SHARES[1]) * done as f64 / count as f64;
         each(&mut |volume| {
             for (quantity, spread) in &mut known.spreads {
-                spread.add(&volume.grid, &values_of(volume, quantity)?, progress)?;
+                let progress =
+                    PartProgress { whole, stage: HISTOGRAM, range: [share(done), share(done + 1)] };
+                spread.add(&volume.grid, &values_of(volume, quantity)?, &progress)?;
+                done += 1;
             }
             Ok(())
         })?;
@@ -284,7 +297,7 @@ fn series_scales(
     if let Some((_, known)) = kept.iter().find(|(of, known)| *of == key && known.axes == axes) {
         return Ok(known.clone());
     }
-    let known = DataScales::find(&key.0, (shown, axes), call.progress(), |look| {
+    let known = DataScales::find(&key.0, (shown, axes), (call.progress(), steps.len()), |look| {
         call.each_step("volume", &demand, Some(steps), &mut |_, value| match value.volume() {
             Some(volume) => look(&*volume?),
             None => Ok(()),
