@@ -6,7 +6,7 @@ use crate::graph::GraphView;
 use crate::invitation::invite;
 use crate::jobs::{Arrays, DataSource, Job};
 use crate::keys::{self, GestureTracker};
-use crate::new_document::{LargeData, Making, show_making};
+use crate::opening::{LargeData, Making, show_making};
 use crate::panes::Pane;
 use crate::parameters::ParameterPanel;
 use crate::picture::{self, PicturePanel};

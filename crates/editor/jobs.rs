@@ -44,8 +44,7 @@ struct JobProgress {
 
 impl Observer for JobObserver {
     fn progress(&self, node: &str, stage: &str, fraction: f64) {
-        // One of several threads is enough to show it, and none waits for another.
-        let Ok(mut shown) = self.shown.try_lock() else { return };
+        let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
         let is_new = shown.node != node || shown.stage != stage;
         if !is_new && shown.at.is_some_and(|at| at.elapsed() < BETWEEN) {
             return;

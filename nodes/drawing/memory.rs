@@ -1,6 +1,6 @@
 //! Memory that a whole process takes with a grid, known before any of it is read.
 //!
-//! Of the arrays that stand at the same time, measured (largest resident memory) on grids of 28 thousand to 24 million tetrahedra.
+//! Sums of the arrays that stand at the same time, measured (largest resident memory) on grids of 28 thousand to 24 million tetrahedra.
 
 use std::path::Path;
 use voltet_core::Result;
@@ -25,12 +25,12 @@ impl MemoryNeed {
     /// Side of the picture that is assumed (pixels).
     pub const SIDE: u32 = 1024;
 
-    /// Of a grid of this size.
+    /// Need of a grid of this size.
     pub fn new(size: GridSize) -> MemoryNeed {
         MemoryNeed { size }
     }
 
-    /// Of the grid that a file holds, by headers alone.
+    /// Need of the grid that a file holds, by headers alone.
     ///
     /// # Errors
     /// As of reading it, as far as headers show them.
@@ -43,23 +43,23 @@ impl MemoryNeed {
         Ok(MemoryNeed { size })
     }
 
-    /// Reading it.
+    /// Bytes for reading it.
     pub fn reading(&self) -> u64 {
         PROGRAM_BYTES.saturating_add(self.size.reading_bytes())
     }
 
-    /// Reading it, and drawing all of its cells on the CPU by the scalar alone.
+    /// Bytes for reading it and drawing all of its cells on the CPU by the scalar alone.
     pub fn drawing(&self) -> u64 {
         self.reading().max(self.grid().saturating_add(self.drawn(1)))
     }
 
-    /// Reading it, and drawing all of its cells on the CPU by the scalar and the gradient magnitude, with light.
+    /// Bytes for reading it and drawing all of its cells on the CPU by the scalar and the gradient magnitude, with light.
     pub fn drawing_lit(&self) -> u64 {
         // s, g and the three components of ∇s.
         self.with_gradient(5)
     }
 
-    /// Opening it in a window: a pipeline is made for it, and its picture is drawn by the scalar and the gradient magnitude.
+    /// Bytes for opening it in a window: a pipeline is made for it, and its picture is drawn by the scalar and the gradient magnitude.
     pub fn opening(&self) -> u64 {
         self.with_gradient(2)
     }

@@ -272,7 +272,7 @@ impl TransferPanel {
     }
 }
 
-/// How far the histogram is.
+/// Words for the histogram that is being computed.
 fn computing(scene: &Scene) -> String {
     match &scene.distribution_progress {
         Some((stage, share)) if stage == HISTOGRAM => {

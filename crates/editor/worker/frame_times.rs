@@ -1,4 +1,4 @@
-//! How long pictures take, and how many pixels a coarse one has.
+//! Model of the time that pictures take, and the number of pixels that a coarse one has.
 
 use std::time::Duration;
 use voltet_graph::NodeEntry;

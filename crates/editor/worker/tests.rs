@@ -320,6 +320,6 @@ fn output_of_a_document_takes_no_picture_of_the_one_before() {
 fn memory_is_what_the_program_may_take() {
     let never = |_: &dyn Fn() -> Option<String>| false;
     let shared = Shared::new(Arc::default(), Arc::new(|| {}));
-    let following = work::Following::new(&shared, &never, work::Shown::Nodes);
+    let following = work::Following::new(&shared, &never, work::RunView::Nodes);
     assert_eq!(Observer::memory_left(&following).is_some(), voltet_io::memory::available().is_some());
 }

@@ -137,7 +137,7 @@ impl WorkerState<'_> {
         let (shared, begun) = (self.shared, Instant::now());
         let pass = Pass { shared, number, wanted, begun, patience, judged: Mutex::default() };
         let stop = |running: &dyn Fn() -> Option<String>| pass.stops(running);
-        let following = Following::new(shared, &stop, Shown::Nodes);
+        let following = Following::new(shared, &stop, RunView::Nodes);
         let report = self.guarded(&following, |session| match patience {
             Some(_) => session.run_preview(&graph, &following),
             None => session.run(&graph, &following),
@@ -199,7 +199,7 @@ impl WorkerState<'_> {
                 of(output).advance(number, stage, fraction);
             }
         };
-        let following = Following::new(shared, &stop, Shown::Query(&advance));
+        let following = Following::new(shared, &stop, RunView::Query(&advance));
         let mut crowding = std::mem::take(&mut self.crowding);
         let outcome = self.guarded(&following, |session| {
             let (observer, crowding) = (&following, &mut crowding);
@@ -223,7 +223,7 @@ fn read_ahead(shared: &Shared, registry: &Registry, session: &mut Session, next:
             || !state.reads_ahead
             || state.picture.as_ref().is_some_and(|now| !Change::between(next, now).moves)
     };
-    let following = Following::new(shared, &stop, Shown::Nothing);
+    let following = Following::new(shared, &stop, RunView::Nothing);
     let read = || next.graph(registry, 1).and_then(|graph| session.read_ahead(&graph, &following));
     drop(catch_unwind(AssertUnwindSafe(read)));
 }
@@ -283,7 +283,7 @@ pub(super) type Stop<'a> = &'a (dyn Fn(&dyn Fn() -> Option<String>) -> bool + Sy
 
 /// Parts of a run's progress that the window shows.
 #[derive(Clone, Copy)]
-pub(super) enum Shown<'a> {
+pub(super) enum RunView<'a> {
     /// States of the nodes: of a picture.
     Nodes,
     /// Stage, and how much of it is done (0 … 1): of a query, recorded by this function.
@@ -294,13 +294,13 @@ pub(super) enum Shown<'a> {
 pub(super) struct Following<'a> {
     shared: &'a Shared,
     stop: Stop<'a>,
-    shown: Shown<'a>,
+    shown: RunView<'a>,
     node: Mutex<Option<String>>,
     last: Mutex<Instant>,
 }
 
 impl<'a> Following<'a> {
-    pub fn new(shared: &'a Shared, stop: Stop<'a>, shown: Shown<'a>) -> Self {
+    pub fn new(shared: &'a Shared, stop: Stop<'a>, shown: RunView<'a>) -> Self {
         Following { shared, stop, shown, node: Mutex::default(), last: Mutex::new(Instant::now()) }
     }
 
@@ -312,14 +312,14 @@ impl<'a> Following<'a> {
 impl Observer for Following<'_> {
     fn started(&self, node: &str, _place: usize, _count: usize) {
         *lock(&self.node) = Some(node.to_string());
-        if matches!(self.shown, Shown::Nodes) {
+        if matches!(self.shown, RunView::Nodes) {
             lock(&self.shared.state).output.started(node);
         }
     }
 
     fn finished(&self, node: &str, seconds: f64) {
         *lock(&self.node) = None;
-        if matches!(self.shown, Shown::Nodes) {
+        if matches!(self.shown, RunView::Nodes) {
             lock(&self.shared.state).output.done(node, seconds);
         }
     }
@@ -333,9 +333,9 @@ impl Observer for Following<'_> {
         *last = Instant::now();
         drop(last);
         match self.shown {
-            Shown::Nodes => self.shared.show(|shown| shown.progress(node, stage, fraction)),
-            Shown::Query(advance) => self.shared.show(|shown| advance(shown, stage, fraction)),
-            Shown::Nothing => {}
+            RunView::Nodes => self.shared.show(|shown| shown.progress(node, stage, fraction)),
+            RunView::Query(advance) => self.shared.show(|shown| advance(shown, stage, fraction)),
+            RunView::Nothing => {}
         }
     }
 
