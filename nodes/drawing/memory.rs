@@ -14,6 +14,8 @@ const PROGRAM_BYTES: u64 = 30 << 20;
 const NEIGHBOURS_BYTES: u64 = 64;
 /// The gradient at a point, and its length.
 const GRADIENT_BYTES: u64 = 32;
+/// A window, and the partial sums of its histogram. Measured windows took 0.95 to 1.06 times what is said of 1, 4 and 16 million tetrahedra.
+const WINDOW_BYTES: u64 = 80 << 20;
 
 /// Bytes that a process takes with a grid of some size and one scalar.
 #[derive(Debug, Clone, Copy)]
@@ -61,7 +63,7 @@ impl MemoryNeed {
 
     /// Bytes for opening it in a window: a pipeline is made for it, and its picture is drawn by the scalar and the gradient magnitude.
     pub fn opening(&self) -> u64 {
-        self.with_gradient(2)
+        WINDOW_BYTES.saturating_add(self.with_gradient(2))
     }
 
     fn with_gradient(&self, attributes: u64) -> u64 {

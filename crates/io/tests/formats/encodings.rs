@@ -2,9 +2,9 @@
 
 use voltet_core::grid::Grid;
 use voltet_core::progress::NoProgress;
-use voltet_io::formats::{Association, Request, inspect, read};
+use voltet_io::formats::{Association, Request, inspect, piece_sizes, read};
 use voltet_testing::files::samples::{TYPES, file, structured, unstructured};
-use voltet_testing::files::xml::encodings;
+use voltet_testing::files::xml::{Mode, encodings};
 
 /// Reads a scalar of a file.
 pub fn grid(path: &std::path::Path, scalar: &str) -> Grid {
@@ -46,6 +46,29 @@ fn every_encoding_of_an_unstructured_grid_reads_the_same() {
         assert_eq!(first.points.len(), 164);
         assert_eq!(first.tetrahedra.len(), 240);
         assert!(first.tetrahedra.iter().all(|t| t.is_sorted()));
+    }
+}
+
+/// Text alone does not tell beforehand how many corners there are: cells are then taken for hexahedra as far as the points allow.
+#[test]
+fn the_size_of_a_grid_follows_from_headers() {
+    let folder = tempfile::tempdir().unwrap();
+    for encoding in encodings() {
+        for mixed in [false, true] {
+            let path = file(&folder, "grid.vtu", &unstructured(encoding, 40, mixed));
+            let [size] = piece_sizes(&path, &Request::default()).unwrap()[..] else { panic!("one piece") };
+            let whole = inspect(&path, &Request::default(), &NoProgress).unwrap().size;
+            assert_eq!((size.points, whole.tetrahedra), (whole.points, 240), "{encoding:?}");
+            let is_told = encoding.mode != Mode::Ascii;
+            match mixed {
+                _ if !is_told => assert_eq!(size.tetrahedra, if mixed { 840 } else { 984 }, "{encoding:?}"),
+                false => assert_eq!(size, whole, "{encoding:?}"),
+                // The mean cell is one with 640 / 140 corners, so between a tetrahedron and a pyramid.
+                true => {
+                    assert!((219..=220).contains(&size.tetrahedra) && size.split.is_some(), "{encoding:?}")
+                }
+            }
+        }
     }
 }
 
