@@ -7,7 +7,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 pub trait Progress: Sync {
     /// A stage is `fraction` (0 … 1) done. May be called from any thread, often; cheap when ignored.
     fn report(&self, stage: &str, fraction: f64);
-    /// True once the user asked to stop; long loops call [`Progress::check_cancelled`] now and then.
+    /// True once the user asked to stop, and from then on: each thread of a stage may leave out the rest of its part. Long loops call
+    /// [`Progress::check_cancelled`] now and then.
     fn cancelled(&self) -> bool {
         false
     }

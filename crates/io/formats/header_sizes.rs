@@ -1,13 +1,8 @@
 //! Sizes of the grids of tetrahedra that pieces of a file become, by headers alone: by their kind of grid, by the corners that cells have on
 //! average where headers tell them, otherwise by the numbers of points and cells.
 
-use super::contents::{Dataset, Geometry, Piece, Stored, StoredCells, StoredFaces};
-use crate::memory::GridSize;
-
-/// Mean number of a cell's corners, and of the tetrahedra that it becomes: surfaces, tetrahedra, pyramids, wedges, hexahedra; quadratic
-/// tetrahedra and hexahedra at one subdivision.
-const SPLIT: [(f64, f64); 8] =
-    [(3.0, 0.0), (4.0, 1.0), (5.0, 2.0), (6.0, 3.0), (8.0, 6.0), (10.0, 8.0), (20.0, 32.0), (27.0, 32.0)];
+use super::contents::{Dataset, Geometry, Piece, StoredCells, StoredFaces};
+use crate::memory::{GridSize, MAX_CORNERS, tetrahedra_by_corners};
 
 /// Tetrahedra that cells of unknown kinds are split into at most, on average, by cell and by point: of hexahedra as many as 6 by either.
 const MAX_SPLIT: u64 = 6;
@@ -20,26 +15,33 @@ pub(super) fn sizes(dataset: &Dataset) -> Vec<GridSize> {
 fn size(piece: &Piece) -> GridSize {
     let &Piece { point_count: points, cell_count: cells, .. } = piece;
     let structured = GridSize { points, tetrahedra: cells.saturating_mul(MAX_SPLIT), split: Some(0) };
-    let (corners, faces) = match &piece.geometry {
+    // Points of all cells, numbers that faces of polyhedra take beside them, and whether faces may stand among the points.
+    let (corners, faces, has_streams) = match &piece.geometry {
         Geometry::Curvilinear { .. } | Geometry::Rectilinear { .. } | Geometry::Uniform { .. } => {
             return structured;
         }
-        Geometry::Adaptive(_) => (Some(cells.saturating_mul(8)), 0),
-        Geometry::Added(_) => (None, 0),
+        Geometry::Adaptive(_) => (Some(cells.saturating_mul(8)), 0, false),
+        Geometry::Added(_) => (None, 0, false),
         Geometry::Unstructured { cells: stored, .. } => match &**stored {
             StoredCells::Offsets { connectivity, faces, .. } => {
-                (connectivity.value_count(), face_values(faces))
+                let has_streams = matches!(faces, StoredFaces::InConnectivity);
+                (connectivity.value_count(), faces.value_count(), has_streams)
             }
             // Each cell has its count before its points.
-            StoredCells::Counted { list, .. } => (list.value_count().map(|all| all.saturating_sub(cells)), 0),
-            StoredCells::Converted(_) => (None, 0),
+            StoredCells::Counted { list, .. } => {
+                (list.value_count().map(|all| all.saturating_sub(cells)), 0, true)
+            }
+            StoredCells::Converted(_) => (None, 0, false),
         },
     };
     let by_points = points.saturating_mul(MAX_SPLIT).max(cells);
     let at_most = cells.saturating_mul(MAX_SPLIT).min(by_points);
-    // Corners of polyhedra say little of what they become.
-    let tetrahedra = match corners.filter(|_| faces == 0 && cells > 0) {
-        Some(corners) => (cells as f64 * tetrahedra_of(corners as f64 / cells as f64)) as u64,
+    let tetrahedra = match corners.filter(|_| cells > 0) {
+        Some(corners) => {
+            let mean = corners as f64 / cells as f64;
+            let mean = if has_streams { corners_of_stream(mean) } else { mean };
+            (cells as f64 * tetrahedra_by_corners(mean)) as u64
+        }
         None => at_most,
     };
     let is_plain = corners == cells.checked_mul(4) && faces == 0;
@@ -49,25 +51,9 @@ fn size(piece: &Piece) -> GridSize {
     GridSize { points, tetrahedra, split: (!is_plain).then_some(bytes) }
 }
 
-/// Tetrahedra that a cell becomes, by the mean number of its corners.
-fn tetrahedra_of(corners: f64) -> f64 {
-    let after = SPLIT.partition_point(|known| known.0 < corners);
-    match (after.checked_sub(1), SPLIT.get(after)) {
-        (None, _) => 0.0,
-        (Some(last), None) => SPLIT[last].1,
-        (Some(before), Some(&(high, most))) => {
-            let (low, least) = SPLIT[before];
-            least + (most - least) * (corners - low) / (high - low)
-        }
-    }
-}
-
-/// Numbers that faces of polyhedra are stored as; 0 where headers tell none.
-fn face_values(faces: &StoredFaces) -> u64 {
-    let count = |stored: &Stored| stored.value_count().unwrap_or(0);
-    match faces {
-        StoredFaces::Stream { faces, .. } => count(faces),
-        StoredFaces::Indexed { points, faces, .. } => count(points).saturating_add(count(faces)),
-        StoredFaces::None | StoredFaces::InConnectivity => 0,
-    }
+/// Corners of a cell that a legacy file stores as so many numbers. More than any other type of cell has are the stream of a polyhedron:
+/// the number of its faces, and of each face the number of its points and these. Where three edges meet at each of n corners, as
+/// in cells of Voronoi, there are n/2 + 2 faces with 3n points.
+fn corners_of_stream(count: f64) -> f64 {
+    if count > MAX_CORNERS { (count - 3.0) / 3.5 } else { count }
 }

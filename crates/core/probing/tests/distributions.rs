@@ -169,9 +169,14 @@ fn bands_are_counted_by_cell() {
     assert_eq!((found[2].widget, found[2].median, found[2].cell_count), (3, 9.0, cells / 10));
 }
 
-/// As many cells as many threads that each end their own chunk still leave most of after the stop.
+/// Threads end their own chunks after the stop: of four, and this many cells, most is left then.
 #[test]
 fn long_sums_tell_their_share_and_stop_in_the_middle() {
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap();
+    threads.install(sums_stop_in_the_middle);
+}
+
+fn sums_stop_in_the_middle() {
     let grid = box_of_tetrahedra([40; 3], [DVec3::ZERO, DVec3::ONE], 0.2);
     let [x, y] = [0, 1].map(|axis| grid.points.iter().map(|point| point[axis]).collect::<Vec<f64>>());
     let axis = Axis { low: 0.0, high: 1.0, bins: 64 };
