@@ -256,7 +256,8 @@ fn piece_bytes(preparation: &Preparation) -> Result<Vec<u64>> {
     let bytes = |size: GridSize| {
         // The picture is there once, whatever the parts.
         let drawing = drawing_bytes(size.tetrahedra, size.points, LIT_ATTRIBUTES, [0; 2]);
-        size.bytes().saturating_add(drawing)
+        // Cells without a volume, which become no tetrahedra, take room as they are read.
+        size.reading_bytes().max(size.bytes().saturating_add(drawing))
     };
     // What is wrong with the file is said when it is read.
     let sizes = formats::piece_sizes(&preparation.path("path")?, &request).unwrap_or_default();

@@ -90,6 +90,8 @@ pub struct Editor {
     pub(crate) registry: Registry,
     pub(crate) worker: Worker,
     pub(crate) start: Start,
+    /// Bytes that this process may still take, where the system tells.
+    pub(crate) free_memory: fn() -> Option<u64>,
     pub(crate) templates: Vec<Template>,
     pub(crate) made: Option<Making>,
     pub(crate) large: Option<LargeData>,
@@ -138,6 +140,7 @@ impl Editor {
             registry: registry.clone(),
             templates: templates(registry),
             start,
+            free_memory: voltet_io::memory::available,
             made: None,
             large: None,
             selection: BTreeSet::new(),
@@ -415,7 +418,8 @@ fn show(editor: &mut Editor, ui: &mut Ui) {
     }
     unsaved(editor, ctx);
     editor.offer_left_behind(ctx);
-    if !editor.asks_about_work() {
+    // Files that are chosen meanwhile are another question.
+    if !editor.asks_about_work() && editor.file_dialog.is_none() {
         editor.offer_large_data(ctx);
     }
     // A key that answers another question in this frame is not for this one.

@@ -44,7 +44,8 @@ struct JobProgress {
 
 impl Observer for JobObserver {
     fn progress(&self, node: &str, stage: &str, fraction: f64) {
-        let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+        // One of several threads is enough to show it, and none waits for another.
+        let Ok(mut shown) = self.shown.try_lock() else { return };
         let is_new = shown.node != node || shown.stage != stage;
         if !is_new && shown.at.is_some_and(|at| at.elapsed() < BETWEEN) {
             return;

@@ -4,14 +4,12 @@
 use crate::editor::{Editor, Next};
 use crate::files::{FileDialog, ask, free_path, size};
 use crate::jobs::Job;
-use crate::opening::{
-    LargeData, MIN_BYTES, Make, Making, Need, OpeningResult, exceeds, memory_text, need_of,
-};
+use crate::opening::{LargeData, MIN_BYTES, Make, Making, Need, OpeningResult};
 use eframe::egui::Context;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
-use voltet_core::Result;
 use voltet_core::progress::Progress;
+use voltet_core::{Error, Result};
 use voltet_document::Document;
 use voltet_graph::{NodeProgress, Observer};
 
@@ -36,11 +34,15 @@ impl Editor {
         let words = format!("making a pipeline for {name}{} …", bytes.unwrap_or_default());
         let need: Arc<OnceLock<Need>> = Arc::default();
         let (at, of_thread, data) = (free_path(path), need.clone(), path.to_path_buf());
+        let free_memory = self.free_memory;
         let made = Job::start("start", ctx, move |observer: &dyn Observer| {
             observer.progress("", "headers", 0.0);
-            let found = (need_of(&data), observer.memory_left());
+            let found = Need::of_file(&data, free_memory());
             let _ = of_thread.set(found);
-            if asks && exceeds(found) {
+            if observer.cancelled() {
+                return Err(Error::cancelled());
+            }
+            if asks && found.exceeds() {
                 return Ok(OpeningResult::BeyondMemory(make));
             }
             make(&data, &at, &NodeProgress { observer, node: "" }).map(OpeningResult::Document)
@@ -58,11 +60,11 @@ impl Editor {
     pub(crate) fn take_made(&mut self, ctx: &Context) {
         let Some(making) = self.made.as_ref() else { return };
         if let Some(need) = making.need.get().filter(|_| self.says(&making.words)) {
-            let text = making.words.clone() + &memory_text(*need);
+            let text = making.words.clone() + &need.text();
             self.say(text);
         }
         let Some(made) = self.made.as_ref().and_then(|made| made.job.result()) else { return };
-        let Some(Making { job, path, need, revision, dialog, .. }) = self.made.take() else { return };
+        let Some(Making { job, path, words, need, revision, dialog }) = self.made.take() else { return };
         // It may have come to its end all the same.
         if job.is_cancelled() {
             return self.say("stopped; what was shown stays");
@@ -76,7 +78,8 @@ impl Editor {
             }
             Some(OpeningResult::BeyondMemory(make)) => {
                 let need = need.get().copied().unwrap_or_default();
-                self.message = None;
+                // Another message is none of this.
+                self.message = self.message.take().filter(|(text, _)| !text.starts_with(&words));
                 self.large = Some(LargeData { path, need, make, dialog });
             }
             None => self.ask_again(dialog),
@@ -90,12 +93,18 @@ impl Editor {
     /// Asks about data that need more memory than is free.
     pub(crate) fn offer_large_data(&mut self, ctx: &Context) {
         let Some(LargeData { path, need, .. }) = &self.large else { return };
-        let [needed, free] = [need.0, need.1].map(|bytes| size(bytes.unwrap_or(0)));
-        let text = format!(
-            "Opening {} needs about {needed} of memory, and {free} are free.\nA reader (Space in the graph) that names some of the \
-             blocks or one array takes less, as do a smaller time step\nor file, and `voltet run --memory {free}`, which draws it in pieces.",
+        let [needed, free] = [need.needed, need.free].map(|bytes| size(bytes.unwrap_or(0)));
+        let mut text = format!(
+            "Opening {} needs about {needed} of memory to its first picture, and {free} are free.\n\
+             A reader (Space in the graph) that names some of its blocks takes less.",
             path.display()
         );
+        if need.is_in_pieces {
+            let limit = free.replace(' ', "");
+            text += &format!(
+                "\nIt is in pieces: `voltet run --memory {limit} PIPELINE.toml` draws some of them at a time."
+            );
+        }
         let Some(is_wanted) = ask(ctx, "Large data", text, &[("Open anyway", true), ("Cancel", false)])
         else {
             return;

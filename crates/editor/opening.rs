@@ -17,8 +17,16 @@ pub(crate) const MIN_BYTES: u64 = 1_000_000;
 /// Makes a document of the data file, the place where it would be saved, and the progress.
 pub(crate) type Make = Box<dyn FnOnce(&Path, &Path, &dyn Progress) -> Result<Document> + Send>;
 
-/// Bytes that opening a file takes, and bytes that are free, as far as they are known.
-pub(crate) type Need = (Option<u64>, Option<u64>);
+/// Memory that opening a file takes to its first picture, as far as it is known.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Need {
+    /// Bytes; `None` where headers do not tell, or it is no data: what is wrong with it is said when it is read.
+    pub needed: Option<u64>,
+    /// Bytes that are free; `None` where the system does not tell.
+    pub free: Option<u64>,
+    /// True if the file holds several pieces, which can be drawn some at a time.
+    pub is_in_pieces: bool,
+}
 
 /// Document that is being made for data.
 pub(crate) struct Making {
@@ -49,21 +57,23 @@ pub(crate) struct LargeData {
     pub dialog: FileDialog,
 }
 
-/// Bytes that opening a file takes; `None` where headers do not tell, or it is no data: what is wrong with it is said when it is read.
-pub(crate) fn need_of(path: &Path) -> Option<u64> {
-    let need = MemoryNeed::of_file(path, &Request::default()).ok()?;
-    Some(need.opening())
-}
+impl Need {
+    /// Need of a file, of which nothing but the headers is read.
+    pub fn of_file(path: &Path, free: Option<u64>) -> Need {
+        let found = MemoryNeed::of_file(path, &Request::default()).ok();
+        let is_in_pieces = found.is_some_and(|need| need.piece_count() > 1);
+        Need { needed: found.map(|need| need.opening()), free, is_in_pieces }
+    }
 
-pub(crate) fn exceeds((needed, free): Need) -> bool {
-    needed.zip(free).is_some_and(|(needed, free)| needed > free)
-}
+    pub fn exceeds(&self) -> bool {
+        self.needed.zip(self.free).is_some_and(|(needed, free)| needed > free)
+    }
 
-pub(crate) fn memory_text((needed, free): Need) -> String {
-    let needed =
-        needed.filter(|bytes| *bytes >= MIN_BYTES).map(|bytes| format!("; needs about {}", size(bytes)));
-    let free = free.map(|bytes| format!("; {} of memory are free", size(bytes)));
-    needed.into_iter().chain(free).collect()
+    pub fn text(&self) -> String {
+        let needed = self.needed.map(|bytes| format!("; needs about {}", size(bytes)));
+        let free = self.free.map(|bytes| format!("; {} of memory are free", size(bytes)));
+        needed.into_iter().chain(free).collect()
+    }
 }
 
 /// Shows how far the document is that is made for data, and a button that stops that. Returns the path of the data.

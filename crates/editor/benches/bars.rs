@@ -369,9 +369,9 @@ fn beside_work(document: Document) {
     row("from one frame to the next meanwhile (99 %)", at_share(gaps.clone(), 0.99), 50.0);
     row("the longest time from one frame to the next", at_share(gaps, 0.9999), 50.0);
     let (time, [own, waited, blocked]) = longest;
-    row("the longest one", time, 50.0);
+    row("the longest frame meanwhile", time, 50.0);
     println!(
-        "| the longest one: own work {own:.1} ms, without a core {waited:.1} ms, blocked {blocked:.1} ms | | |"
+        "| the longest frame meanwhile: own work {own:.1} ms, without a core {waited:.1} ms, blocked {blocked:.1} ms | | |"
     );
 }
 

@@ -1,10 +1,12 @@
 //! Data files that are opened: memory, and stops in each stage.
 
 use super::*;
+use crate::files::FileDialog;
+use crate::scene::FilePurpose;
 use std::io::{Seek, SeekFrom, Write};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::channel;
-use std::sync::{Mutex, PoisonError};
 use voltet_core::picture::Picture;
 use voltet_graph::{Node, Port, PortType, Value};
 
@@ -29,6 +31,7 @@ fn uniform_grid(folder: &Path, cells: u64) -> PathBuf {
 #[test]
 fn the_memory_that_opening_takes_is_said_before_anything_is_read() {
     let mut hand = Hand::new(TEXT);
+    hand.editor.free_memory = || Some(8_000_000_000);
     let (go, wait) = channel::<()>();
     let wait = Mutex::new(wait);
     hand.editor.start = Arc::new(move |_: &Path, _: &Path, _: &dyn Progress| {
@@ -43,7 +46,7 @@ fn the_memory_that_opening_takes_is_said_before_anything_is_read() {
         let rest = said.split_once("making a pipeline for large.vti …; needs about ");
         rest.and_then(|(_, rest)| rest.split_once(" MB; ")).is_some_and(|(megabytes, rest)| {
             let needed: f64 = megabytes.parse().unwrap();
-            (50.0..1000.0).contains(&needed) && rest.ends_with(" of memory are free")
+            (50.0..1000.0).contains(&needed) && rest == "8.0 GB of memory are free"
         })
     };
     until(&mut hand, "no memory is said", is_said);
@@ -54,7 +57,8 @@ fn the_memory_that_opening_takes_is_said_before_anything_is_read() {
 #[test]
 fn data_that_need_more_memory_than_is_free_are_read_only_where_a_hand_says_so() {
     let mut hand = Hand::new(TEXT);
-    let (calls, data) = (Arc::new(AtomicUsize::new(0)), uniform_grid(hand.folder.path(), 1000));
+    hand.editor.free_memory = || Some(2_000_000);
+    let (calls, data) = (Arc::new(AtomicUsize::new(0)), uniform_grid(hand.folder.path(), 60));
     let counted = calls.clone();
     hand.editor.start = Arc::new(move |_: &Path, _: &Path, _: &dyn Progress| {
         counted.fetch_add(1, Ordering::SeqCst);
@@ -68,6 +72,12 @@ fn data_that_need_more_memory_than_is_free_are_read_only_where_a_hand_says_so() 
         let asked = hand.shown_beginning(&format!("Opening {} needs about ", data.display()));
         assert_eq!((asked.len(), calls.load(Ordering::SeqCst)), (1, 0));
         assert!(hand.editor.asks(), "the keys are for the question");
+        // A file that is being chosen is another question.
+        hand.editor.file_dialog = Some(FileDialog::new(FilePurpose::SaveAs, None));
+        hand.frames(2);
+        assert!(!hand.sees("Open anyway"), "two questions at once");
+        hand.editor.file_dialog = None;
+        hand.frames(2);
         hand.click_on(answer);
         until(&mut hand, "nothing comes of the answer", |hand| hand.editor.made.is_none());
         hand.frames(2);
@@ -77,47 +87,73 @@ fn data_that_need_more_memory_than_is_free_are_read_only_where_a_hand_says_so() 
     }
 }
 
-/// Stages of a pipeline that is made for data, as `voltet start` reports them.
-const STAGES: [&str; 5] = ["reading", "tetrahedra", "gradient", "histogram", "widgets"];
+#[test]
+fn another_message_stays_where_memory_is_asked_about() {
+    let mut hand = Hand::new(TEXT);
+    hand.editor.free_memory = || Some(2_000_000);
+    let (ctx, data) = (hand.ctx.clone(), uniform_grid(hand.folder.path(), 60));
+    hand.editor.open_any(&ctx, &data);
+    hand.editor.say("of another kind");
+    until(&mut hand, "nothing is asked", |hand| hand.sees("Open anyway"));
+    assert_eq!(hand.said(), "of another kind");
+}
 
 #[test]
-fn opening_is_stopped_in_each_stage_and_leaves_what_was_shown() {
+fn opening_that_is_stopped_while_headers_are_read_goes_no_further() {
+    static MAY_TELL: AtomicBool = AtomicBool::new(false);
+    let mut hand = Hand::new(TEXT);
+    hand.editor.free_memory = || {
+        while !MAY_TELL.load(Ordering::SeqCst) {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        None
+    };
+    let calls = Arc::new(AtomicUsize::new(0));
+    let counted = calls.clone();
+    hand.editor.start = Arc::new(move |_: &Path, _: &Path, _: &dyn Progress| {
+        counted.fetch_add(1, Ordering::SeqCst);
+        Ok(TEXT.into())
+    });
+    let (ctx, data) = (hand.ctx.clone(), uniform_grid(hand.folder.path(), 60));
+    hand.editor.open_any(&ctx, &data);
+    until(&mut hand, "no button", |hand| hand.sees("Stop"));
+    hand.click_on("Stop");
+    MAY_TELL.store(true, Ordering::SeqCst);
+    until(&mut hand, "it is not stopped", |hand| hand.editor.made.is_none());
+    assert_eq!((hand.said().as_str(), calls.load(Ordering::SeqCst)), ("stopped; what was shown stays", 0));
+}
+
+/// The stages themselves are tested with `voltet start`.
+#[test]
+fn opening_is_stopped_and_leaves_what_was_shown() {
+    const STAGE: &str = "gradient of the file";
     let mut hand = Hand::new(TEXT);
     let data = hand.folder.path().join("data.vtu");
     std::fs::write(&data, "").unwrap();
-    let (stage, is_over) = (Arc::new(Mutex::new("")), Arc::new(AtomicBool::new(false)));
-    let (stops_in, ends) = (stage.clone(), is_over.clone());
+    let is_over = Arc::new(AtomicBool::new(false));
+    let ends = is_over.clone();
     hand.editor.start = Arc::new(move |_: &Path, _: &Path, progress: &dyn Progress| {
-        let until_stopped = |own: &&str| {
-            progress.report(own, 0.5);
-            while *own == *stops_in.lock().unwrap_or_else(PoisonError::into_inner) && !progress.cancelled() {
-                std::thread::sleep(Duration::from_millis(1));
-            }
-            progress.check_cancelled()
-        };
-        let outcome = STAGES.iter().try_for_each(until_stopped);
+        while !progress.cancelled() {
+            progress.report(STAGE, 0.5);
+            std::thread::sleep(Duration::from_millis(1));
+        }
         ends.store(true, Ordering::SeqCst);
-        outcome.map(|()| TEXT.replace("The wavelet", "A data file"))
+        progress.check_cancelled().map(|()| TEXT.replace("The wavelet", "A data file"))
     });
     let picture = hand.editor.worker().shown(|shown| shown.pixels.as_ref().unwrap().number);
-    for own in STAGES {
-        *stage.lock().unwrap() = own;
-        is_over.store(false, Ordering::SeqCst);
-        // A node may have the name of a stage.
-        let (ctx, others) = (hand.ctx.clone(), hand.texts(own).len());
-        hand.editor.open_any(&ctx, &data);
-        until(&mut hand, own, |hand| hand.texts(own).len() == others + 1);
-        hand.click_on("Stop");
-        until(&mut hand, "it is not stopped", |hand| hand.editor.made.is_none());
-        assert!(is_over.load(Ordering::SeqCst), "{own}: its thread goes on");
-        assert_eq!(
-            (hand.said().as_str(), hand.text(), hand.steps()),
-            ("stopped; what was shown stays", TEXT.into(), 0)
-        );
-        hand.settle();
-        let now = hand.editor.worker().shown(|shown| shown.pixels.as_ref().unwrap().number);
-        assert_eq!(now, picture, "{own}: another picture is shown");
-    }
+    let ctx = hand.ctx.clone();
+    hand.editor.open_any(&ctx, &data);
+    until(&mut hand, "no stage is shown", |hand| hand.texts(STAGE).len() == 1);
+    hand.click_on("Stop");
+    until(&mut hand, "it is not stopped", |hand| hand.editor.made.is_none());
+    assert!(is_over.load(Ordering::SeqCst), "its thread goes on");
+    assert_eq!(
+        (hand.said().as_str(), hand.text(), hand.steps()),
+        ("stopped; what was shown stays", TEXT.into(), 0)
+    );
+    hand.settle();
+    let now = hand.editor.worker().shown(|shown| shown.pixels.as_ref().unwrap().number);
+    assert_eq!(now, picture, "another picture is shown");
 }
 
 /// Numbers of starts of the node, and of its ends by a stop.

@@ -87,7 +87,7 @@ impl DistributionQuery {
                 let has_gradient = volume.gradient_magnitude.is_some();
                 series_scales(call, (quantities, steps), (shown, scales), has_gradient)?
             }
-            None => DataScales::find(&quantities, (shown, scales), (whole, 1), |look| look(&volume))?,
+            None => DataScales::find(&quantities, (shown, scales), (whole, 1), |look| look(Some(&volume)))?,
         };
         Ok(Distribution { histogram, known })
     }
@@ -125,6 +125,7 @@ fn of_nearly_all(grid: &Grid, g: &[f64], progress: &dyn Progress) -> Result<Axis
 impl Query for DistributionQuery {
     type Reply = Arc<Distribution>;
     const WAITS: bool = true;
+    const STAGE: Option<&'static str> = Some(HISTOGRAM);
 
     fn answer(&self, run: &mut QueryRun) -> Result<Arc<Distribution>> {
         self.source.feed(run, &arrays(&self.quantities()), &[], |call| self.find(call)).map(Arc::new)
@@ -213,21 +214,31 @@ pub(crate) struct DataScales {
 }
 
 impl DataScales {
-    /// Scales of all volumes that `each` calls a function with. It is called twice: for the ranges, and for the volumes below values
-    /// within them. `quantities`: those of the plane's axes first; `shown`: the values at the ends of these axes; `volume_count`: of how
-    /// many volumes.
+    /// Scales of all volumes that `each` calls a function with; none stands for a step without one. It is called twice: for the ranges, and
+    /// for the volumes below values within them. `quantities`: those of the plane's axes first; `shown`: the values at the ends of
+    /// these axes; `step_count`: how often it calls.
     fn find(
         quantities: &[ArrayRef],
         (shown, axes): ([[f64; 2]; 2], [AxisScale; 2]),
-        (whole, volume_count): (&dyn Progress, usize),
-        each: impl Fn(&mut dyn FnMut(&Volume) -> Result<()>) -> Result<()>,
+        (whole, step_count): (&dyn Progress, usize),
+        each: impl Fn(&mut dyn FnMut(Option<&Volume>) -> Result<()>) -> Result<()>,
     ) -> Result<DataScales> {
+        // Ranges of one volume take no time; of several each is read for them.
+        let round_count = if step_count > 1 { 2.0 } else { 1.0 };
+        let share = |steps: f64| {
+            SHARES[1] + (1.0 - SHARES[1]) * (steps / (round_count * step_count.max(1) as f64)).min(1.0)
+        };
+        let mut steps = 0.0;
         let mut known = DataScales { axes, ..DataScales::default() };
         each(&mut |volume| {
-            for quantity in quantities {
+            for (quantity, volume) in quantities.iter().flat_map(|own| volume.map(|volume| (own, volume))) {
                 let [low, high] = value_range(&values_of(volume, quantity)?)?;
                 let range = known.ranges.entry(quantity.clone()).or_insert([low, high]);
                 *range = [range[0].min(low), range[1].max(high)];
+            }
+            if round_count > 1.0 {
+                steps += 1.0;
+                whole.report(HISTOGRAM, share(steps));
             }
             Ok(())
         })?;
@@ -235,14 +246,18 @@ impl DataScales {
             let spread = Spread::new(shown, known.ranges[quantity], scale_of(&axes, quantity));
             known.spreads.insert(quantity.clone(), spread);
         }
-        let (mut done, count) = (0, (volume_count * quantities.len()).max(1));
-        let share = |done: usize| SHARES[1] + (1.0 - SHARES[1]) * done as f64 / count as f64;
+        let part = 1.0 / known.spreads.len().max(1) as f64;
         each(&mut |volume| {
+            let Some(volume) = volume else {
+                steps += 1.0;
+                whole.report(HISTOGRAM, share(steps));
+                return Ok(());
+            };
             for (quantity, spread) in &mut known.spreads {
-                let progress =
-                    PartProgress { whole, stage: HISTOGRAM, range: [share(done), share(done + 1)] };
+                let range = [share(steps), share(steps + part)];
+                let progress = PartProgress { whole, stage: HISTOGRAM, range };
                 spread.add(&volume.grid, &values_of(volume, quantity)?, &progress)?;
-                done += 1;
+                steps += part;
             }
             Ok(())
         })?;
@@ -299,8 +314,8 @@ fn series_scales(
     }
     let known = DataScales::find(&key.0, (shown, axes), (call.progress(), steps.len()), |look| {
         call.each_step("volume", &demand, Some(steps), &mut |_, value| match value.volume() {
-            Some(volume) => look(&*volume?),
-            None => Ok(()),
+            Some(volume) => look(Some(&*volume?)),
+            None => look(None),
         })
     })?;
     kept.push((key, known.clone()));
@@ -310,6 +325,9 @@ fn series_scales(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec3;
+    use voltet_core::SharedSlice;
+    use voltet_core::grid::generate::box_of_tetrahedra;
 
     #[test]
     fn shares_and_values_are_inverse_and_end_at_the_ends() {
@@ -321,5 +339,55 @@ mod tests {
         assert_eq!([spread.below(-5.0), spread.below(50.0)], [0.0, 1.0]);
         assert_eq!([spread.value_at(0.0), spread.value_at(1.0)], [0.0, 10.0]);
         assert!((spread.below(2.0) - 0.7).abs() < 1e-12);
+    }
+    struct Shares(Mutex<Vec<f64>>);
+
+    impl Progress for Shares {
+        fn report(&self, stage: &str, fraction: f64) {
+            assert_eq!(stage, HISTOGRAM);
+            self.0.lock().unwrap().push(fraction);
+        }
+    }
+
+    #[test]
+    fn shares_of_a_series_rise_over_both_rounds_to_all_of_it() {
+        let grid = Arc::new(box_of_tetrahedra([12; 3], [DVec3::ZERO, DVec3::ONE], 0.1));
+        let scalar = SharedSlice::from(grid.points.iter().map(|point| point.x).collect::<Vec<_>>());
+        let volume = Volume { grid, scalar, gradient: None, gradient_magnitude: None };
+        // One more quantity than has a spread.
+        let quantities = ["s", "g", "s"].map(ArrayRef::Named);
+        for (steps, first) in
+            [(vec![Some(&volume)], None), (vec![Some(&volume), None, Some(&volume)], Some(3))]
+        {
+            let shares = Shares(Mutex::default());
+            let axes = ([[0.0, 1.0]; 2], [AxisScale::Linear; 2]);
+            let each = |look: &mut dyn FnMut(Option<&Volume>) -> Result<()>| {
+                steps.iter().try_for_each(|volume| look(*volume))
+            };
+            DataScales::find(&quantities, axes, (&shares, steps.len()), each).unwrap();
+            let shares = shares.0.into_inner().unwrap();
+            assert!((shares.iter().copied().fold(0.0, f64::max) - 1.0).abs() < 1e-12, "{shares:?}");
+            if let Some(first) = first {
+                let half = SHARES[1] + 0.5 * (1.0 - SHARES[1]);
+                assert!(
+                    shares[..first].is_sorted() && (shares[first - 1] - half).abs() < 1e-12,
+                    "{shares:?}"
+                );
+                assert!(shares[first..].iter().all(|share| *share > half), "{shares:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn stages_of_nodes_are_shown_before_the_first_share_alone() {
+        let mut exchange = super::super::query::Exchange::<DistributionQuery>::default();
+        let told = [("reading", 0.5), (HISTOGRAM, 0.1), ("gradient", 0.7), (HISTOGRAM, 0.2)].map(
+            |(stage, share)| {
+                exchange.advance(0, stage, share);
+                exchange.progress().map(|(stage, share)| (stage.to_string(), share)).unwrap()
+            },
+        );
+        let wanted = [("reading", 0.5), (HISTOGRAM, 0.1), (HISTOGRAM, 0.1), (HISTOGRAM, 0.2)];
+        assert_eq!(told, wanted.map(|(stage, share)| (stage.to_string(), share)));
     }
 }

@@ -16,6 +16,8 @@ pub(crate) trait Query: Clone + PartialEq + 'static {
 
     /// True if it is asked again after the picture that it was given up for.
     const WAITS: bool;
+    /// The stage of the answer itself, if it reports any: those of nodes are shown before it alone.
+    const STAGE: Option<&'static str> = None;
 
     /// The answer, found on the worker's thread. Errors: a newer picture is wanted; those of a run.
     fn answer(&self, run: &mut QueryRun) -> Result<Self::Reply>;
@@ -70,7 +72,13 @@ impl<Q: Query> Exchange<Q> {
     }
 
     pub(super) fn advance(&mut self, number: u64, stage: &str, fraction: f64) {
-        self.progress = Some((number, stage.to_string(), fraction));
+        let is_begun = self
+            .progress
+            .as_ref()
+            .is_some_and(|(of, own, _)| *of == number && Q::STAGE == Some(own.as_str()));
+        if !is_begun || Q::STAGE == Some(stage) {
+            self.progress = Some((number, stage.to_string(), fraction));
+        }
     }
 
     pub(super) fn ask(&mut self, query: Q) {

@@ -7,7 +7,7 @@ use super::output::WorkerOutput;
 use super::query::{Exchange, Query, QueryRun};
 use super::request::{Change, Pixels, RenderRequest, wire_values};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use voltet_core::error::ErrorKind;
@@ -297,11 +297,14 @@ pub(super) struct Following<'a> {
     shown: RunView<'a>,
     node: Mutex<Option<String>>,
     last: Mutex<Instant>,
+    /// True once the run was told to stop: parts of its work are left out from then on, so that is not taken back.
+    is_stopped: AtomicBool,
 }
 
 impl<'a> Following<'a> {
     pub fn new(shared: &'a Shared, stop: Stop<'a>, shown: RunView<'a>) -> Self {
-        Following { shared, stop, shown, node: Mutex::default(), last: Mutex::new(Instant::now()) }
+        let last = Mutex::new(Instant::now());
+        Following { shared, stop, shown, node: Mutex::default(), last, is_stopped: AtomicBool::new(false) }
     }
 
     pub fn node(&self) -> Option<String> {
@@ -340,7 +343,11 @@ impl Observer for Following<'_> {
     }
 
     fn cancelled(&self) -> bool {
-        (self.stop)(&|| self.node())
+        let is_stopped = self.is_stopped.load(Ordering::SeqCst) || (self.stop)(&|| self.node());
+        if is_stopped {
+            self.is_stopped.store(true, Ordering::SeqCst);
+        }
+        is_stopped
     }
 
     fn memory_left(&self) -> Option<u64> {

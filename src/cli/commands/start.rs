@@ -476,6 +476,29 @@ mod tests {
             assert_eq!(made.unwrap_err().kind, ErrorKind::Cancelled, "{stage}");
             assert_eq!(seen.last().map(String::as_str), Some(stage), "{seen:?}");
         }
+        // Over decades, where the values lie is looked at first.
+        let folder = tempfile::tempdir().unwrap();
+        let decades = folder.path().join("decades.vti");
+        let values: Vec<String> = (0..10 * 4 * 4).map(|i| format!("1e{}", i % 10)).collect();
+        let text = format!(
+            "<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 9 0 3 0 3\" Origin=\"0 0 0\" Spacing=\"1 1 1\">\
+             <Piece Extent=\"0 9 0 3 0 3\"><PointData><DataArray type=\"Float64\" Name=\"s\" format=\"ascii\">{}\
+             </DataArray></PointData></Piece></ImageData></VTKFile>",
+            values.join(" ")
+        );
+        std::fs::write(&decades, text).unwrap();
+        let of_decades = Start { data: decades, scalar: Some("s".into()), ..Start::default() };
+        let run = |stage| {
+            let progress = StoppedIn { stage, seen: Mutex::default() };
+            let made = pipeline(&of_decades, &registry, Path::new("scene.toml"), &progress);
+            (made, progress.seen.into_inner().unwrap())
+        };
+        let (made, stages) = run("none");
+        assert!(made.unwrap().0.contains("s_scale = \"log\""));
+        assert!(stages.iter().any(|stage| stage == "distribution"), "{stages:?}");
+        let (made, seen) = run("distribution");
+        assert_eq!(made.unwrap_err().kind, ErrorKind::Cancelled);
+        assert_eq!(seen.last().map(String::as_str), Some("distribution"), "{seen:?}");
         // Where the array is to be found, everything is read once more before it.
         let unnamed = Start { scalar: None, ..arguments };
         let progress = StoppedIn { stage: "reading", seen: Mutex::default() };
