@@ -248,20 +248,16 @@ pub(crate) fn begin_parts(
     Ok(())
 }
 
-/// Tetrahedra that cells are split into at most, on the average, by cell and by point: of hexahedra as many as 6 by either.
-const MAX_SPLIT: u64 = 6;
-
 /// Quantities that segments carry in a scene with all of them: s, g and the components of ∇s.
 const LIT_ATTRIBUTES: u64 = 5;
 
 fn piece_bytes(preparation: &Preparation) -> Result<Vec<u64>> {
     let request = request(preparation.parameters, None)?;
-    let bytes = |size: formats::PieceSize| {
-        let by_points = size.points.saturating_mul(MAX_SPLIT).max(size.cells);
-        let tetrahedra = size.cells.saturating_mul(MAX_SPLIT).min(by_points);
-        let grid = GridSize { points: size.points, tetrahedra, split: None };
+    let bytes = |size: GridSize| {
         // The picture is there once, whatever the parts.
-        grid.bytes().saturating_add(drawing_bytes(tetrahedra, size.points, LIT_ATTRIBUTES, [0; 2]))
+        let drawing = drawing_bytes(size.tetrahedra, size.points, LIT_ATTRIBUTES, [0; 2]);
+        // Cells without a volume, which become no tetrahedra, take room as they are read.
+        size.reading_bytes().max(size.bytes().saturating_add(drawing))
     };
     // What is wrong with the file is said when it is read.
     let sizes = formats::piece_sizes(&preparation.path("path")?, &request).unwrap_or_default();

@@ -487,7 +487,7 @@ impl Editor {
     pub(crate) fn take(&mut self, document: Document) {
         self.document = document;
         self.new_readers.clear();
-        (self.run, self.made) = (None, None);
+        (self.run, self.made, self.large) = (None, None, None);
         self.recover.forget();
         self.begin();
         (self.disk, self.arrays) = (Disk::default(), Arrays::default());

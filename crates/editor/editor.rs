@@ -6,6 +6,7 @@ use crate::graph::GraphView;
 use crate::invitation::invite;
 use crate::jobs::{Arrays, DataSource, Job};
 use crate::keys::{self, GestureTracker};
+use crate::opening::{LargeData, Making, show_making};
 use crate::panes::Pane;
 use crate::parameters::ParameterPanel;
 use crate::picture::{self, PicturePanel};
@@ -22,8 +23,8 @@ use crate::worker::{
     Estimate, NodeState, PixelProbe, RenderRequest, VolumeSource, Worker, WorkerOutput, size_of,
 };
 use eframe::egui::{
-    Align, Button, CentralPanel, Context, Frame, Key, Label, Layout, Modifiers, Panel, Popup, ProgressBar,
-    RichText, Ui, ViewportCommand,
+    Align, CentralPanel, Context, Frame, Key, Label, Layout, Modifiers, Panel, Popup, RichText, Ui,
+    ViewportCommand,
 };
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -65,17 +66,6 @@ pub(crate) enum Next {
     Quit,
 }
 
-/// Document that is being made for data.
-pub(crate) struct Making {
-    pub job: Job<Document>,
-    /// The data file, with its folder.
-    pub path: String,
-    /// Revision of the document that was shown when it was asked for.
-    pub revision: u64,
-    /// The dialog by which the data were chosen, or would be.
-    pub dialog: FileDialog,
-}
-
 /// Requests to the worker, and how far its answers are behind.
 #[derive(Default)]
 pub(crate) struct Answers {
@@ -100,8 +90,11 @@ pub struct Editor {
     pub(crate) registry: Registry,
     pub(crate) worker: Worker,
     pub(crate) start: Start,
+    /// Bytes that this process may still take, where the system tells.
+    pub(crate) free_memory: fn() -> Option<u64>,
     pub(crate) templates: Vec<Template>,
     pub(crate) made: Option<Making>,
+    pub(crate) large: Option<LargeData>,
     pub(crate) selection: BTreeSet<String>,
     pub(crate) shown_node: Option<String>,
     /// Nodes whose picture was chosen to be shown, the newest last; also those that are gone, which an undo or redo may bring back.
@@ -147,7 +140,9 @@ impl Editor {
             registry: registry.clone(),
             templates: templates(registry),
             start,
+            free_memory: voltet_io::memory::available,
             made: None,
+            large: None,
             selection: BTreeSet::new(),
             shown_node: None,
             chosen_pictures: Vec::new(),
@@ -258,6 +253,10 @@ impl Editor {
                 failure,
                 running: running(shown),
                 distribution: distribution.and_then(|found| found.as_ref().ok().cloned()),
+                distribution_progress: shown
+                    .distribution
+                    .progress()
+                    .map(|(stage, fraction)| (stage.to_string(), fraction)),
                 distribution_fault: distribution.and_then(|found| found.as_ref().err().cloned()),
                 probed: self.answers.probed.as_ref().map(|(_, found)| found.clone()),
                 hovered: shown.hover.answer().and_then(|found| found.as_ref().ok()?.hit.clone()),
@@ -360,7 +359,7 @@ impl Editor {
 impl Editor {
     /// True if a question waits for its answer.
     pub(crate) fn asks(&self) -> bool {
-        self.asks_about_work() || self.offers_plugin()
+        self.asks_about_work() || self.large.is_some() || self.offers_plugin()
     }
 
     /// True if a question about work that is not saved waits for its answer.
@@ -419,6 +418,10 @@ fn show(editor: &mut Editor, ui: &mut Ui) {
     }
     unsaved(editor, ctx);
     editor.offer_left_behind(ctx);
+    // Files that are chosen meanwhile are another question.
+    if !editor.asks_about_work() && editor.file_dialog.is_none() {
+        editor.offer_large_data(ctx);
+    }
     // A key that answers another question in this frame is not for this one.
     if offers_plugin && editor.offers_plugin() {
         editor.offer_plugin(ctx);
@@ -517,19 +520,6 @@ fn status(ui: &mut Ui, editor: &Editor, scene: &Scene, panels: &Panels) {
             });
         });
     });
-}
-
-/// Shows how far the document is that is made for data, and a button that stops that. Returns the path of the data.
-fn show_making<'a>(made: &'a Making, ui: &mut Ui) -> &'a str {
-    let is_stopping = made.job.is_cancelled();
-    let stop = Button::new(if is_stopping { "stopping …" } else { "Stop" }).small();
-    if ui.add_enabled(!is_stopping, stop).on_hover_text("what is shown now stays").clicked() {
-        made.job.cancel();
-    }
-    let (stage, fraction) = made.job.progress();
-    ui.add(ProgressBar::new(fraction as f32).desired_width(120.0).show_percentage());
-    ui.label(stage);
-    &made.path
 }
 
 fn changed_on_disk(editor: &mut Editor, ui: &mut Ui) {

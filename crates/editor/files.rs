@@ -271,12 +271,13 @@ impl ListedFile {
     }
 }
 
-/// Size of a file in words: "12 kB".
+/// Size of a file or of memory in words: "12 kB", "3.1 GB".
 pub(crate) fn size(bytes: u64) -> String {
     let mut size = bytes as f64;
     for unit in ["bytes", "kB", "MB", "GB"] {
         if size < 1000.0 {
-            return format!("{size:.0} {unit}");
+            let digits = usize::from(unit == "GB" && size < 10.0);
+            return format!("{size:.digits$} {unit}");
         }
         size /= 1000.0;
     }

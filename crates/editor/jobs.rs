@@ -1,6 +1,6 @@
 //! Work on threads of their own, whose results the window takes over in a later frame; among it the arrays of data files.
 
-use crate::worker::short_by;
+use crate::worker::{BETWEEN, short_by};
 use eframe::egui::Context;
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
 use voltet_core::error::ErrorKind;
 use voltet_core::progress::NoProgress;
 use voltet_core::{Error, Result};
@@ -28,14 +29,30 @@ pub(crate) struct Job<T> {
 
 struct JobObserver {
     is_cancelled: AtomicBool,
-    progress: Mutex<(String, f64)>,
+    shown: Mutex<JobProgress>,
     ctx: Context,
+}
+
+/// Progress that the window was last woken to show.
+#[derive(Default)]
+struct JobProgress {
+    node: String,
+    stage: String,
+    fraction: f64,
+    at: Option<Instant>,
 }
 
 impl Observer for JobObserver {
     fn progress(&self, node: &str, stage: &str, fraction: f64) {
-        let stage = if node.is_empty() { stage.to_string() } else { format!("{node}: {stage}") };
-        *self.progress.lock().unwrap_or_else(PoisonError::into_inner) = (stage, fraction);
+        // One of several threads is enough to show it, and none waits for another.
+        let Ok(mut shown) = self.shown.try_lock() else { return };
+        let is_new = shown.node != node || shown.stage != stage;
+        if !is_new && shown.at.is_some_and(|at| at.elapsed() < BETWEEN) {
+            return;
+        }
+        let at = Some(Instant::now());
+        *shown = JobProgress { node: node.into(), stage: stage.into(), fraction, at };
+        drop(shown);
         self.ctx.request_repaint();
     }
 
@@ -61,7 +78,7 @@ impl<T> Job<T> {
         let (sender, result) = channel();
         let observer = Arc::new(JobObserver {
             is_cancelled: AtomicBool::new(false),
-            progress: Mutex::default(),
+            shown: Mutex::default(),
             ctx: ctx.clone(),
         });
         let of_thread = observer.clone();
@@ -84,7 +101,9 @@ impl<T> Job<T> {
 
     /// The stage that the job is at, and how much of it is done (0 … 1).
     pub fn progress(&self) -> (String, f64) {
-        self.observer.progress.lock().unwrap_or_else(PoisonError::into_inner).clone()
+        let shown = self.observer.shown.lock().unwrap_or_else(PoisonError::into_inner);
+        let JobProgress { node, stage, fraction, .. } = &*shown;
+        (if node.is_empty() { stage.clone() } else { format!("{node}: {stage}") }, *fraction)
     }
 
     /// Stops the work and waits for its end.

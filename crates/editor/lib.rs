@@ -18,6 +18,7 @@ mod invitation;
 mod jobs;
 mod keys;
 mod new_document;
+mod opening;
 mod outline;
 mod panes;
 mod parameters;

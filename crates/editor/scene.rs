@@ -48,6 +48,8 @@ pub(crate) struct Scene<'a> {
     pub distribution: Option<Arc<Distribution>>,
     /// Reason why there is none.
     pub distribution_fault: Option<Error>,
+    /// Stage of the distribution that is being computed, and how much of that is done (0 … 1).
+    pub distribution_progress: Option<(String, f64)>,
     pub probed: Option<Arc<PixelProbe>>,
     /// Place that is seen first under the pointer in the picture.
     pub hovered: Option<Hit>,

@@ -5,7 +5,7 @@
 
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
-use voltet_core::grid::{Cells, code};
+use voltet_core::grid::{CellType, Cells, code};
 
 /// A point: its position and one scalar.
 const POINT_BYTES: u64 = 32;
@@ -28,16 +28,41 @@ pub struct GridSize {
     pub split: Option<u64>,
 }
 
-/// About how many tetrahedra a cell becomes.
-fn tetrahedra_of(cell: u8) -> u64 {
-    match cell {
-        0..=9 | 21..=23 => 0,
-        code::TETRA => 1,
-        code::PYRAMID => 2,
-        code::WEDGE => 3,
-        code::QUADRATIC_TETRA => 8,
-        code::QUADRATIC_HEXAHEDRON..=code::TRIQUADRATIC_PYRAMID => 32,
-        _ => 6,
+/// Types of cells with a volume, their corners, and about how many tetrahedra they become; quadratic ones at one subdivision.
+const SPLIT: [(u8, u64, u64); 7] = [
+    (code::TETRA, 4, 1),
+    (code::PYRAMID, 5, 2),
+    (code::WEDGE, 6, 3),
+    (code::HEXAHEDRON, 8, 6),
+    (code::QUADRATIC_TETRA, 10, 8),
+    (code::QUADRATIC_HEXAHEDRON, 20, 32),
+    (code::TRIQUADRATIC_HEXAHEDRON, 27, 32),
+];
+
+/// Most corners of a cell that is no polyhedron, but for those of higher degrees.
+pub(crate) const MAX_CORNERS: f64 = 27.0;
+
+/// About how many tetrahedra a cell of any type becomes, by its corners or by the mean of those of several cells: as many as cells of
+/// the types with so many do. A polyhedron that is split at one of its corners becomes about as many.
+pub(crate) fn tetrahedra_by_corners(corners: f64) -> f64 {
+    let mut before = (3.0, 0.0);
+    for (_, after, most) in SPLIT.map(|(code, corners, count)| (code, corners as f64, count as f64)) {
+        if corners <= after {
+            let share = ((corners - before.0) / (after - before.0)).max(0.0);
+            return before.1 + (most - before.1) * share;
+        }
+        before = (after, most);
+    }
+    // A closed surface of n corners has 2n - 4 triangles.
+    before.1 + 2.0 * (corners - before.0)
+}
+
+/// About how many tetrahedra a cell of a type becomes.
+fn tetrahedra_of(cell: u8, corners: u64) -> u64 {
+    match SPLIT.iter().find(|known| known.0 == cell) {
+        Some(known) => known.2,
+        None if CellType::from_code(cell).is_some_and(|cell| cell.dimension < 3) => 0,
+        None => tetrahedra_by_corners(corners as f64).round() as u64,
     }
 }
 
@@ -47,10 +72,15 @@ impl GridSize {
         let (tetrahedra, bytes) = match cells {
             Cells::Tetrahedra(own) => (own.len() as u64, None),
             Cells::Mixed(set) => {
+                // Faces of polyhedra as a stream has them.
+                let faces = set.polyhedra.iter().flat_map(|polyhedron| &polyhedron.faces);
                 let bytes = size_of_val(&set.connectivity[..])
                     + size_of_val(&set.offsets[..])
-                    + size_of_val(&set.types[..]);
-                (set.types.iter().map(|&cell| tetrahedra_of(cell)).sum(), Some(bytes as u64))
+                    + size_of_val(&set.types[..])
+                    + faces.map(|face| size_of::<u32>() * (1 + face.len())).sum::<usize>();
+                let corners = set.offsets.windows(2).map(|ends| ends[1].saturating_sub(ends[0]));
+                let tetrahedra = set.types.iter().zip(corners).map(|(&cell, own)| tetrahedra_of(cell, own));
+                (tetrahedra.sum(), Some(bytes as u64))
             }
             Cells::Structured(_) => ((cells.count() as u64).saturating_mul(6), Some(0)),
         };

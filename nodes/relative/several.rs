@@ -198,7 +198,8 @@ pub(super) fn measure_several(
                 let volumes = volumes(volume, quantity, progress)?;
                 for (_, sums) in own {
                     let edges: Vec<f64> = (0..=EDGES).map(|i| sums.edge(i)).collect();
-                    sums.below.iter_mut().zip(volumes.below_each(&edges)).for_each(|(sum, own)| *sum += own);
+                    let own = volumes.below_each(&edges, progress)?;
+                    sums.below.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
                     sums.total += volumes.total();
                 }
             }

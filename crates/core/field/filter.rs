@@ -3,14 +3,13 @@
 use super::length;
 use crate::grid::Grid;
 use crate::parameters::{Parameters, VariantSchema};
-use crate::progress::Progress;
+use crate::progress::{Progress, StageProgress};
 use crate::{Error, Result, counted};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::SystemTime;
 
 /// Gradients at the points, and how often the filter had to do with less than it promises.
@@ -168,7 +167,7 @@ pub(super) fn for_these<S: Send, const N: usize>(
 ) -> Result<(Vec<DVec3>, [u64; N])> {
     let count = points.map_or(point_count, <[u32]>::len);
     let mut vectors = vec![DVec3::ZERO; count];
-    let done = AtomicUsize::new(0);
+    let fitted = StageProgress::new(progress, "gradient", count);
     let counts = vectors
         .par_chunks_mut(TASK)
         .enumerate()
@@ -186,8 +185,7 @@ pub(super) fn for_these<S: Send, const N: usize>(
                     counts[which] += 1;
                 }
             }
-            let done = done.fetch_add(task_points, Ordering::Relaxed) + task_points;
-            progress.report("gradient", done as f64 / count as f64);
+            fitted.advance(task_points);
             counts
         })
         .reduce(|| [0; N], |a, b| std::array::from_fn(|i| a[i] + b[i]));

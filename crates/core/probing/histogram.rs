@@ -7,11 +7,12 @@
 //! Values are measured in bins from the lower end of the axis, so that edges are whole numbers. Volumes are summed in
 //! a fixed order: the same data give the same bits on any number of cores.
 
+use super::CELLS_PER_CHECK;
 use super::sub_tetrahedron::scaled_volume;
 use super::sub_tetrahedron::{Distribution, SubTetrahedron};
 use crate::grid::Grid;
 use crate::grid::extent::range;
-use crate::progress::Progress;
+use crate::progress::{Progress, StageProgress};
 use crate::{Error, Result};
 use rayon::prelude::*;
 
@@ -110,17 +111,23 @@ pub fn histogram(
     let cells = grid.tetrahedra.len();
     let tasks = (BUDGET / (8 * count)).clamp(4, 64);
     let per_task = cells.div_ceil(tasks).max(1);
+    let summed = StageProgress::new(progress, "histogram", cells);
     let parts: Vec<Histogram> = (0..cells.div_ceil(per_task))
         .into_par_iter()
         .map(|task| {
             let volumes = vec![0.0; count];
             let mut sums = Histogram { axes, volumes, total: 0.0, outside: 0.0, not_finite: 0.0 };
-            for i in task * per_task..((task + 1) * per_task).min(cells) {
-                if i % 1024 == 0 && progress.cancelled() {
+            let end = ((task + 1) * per_task).min(cells);
+            for first in (task * per_task..end).step_by(CELLS_PER_CHECK) {
+                if progress.cancelled() {
                     break;
                 }
-                let at = grid.tetrahedra[i].map(|p| p as usize);
-                sums.add_cell(scaled_volume(grid, i, scale), at.map(|p| [fields[0][p], fields[1][p]]));
+                let chunk = first..(first + CELLS_PER_CHECK).min(end);
+                for i in chunk.clone() {
+                    let at = grid.tetrahedra[i].map(|p| p as usize);
+                    sums.add_cell(scaled_volume(grid, i, scale), at.map(|p| [fields[0][p], fields[1][p]]));
+                }
+                summed.advance(chunk.len());
             }
             sums
         })

@@ -19,3 +19,6 @@ pub use percentile::{Volumes, value_range};
 pub use probe::{Mask, ProbeResult, kernel, probe};
 pub use proposal::{ProposedWidget, proposal, quiet};
 pub use sub_tetrahedron::ProbeRegion;
+
+/// Cells between two looks at whether the user stopped: some milliseconds where each touches many bins.
+const CELLS_PER_CHECK: usize = 1 << 10;

@@ -4,12 +4,14 @@
 //! ([`Distribution`]). The percentile is found by halving an interval of values; cells that lie on one side of it are
 //! summed once and not looked at again, so that after a few rounds only those are left that the value passes through.
 
+use super::CELLS_PER_CHECK;
 use super::sub_tetrahedron::{Distribution, scaled_volume};
 use crate::grid::Grid;
 use crate::grid::extent::range;
-use crate::progress::{Progress, refuse_beyond_memory};
+use crate::progress::{Progress, StageProgress, refuse_beyond_memory};
 use crate::{Error, Result, counted};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Cells that one task looks at: sums are made in a fixed order, the same on any number of cores.
 const CHUNK: usize = 1 << 13;
@@ -53,21 +55,29 @@ fn sum(cells: &[CellSpan], of: impl Fn(&CellSpan) -> f64 + Sync) -> f64 {
 impl Volumes {
     /// Distribution of a field, one value a point. Cells with a value that is not finite are ignored.
     ///
-    /// Errors: no cell with a volume has finite values.
+    /// Errors: no cell with a volume has finite values; memory ends; a stopped run.
     pub fn new(grid: &Grid, values: &[f64], progress: &dyn Progress) -> Result<Volumes> {
         grid.check_values("a field", values)?;
-        let bytes = (grid.tetrahedra.len() * (size_of::<CellSpan>() + size_of::<CellSpan>() / 2)) as u64;
-        let what =
-            || format!("the distribution of a field over {}", counted(grid.tetrahedra.len(), "tetrahedron"));
+        let count = grid.tetrahedra.len();
+        let bytes = (count * (size_of::<CellSpan>() + size_of::<CellSpan>() / 2)) as u64;
+        let what = || format!("the distribution of a field over {}", counted(count, "tetrahedron"));
         refuse_beyond_memory(progress, what, bytes)?;
         let scale = grid.length_scale();
+        let (sorted, stopped) = (StageProgress::new(progress, "distribution", count), AtomicBool::new(false));
         let cell = |i: usize| {
+            if stopped.load(Ordering::Relaxed) {
+                return None;
+            }
+            if i % CELLS_PER_CHECK == 0 {
+                sorted.advance(CELLS_PER_CHECK.min(count - i));
+                stopped.fetch_or(progress.cancelled(), Ordering::Relaxed);
+            }
             let mut values = grid.tetrahedra[i].map(|p| values[p as usize]);
             values.sort_unstable_by(f64::total_cmp);
             let volume = scaled_volume(grid, i, scale);
             (volume > 0.0 && values.iter().all(|v| v.is_finite())).then_some(CellSpan { volume, values })
         };
-        let cells: Vec<CellSpan> = (0..grid.tetrahedra.len()).into_par_iter().filter_map(cell).collect();
+        let cells: Vec<CellSpan> = (0..count).into_par_iter().filter_map(cell).collect();
         progress.check_cancelled()?;
         let total = sum(&cells, |cell| cell.volume);
         match total > 0.0 {
@@ -89,13 +99,14 @@ impl Volumes {
         sum(&self.cells, |cell| cell.below(value)) * self.world
     }
 
-    /// Volume below each of several ascending values.
-    pub fn below_each(&self, values: &[f64]) -> Vec<f64> {
+    /// Volume below each of several ascending values. Errors: a stopped run.
+    pub fn below_each(&self, values: &[f64], progress: &dyn Progress) -> Result<Vec<f64>> {
         let none = || vec![0.0; values.len()];
         let parts: Vec<Vec<f64>> = (self.cells.par_chunks(self.cells.len().div_ceil(16).max(1)))
             .map(|part| {
                 let (mut sums, mut above) = (none(), none());
-                for cell in part {
+                let chunks = part.chunks(CELLS_PER_CHECK).take_while(|_| !progress.cancelled());
+                for cell in chunks.flatten() {
                     let first = values.partition_point(|&value| value <= cell.values[0]);
                     let last = values.partition_point(|&value| value <= cell.values[3]);
                     let distribution = Distribution::new(cell.values);
@@ -115,10 +126,11 @@ impl Volumes {
                 sums
             })
             .collect();
+        progress.check_cancelled()?;
         let mut sums = none();
         parts.iter().for_each(|part| sums.iter_mut().zip(part).for_each(|(sum, part)| *sum += part));
         sums.iter_mut().for_each(|sum| *sum *= self.world);
-        sums
+        Ok(sums)
     }
 
     /// The least value that the field has or falls below in so many percent of the volume: the least of all for 0, the largest

@@ -3,7 +3,8 @@
 //! is a pipeline frames of the interface meanwhile.
 //!
 //! `cargo bench -p voltet-editor -- [BLUNT_FIN.vtu [POST.vtu]]`: VTK's example data, with an array `density` the one and `energy`
-//! the other; without files the wavelet stands in. A pipeline that `voltet start` wrote for data can stand for these.
+//! the other; without files the wavelet stands in. A pipeline that `voltet start` wrote for data can stand for these. `--opening`: what is
+//! measured while a file is opened, alone.
 
 use eframe::egui::accesskit::NodeId;
 use eframe::egui::{Context, Event, Key, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2, vec2};
@@ -23,8 +24,10 @@ fn main() {
     let files: Vec<PathBuf> =
         std::env::args().skip(1).filter(|a| !a.starts_with("--")).map(PathBuf::from).collect();
     println!("| what | measured | bar |\n| --- | --- | --- |");
-    [200, 400].into_iter().for_each(interface);
-    drawing(files.first().map(PathBuf::as_path));
+    if !std::env::args().any(|argument| argument == "--opening") {
+        [200, 400].into_iter().for_each(interface);
+        drawing(files.first().map(PathBuf::as_path));
+    }
     opening(files.get(1).map(PathBuf::as_path));
 }
 
@@ -331,23 +334,55 @@ fn opening(file: Option<&Path>) {
     }
 }
 
-/// Frames of the interface, sixty a second, while the data of a pipeline are read and drawn, and the pointer moves.
+/// Frames of the interface, sixty a second, while the data of a pipeline are read and drawn, the histogram is found, and the pointer moves.
 fn beside_work(document: Document) {
     let Some(mut window) = Window::open(document) else { return };
-    let (begun, mut times) = (Instant::now(), Vec::new());
+    let (begun, mut times, mut gaps, mut longest) = (Instant::now(), Vec::new(), Vec::new(), (0.0, [0.0; 3]));
     let is_drawn = |window: &Window| {
         window
             .editor
             .worker()
             .shown(|shown| shown.failure.is_some() || shown.pixels.is_some() && !shown.is_busy)
     };
-    while !is_drawn(&window) && begun.elapsed() < Duration::from_secs(120) {
+    // The histogram comes after the picture.
+    let mut drawn_at: Option<Instant> = None;
+    let mut last = Instant::now();
+    while drawn_at.is_none_or(|at| at.elapsed() < HISTOGRAM_TIME)
+        && begun.elapsed() < Duration::from_secs(240)
+    {
+        if drawn_at.is_none() && is_drawn(&window) {
+            drawn_at = Some(Instant::now());
+        }
         let at = pos2(20.0 + (times.len() % 60) as f32 * 10.0, 300.0);
-        times.push(window.frame(vec![Event::PointerMoved(at)]));
+        let before = scheduled();
+        let time = window.frame(vec![Event::PointerMoved(at)]);
+        let [own, waited] = [0, 1].map(|k| scheduled()[k] - before[k]);
+        gaps.push(milliseconds(std::mem::replace(&mut last, Instant::now())));
+        times.push(time);
+        if time > longest.0 {
+            longest = (time, [own, waited, time - own - waited]);
+        }
         std::thread::sleep(Duration::from_micros(16_600));
     }
     row("a frame while data are read and drawn (median)", median(times.clone()), 16.0);
-    row("the longest one", times.into_iter().fold(0.0, f64::max), 50.0);
+    row("a frame meanwhile (99 %)", at_share(times, 0.99), 50.0);
+    row("from one frame to the next meanwhile (99 %)", at_share(gaps.clone(), 0.99), 50.0);
+    row("the longest time from one frame to the next", at_share(gaps, 0.9999), 50.0);
+    let (time, [own, waited, blocked]) = longest;
+    row("the longest frame meanwhile", time, 50.0);
+    println!(
+        "| the longest frame meanwhile: own work {own:.1} ms, without a core {waited:.1} ms, blocked {blocked:.1} ms | | |"
+    );
+}
+
+/// Time for which frames are measured after the picture, while the histogram is found.
+const HISTOGRAM_TIME: Duration = Duration::from_secs(15);
+
+/// Milliseconds that this thread has worked, and that it was ready and had no core; 0 where the system does not tell.
+fn scheduled() -> [f64; 2] {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    let mut numbers = text.split(' ').map(|number| number.trim().parse::<f64>().unwrap_or(0.0) * 1e-6);
+    [(); 2].map(|()| numbers.next().unwrap_or(0.0))
 }
 
 fn turn(nodes: &mut [NodeEntry], by: f64) {

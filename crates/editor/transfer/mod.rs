@@ -15,7 +15,7 @@ mod tests;
 
 use crate::scene::{Command, Scene};
 use crate::theme;
-use crate::worker::{short, short_by};
+use crate::worker::{HISTOGRAM, short, short_by};
 use edited_function::{EditedFunction, axis_name, axis_title};
 pub(crate) use edited_function::{data_scope, drawn_with, edited_node, fields_of, scales, volume_of};
 use eframe::egui::{
@@ -209,9 +209,7 @@ impl TransferPanel {
             let fault = look.scene.distribution_fault.as_ref();
             let text = match fault.map(|fault| look.scene.reason("histogram", fault)) {
                 Some(fault) => fault,
-                None if volume_of(look.scene, &look.node.name).is_some() => {
-                    "computing the histogram …".into()
-                }
+                None if volume_of(look.scene, &look.node.name).is_some() => computing(look.scene),
                 None => {
                     "no histogram: no picture is drawn with this transfer function and a volume yet".into()
                 }
@@ -271,6 +269,18 @@ impl TransferPanel {
         let galley = ui.painter().layout_no_wrap(text, FontId::proportional(11.5), color);
         let place = Align2::RIGHT_TOP.anchor_size(plane.rect.right_top() + vec2(-6.0, 4.0), galley.size());
         plane::on_ground(ui, place.min, galley);
+    }
+}
+
+/// Words for the histogram that is being computed.
+fn computing(scene: &Scene) -> String {
+    match &scene.distribution_progress {
+        Some((stage, share)) if stage == HISTOGRAM => {
+            format!("computing the histogram: {:.0} %", 100.0 * share)
+        }
+        // Data that are no longer kept come first.
+        Some((stage, share)) => format!("computing the histogram: {stage} {:.0} %", 100.0 * share),
+        None => "computing the histogram …".into(),
     }
 }
 

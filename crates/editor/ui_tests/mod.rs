@@ -13,6 +13,7 @@ mod ground;
 mod handles;
 mod hits;
 mod keyboard;
+mod opening;
 mod parameters;
 mod picture;
 mod probe;

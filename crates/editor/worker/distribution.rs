@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
 use voltet_core::grid::Grid;
 use voltet_core::probing::{Axis, Histogram, Volumes, histogram, value_range};
-use voltet_core::progress::Progress;
+use voltet_core::progress::{PartProgress, Progress};
 use voltet_core::transfer::{AxisScale, DECADES, DataStatistics};
 use voltet_core::volume::Volume;
 use voltet_core::{Error, Result};
@@ -16,6 +16,12 @@ use voltet_graph::{ArrayRef, Demand, RunContext};
 use voltet_nodes::relative::{self, DataScope};
 
 const BINS: usize = 256;
+
+/// Stage of a distribution that is being computed.
+pub(crate) const HISTOGRAM: &str = "histogram";
+
+/// Shares of the time of a distribution that pass with the volumes by *g* alone, and with those by both quantities.
+const SHARES: [f64; 2] = [0.2, 0.5];
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct DistributionQuery {
@@ -52,7 +58,8 @@ impl DistributionQuery {
     /// Exact within every cell. Along *g* it reaches as far as nearly all of the volume does: a few slivers have gradients of
     /// many times that. Where there is no gradient, *g* is 0.
     fn find(&self, call: &RunContext) -> Result<Distribution> {
-        let (volume, progress) = (call.volume("volume")?, call.progress());
+        let (volume, whole) = (call.volume("volume")?, call.progress());
+        let part = |range| PartProgress { whole, stage: HISTOGRAM, range };
         let scales = self.axes.each_ref().map(|quantity| scale_of(&self.scales, quantity));
         let placed = |axis: usize| -> Result<Cow<'_, [f64]>> {
             let (values, scale) = (values_of(&volume, &self.axes[axis])?, scales[axis]);
@@ -68,10 +75,10 @@ impl DistributionQuery {
             if scales[axis].is_curved() {
                 axes[axis].low = axes[axis].low.max(axes[axis].high - DECADES);
             } else if self.axes[axis] == ArrayRef::Named("g") {
-                axes[axis] = of_nearly_all(grid, positions, progress)?;
+                axes[axis] = of_nearly_all(grid, positions, &part([0.0, SHARES[0]]))?;
             }
         }
-        let histogram = histogram(grid, [&x, &y], axes, progress)?;
+        let histogram = histogram(grid, [&x, &y], axes, &part(SHARES))?;
         let shown = [0, 1].map(|k| [axes[k].low, axes[k].high].map(|position| scales[k].value(position)));
         let (quantities, scales) = (self.quantities(), self.scales);
         let steps = self.scope.steps(call.step_count("volume")?);
@@ -80,7 +87,7 @@ impl DistributionQuery {
                 let has_gradient = volume.gradient_magnitude.is_some();
                 series_scales(call, (quantities, steps), (shown, scales), has_gradient)?
             }
-            None => DataScales::find(&quantities, (shown, scales), progress, |look| look(&volume))?,
+            None => DataScales::find(&quantities, (shown, scales), (whole, 1), |look| look(Some(&volume)))?,
         };
         Ok(Distribution { histogram, known })
     }
@@ -118,6 +125,7 @@ fn of_nearly_all(grid: &Grid, g: &[f64], progress: &dyn Progress) -> Result<Axis
 impl Query for DistributionQuery {
     type Reply = Arc<Distribution>;
     const WAITS: bool = true;
+    const STAGE: Option<&'static str> = Some(HISTOGRAM);
 
     fn answer(&self, run: &mut QueryRun) -> Result<Arc<Distribution>> {
         self.source.feed(run, &arrays(&self.quantities()), &[], |call| self.find(call)).map(Arc::new)
@@ -159,7 +167,7 @@ impl Spread {
 
     fn add(&mut self, grid: &Grid, values: &[f64], progress: &dyn Progress) -> Result<()> {
         let volumes = Volumes::new(grid, values, progress)?;
-        let own = volumes.below_each(&self.values);
+        let own = volumes.below_each(&self.values, progress)?;
         self.below.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
         self.total += volumes.total();
         Ok(())
@@ -206,20 +214,31 @@ pub(crate) struct DataScales {
 }
 
 impl DataScales {
-    /// Scales of all volumes that `each` calls a function with. It is called twice: for the ranges, and for the volumes below values
-    /// within them. `quantities`: those of the plane's axes first; `shown`: the values at the ends of these axes.
+    /// Scales of all volumes that `each` calls a function with; none stands for a step without one. It is called twice: for the ranges, and
+    /// for the volumes below values within them. `quantities`: those of the plane's axes first; `shown`: the values at the ends of
+    /// these axes; `step_count`: how often it calls.
     fn find(
         quantities: &[ArrayRef],
         (shown, axes): ([[f64; 2]; 2], [AxisScale; 2]),
-        progress: &dyn Progress,
-        each: impl Fn(&mut dyn FnMut(&Volume) -> Result<()>) -> Result<()>,
+        (whole, step_count): (&dyn Progress, usize),
+        each: impl Fn(&mut dyn FnMut(Option<&Volume>) -> Result<()>) -> Result<()>,
     ) -> Result<DataScales> {
+        // Ranges of one volume take no time; of several each is read for them.
+        let round_count = if step_count > 1 { 2.0 } else { 1.0 };
+        let share = |steps: f64| {
+            SHARES[1] + (1.0 - SHARES[1]) * (steps / (round_count * step_count.max(1) as f64)).min(1.0)
+        };
+        let mut steps = 0.0;
         let mut known = DataScales { axes, ..DataScales::default() };
         each(&mut |volume| {
-            for quantity in quantities {
+            for (quantity, volume) in quantities.iter().flat_map(|own| volume.map(|volume| (own, volume))) {
                 let [low, high] = value_range(&values_of(volume, quantity)?)?;
                 let range = known.ranges.entry(quantity.clone()).or_insert([low, high]);
                 *range = [range[0].min(low), range[1].max(high)];
+            }
+            if round_count > 1.0 {
+                steps += 1.0;
+                whole.report(HISTOGRAM, share(steps));
             }
             Ok(())
         })?;
@@ -227,9 +246,18 @@ impl DataScales {
             let spread = Spread::new(shown, known.ranges[quantity], scale_of(&axes, quantity));
             known.spreads.insert(quantity.clone(), spread);
         }
+        let part = 1.0 / known.spreads.len().max(1) as f64;
         each(&mut |volume| {
+            let Some(volume) = volume else {
+                steps += 1.0;
+                whole.report(HISTOGRAM, share(steps));
+                return Ok(());
+            };
             for (quantity, spread) in &mut known.spreads {
-                spread.add(&volume.grid, &values_of(volume, quantity)?, progress)?;
+                let range = [share(steps), share(steps + part)];
+                let progress = PartProgress { whole, stage: HISTOGRAM, range };
+                spread.add(&volume.grid, &values_of(volume, quantity)?, &progress)?;
+                steps += part;
             }
             Ok(())
         })?;
@@ -284,10 +312,10 @@ fn series_scales(
     if let Some((_, known)) = kept.iter().find(|(of, known)| *of == key && known.axes == axes) {
         return Ok(known.clone());
     }
-    let known = DataScales::find(&key.0, (shown, axes), call.progress(), |look| {
+    let known = DataScales::find(&key.0, (shown, axes), (call.progress(), steps.len()), |look| {
         call.each_step("volume", &demand, Some(steps), &mut |_, value| match value.volume() {
-            Some(volume) => look(&*volume?),
-            None => Ok(()),
+            Some(volume) => look(Some(&*volume?)),
+            None => look(None),
         })
     })?;
     kept.push((key, known.clone()));
@@ -297,6 +325,9 @@ fn series_scales(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec3;
+    use voltet_core::SharedSlice;
+    use voltet_core::grid::generate::box_of_tetrahedra;
 
     #[test]
     fn shares_and_values_are_inverse_and_end_at_the_ends() {
@@ -308,5 +339,55 @@ mod tests {
         assert_eq!([spread.below(-5.0), spread.below(50.0)], [0.0, 1.0]);
         assert_eq!([spread.value_at(0.0), spread.value_at(1.0)], [0.0, 10.0]);
         assert!((spread.below(2.0) - 0.7).abs() < 1e-12);
+    }
+    struct Shares(Mutex<Vec<f64>>);
+
+    impl Progress for Shares {
+        fn report(&self, stage: &str, fraction: f64) {
+            assert_eq!(stage, HISTOGRAM);
+            self.0.lock().unwrap().push(fraction);
+        }
+    }
+
+    #[test]
+    fn shares_of_a_series_rise_over_both_rounds_to_all_of_it() {
+        let grid = Arc::new(box_of_tetrahedra([12; 3], [DVec3::ZERO, DVec3::ONE], 0.1));
+        let scalar = SharedSlice::from(grid.points.iter().map(|point| point.x).collect::<Vec<_>>());
+        let volume = Volume { grid, scalar, gradient: None, gradient_magnitude: None };
+        // One more quantity than has a spread.
+        let quantities = ["s", "g", "s"].map(ArrayRef::Named);
+        for (steps, first) in
+            [(vec![Some(&volume)], None), (vec![Some(&volume), None, Some(&volume)], Some(3))]
+        {
+            let shares = Shares(Mutex::default());
+            let axes = ([[0.0, 1.0]; 2], [AxisScale::Linear; 2]);
+            let each = |look: &mut dyn FnMut(Option<&Volume>) -> Result<()>| {
+                steps.iter().try_for_each(|volume| look(*volume))
+            };
+            DataScales::find(&quantities, axes, (&shares, steps.len()), each).unwrap();
+            let shares = shares.0.into_inner().unwrap();
+            assert!((shares.iter().copied().fold(0.0, f64::max) - 1.0).abs() < 1e-12, "{shares:?}");
+            if let Some(first) = first {
+                let half = SHARES[1] + 0.5 * (1.0 - SHARES[1]);
+                assert!(
+                    shares[..first].is_sorted() && (shares[first - 1] - half).abs() < 1e-12,
+                    "{shares:?}"
+                );
+                assert!(shares[first..].iter().all(|share| *share > half), "{shares:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn stages_of_nodes_are_shown_before_the_first_share_alone() {
+        let mut exchange = super::super::query::Exchange::<DistributionQuery>::default();
+        let told = [("reading", 0.5), (HISTOGRAM, 0.1), ("gradient", 0.7), (HISTOGRAM, 0.2)].map(
+            |(stage, share)| {
+                exchange.advance(0, stage, share);
+                exchange.progress().map(|(stage, share)| (stage.to_string(), share)).unwrap()
+            },
+        );
+        let wanted = [("reading", 0.5), (HISTOGRAM, 0.1), (HISTOGRAM, 0.1), (HISTOGRAM, 0.2)];
+        assert_eq!(told, wanted.map(|(stage, share)| (stage.to_string(), share)));
     }
 }

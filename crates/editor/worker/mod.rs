@@ -8,6 +8,7 @@
 mod comparison;
 mod crowding;
 mod distribution;
+mod frame_times;
 mod hits;
 mod output;
 mod probing;
@@ -22,7 +23,7 @@ mod work;
 pub(crate) use comparison::{Estimate, PreviewQuery, Share, ShareQuery, difference};
 #[cfg(test)]
 pub(crate) use distribution::Spread;
-pub(crate) use distribution::{DataScales, Distribution, DistributionQuery};
+pub(crate) use distribution::{DataScales, Distribution, DistributionQuery, HISTOGRAM};
 pub(crate) use hits::{Hit, HitCell};
 pub use output::WorkerOutput;
 pub(crate) use output::{NodeState, NodeStatus, Preview};
@@ -37,6 +38,7 @@ use std::sync::atomic::Ordering;
 use std::thread::JoinHandle;
 use voltet_core::{Error, Result};
 use voltet_graph::Registry;
+pub(crate) use work::BETWEEN;
 pub use work::RepaintCallback;
 use work::{Shared, lock};
 

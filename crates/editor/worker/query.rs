@@ -16,6 +16,8 @@ pub(crate) trait Query: Clone + PartialEq + 'static {
 
     /// True if it is asked again after the picture that it was given up for.
     const WAITS: bool;
+    /// The stage of the answer itself, if it reports any: those of nodes are shown before it alone.
+    const STAGE: Option<&'static str> = None;
 
     /// The answer, found on the worker's thread. Errors: a newer picture is wanted; those of a run.
     fn answer(&self, run: &mut QueryRun) -> Result<Self::Reply>;
@@ -35,11 +37,13 @@ pub(crate) struct Exchange<Q: Query> {
     number: u64,
     is_open: bool,
     answer: Option<(u64, Result<Q::Reply>)>,
+    /// The number of the query that is being answered, its stage, and how much of that is done (0 … 1).
+    progress: Option<(u64, String, f64)>,
 }
 
 impl<Q: Query> Default for Exchange<Q> {
     fn default() -> Self {
-        Exchange { asked: None, number: 0, is_open: false, answer: None }
+        Exchange { asked: None, number: 0, is_open: false, answer: None, progress: None }
     }
 }
 
@@ -59,6 +63,22 @@ impl<Q: Query> Exchange<Q> {
 
     pub fn is_waiting(&self) -> bool {
         self.asked.is_some() && self.answer().is_none()
+    }
+
+    /// Stage of the newest query, and how much of that is done (0 … 1), while it is being answered.
+    pub fn progress(&self) -> Option<(&str, f64)> {
+        let (_, stage, fraction) = self.progress.as_ref().filter(|(number, ..)| *number == self.number)?;
+        Some((stage, *fraction))
+    }
+
+    pub(super) fn advance(&mut self, number: u64, stage: &str, fraction: f64) {
+        let is_begun = self
+            .progress
+            .as_ref()
+            .is_some_and(|(of, own, _)| *of == number && Q::STAGE == Some(own.as_str()));
+        if !is_begun || Q::STAGE == Some(stage) {
+            self.progress = Some((number, stage.to_string(), fraction));
+        }
     }
 
     pub(super) fn ask(&mut self, query: Q) {
@@ -88,6 +108,7 @@ impl<Q: Query> Exchange<Q> {
 
     /// Takes over what was found for the query of a number.
     pub(super) fn settle(&mut self, number: u64, found: Result<Q::Reply>) {
+        self.progress = None;
         match found {
             Err(error) if error.kind == ErrorKind::Cancelled => match Q::WAITS {
                 true => self.is_open = self.asked.is_some(),

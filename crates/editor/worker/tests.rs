@@ -1,6 +1,7 @@
 use super::tests_superseding::worker_with_own;
 use super::*;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, LazyLock};
 use std::time::Duration;
 use voltet_graph::pipeline::Pipeline;
@@ -312,6 +313,16 @@ fn output_of_a_document_takes_no_picture_of_the_one_before() {
 fn memory_is_what_the_program_may_take() {
     let never = |_: &dyn Fn() -> Option<String>| false;
     let shared = Shared::new(Arc::default(), Arc::new(|| {}));
-    let following = work::Following::new(&shared, &never, true);
+    let following = work::Following::new(&shared, &never, work::RunView::Nodes);
     assert_eq!(Observer::memory_left(&following).is_some(), voltet_io::memory::available().is_some());
+}
+
+/// As of an edit that is undone while the run looks: what is left out by then is missing in the end.
+#[test]
+fn a_stop_is_not_taken_back() {
+    let asked = AtomicUsize::new(0);
+    let once = |_: &dyn Fn() -> Option<String>| asked.fetch_add(1, Ordering::SeqCst) == 1;
+    let shared = Shared::new(Arc::default(), Arc::new(|| {}));
+    let following = work::Following::new(&shared, &once, work::RunView::Nodes);
+    assert_eq!([(); 4].map(|()| Observer::cancelled(&following)), [false, true, true, true]);
 }

@@ -10,7 +10,7 @@ pub trait Observer: Sync {
     fn progress(&self, _node: &str, _stage: &str, _fraction: f64) {}
     /// A node is done.
     fn finished(&self, _node: &str, _seconds: f64) {}
-    /// True once the run should stop.
+    /// True once the run should stop, and from then on.
     fn cancelled(&self) -> bool {
         false
     }

@@ -162,6 +162,18 @@ pub(super) enum StoredFaces {
     InConnectivity,
 }
 
+impl StoredFaces {
+    /// Numbers that they are stored as beside the connectivity; 0 where headers tell none.
+    pub fn value_count(&self) -> u64 {
+        let count = |stored: &Stored| stored.value_count().unwrap_or(0);
+        match self {
+            StoredFaces::Stream { faces, .. } => count(faces),
+            StoredFaces::Indexed { points, faces, .. } => count(points).saturating_add(count(faces)),
+            StoredFaces::None | StoredFaces::InConnectivity => 0,
+        }
+    }
+}
+
 impl PieceArray {
     /// An array whose components have no names.
     pub fn new(association: Association, stored: Stored) -> PieceArray {

@@ -442,6 +442,34 @@ impl Stored {
         }
     }
 
+    /// Number of the values as headers tell it, those before the data included; `None` where only the data itself tells, or where it is
+    /// more than the file can hold.
+    pub(super) fn value_count(&self) -> Option<u64> {
+        if self.tuple_count.is_some() {
+            return self.promised().ok()?;
+        }
+        let &Encoding::Xml { at, end, base64, wide, codec } = &self.encoding else { return None };
+        let (source, width) = (&*self.source, if wide { 8 } else { 4 });
+        let head_len = width * if codec.is_some() { 3 } else { 1 };
+        let head = match base64 {
+            true => Base64Text { source, at, end }.run(head_len),
+            false => source.read(at, head_len),
+        };
+        let head = head.ok()?;
+        let word = |index| word(&head, index, wide, self.order);
+        let (bytes, held) = (end.saturating_sub(at), codec.map_or(1, |codec| codec.greatest_size(1)));
+        let stated = match codec {
+            None => word(0),
+            // All blocks but the last are full.
+            Some(_) => match word(2) {
+                0 => word(0).checked_mul(word(1))?,
+                last => word(0).saturating_sub(1).checked_mul(word(1))?.checked_add(last)?,
+            },
+        };
+        let size = self.number_type.size()? as u64;
+        (stated <= bytes.saturating_mul(held)).then_some(stated / size)
+    }
+
     /// That a stated length in bytes is the one promised.
     fn check_len(&self, len: u64) -> Result<()> {
         match self.promised()?.and_then(|count| self.number_type.byte_count(count)) {

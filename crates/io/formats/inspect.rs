@@ -2,9 +2,7 @@
 //! not of ghosts, hidden cells, surfaces beside a volume, or points that no cell uses.
 
 use super::assemble::PieceRequest;
-use super::contents::{
-    BLOCK, CellBlocks, Dataset, Geometry, Meter, Piece, PieceArray, Stored, StoredCells, StoredFaces,
-};
+use super::contents::{BLOCK, CellBlocks, Dataset, Geometry, Meter, Piece, PieceArray, Stored, StoredCells};
 use super::request::Request;
 use super::vectors::length;
 use super::{assemble, cells, request};
@@ -225,14 +223,7 @@ fn decoded_bytes(piece: &Piece) -> u64 {
         Geometry::Open(open) => open.byte_count(true, &[]),
         Geometry::Unstructured { cells, .. } => match &**cells {
             StoredCells::Offsets { connectivity, faces, .. } => {
-                let of_faces = match faces {
-                    StoredFaces::Stream { faces, .. } => value_count(faces),
-                    StoredFaces::Indexed { points, faces, .. } => {
-                        value_count(points).saturating_add(value_count(faces))
-                    }
-                    StoredFaces::None | StoredFaces::InConnectivity => 0,
-                };
-                value_count(connectivity).saturating_add(of_faces).saturating_mul(8)
+                value_count(connectivity).saturating_add(faces.value_count()).saturating_mul(8)
             }
             StoredCells::Counted { list, .. } => value_count(list).saturating_mul(8),
             StoredCells::Converted(_) => 0,
@@ -244,7 +235,7 @@ fn decoded_bytes(piece: &Piece) -> u64 {
 
 /// Number of values that the headers promise; 0 where they tell none.
 fn value_count(stored: &Stored) -> u64 {
-    stored.tuple_count.unwrap_or(0).saturating_mul(stored.component_count as u64)
+    stored.value_count().unwrap_or(0)
 }
 
 /// Contents of each of some pieces, which are decoded side by side.

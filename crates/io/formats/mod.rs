@@ -54,6 +54,7 @@ mod hdf5_files;
 mod hdf5_heaps;
 mod hdf5_views;
 mod hdf5_virtual;
+mod header_sizes;
 #[cfg(test)]
 mod heads_tests;
 mod hexahedra;
@@ -98,7 +99,7 @@ pub use contents::BLOCK;
 pub use elements::{SurfaceColors, SurfaceFile};
 pub use inspect::{ArraySummary, BlockSummary, Summary};
 pub use outline::Outline;
-pub use parts::{PieceBorders, PieceSize};
+pub use parts::PieceBorders;
 pub use quantities::{ArrayChoice, differ};
 pub use request::{Component, Request, SelectedArrays, TimeStep, list as quoted_names, shortened};
 pub use source::existing_file;
@@ -107,6 +108,7 @@ pub use vectors::length;
 pub use voltet_core::grid::{Association, CellValues, Options};
 pub use voltet_core::reading::FileArray;
 
+use crate::memory::GridSize;
 use contents::{Dataset, Piece};
 use piece_share::Share;
 use request::Format;
@@ -128,12 +130,12 @@ pub fn read(path: &Path, request: &Request, progress: &dyn Progress) -> Result<G
     assemble::assemble(&dataset, request, progress).map_err(|error| error.in_file(path))
 }
 
-/// Sizes of a file's pieces, by headers alone, in order; pieces without cells included.
+/// Sizes of the grids that a file's pieces become, about, by headers alone; in order, pieces without cells included.
 ///
 /// # Errors
 /// As [`read`], as far as headers show them.
-pub fn piece_sizes(path: &Path, request: &Request) -> Result<Vec<PieceSize>> {
-    Ok(parts::sizes(&open(path, request)?))
+pub fn piece_sizes(path: &Path, request: &Request) -> Result<Vec<GridSize>> {
+    Ok(header_sizes::sizes(&open(path, request)?))
 }
 
 /// Borders between a file's pieces, for [`read_part`] with the same request. `layers` of cells around a part serve it as ghosts: for

@@ -30,15 +30,6 @@ use voltet_core::progress::{Progress, refuse_beyond_memory};
 use voltet_core::{Error, Result, counted};
 use voltet_graph::MEAN_LAYERS;
 
-/// Size of a piece of a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct PieceSize {
-    /// Points.
-    pub points: u64,
-    /// Cells of any dimension.
-    pub cells: u64,
-}
-
 /// Borders between the pieces of a file: the points that several of them hold, in one order, and the cells near these.
 #[derive(Debug)]
 pub struct PieceBorders {
@@ -77,11 +68,6 @@ impl PieceBorders {
     pub fn byte_count(&self) -> u64 {
         self.shared.byte_count() + self.halos.iter().flatten().map(Halo::byte_count).sum::<u64>()
     }
-}
-
-pub(super) fn sizes(dataset: &Dataset) -> Vec<PieceSize> {
-    let size = |piece: &Piece| PieceSize { points: piece.point_count, cells: piece.cell_count };
-    dataset.pieces.iter().map(size).collect()
 }
 
 /// Finds the borders between the pieces. `first`: the pieces of the part that is read first, which are kept for it.

@@ -10,15 +10,14 @@ use crate::cli::arguments::Info;
 use crate::cli::present::{self, grouped, name, print};
 use crate::core::grid::CellType;
 use crate::core::{Error, Result, agreeing, counted, noun_of, with_commas};
-use crate::engine::drawing_bytes;
 use crate::graph::pipeline::Pipeline;
 use crate::graph::{Graph, LinkEntry, NodeEntry, ParameterValue, PortType, Registry};
 use crate::io::encode;
 use crate::io::formats::{
     ArrayChoice, ArraySummary, Association, BlockSummary, Request, Summary, TableOfContents,
 };
-use crate::io::memory::GridSize;
 use crate::io::provenance::{CameraRecord, DataFile, PluginRecord, Provenance, SidecarFiles};
+use crate::nodes::drawing::MemoryNeed;
 use crate::nodes::files::argument;
 use crate::{Document, Source};
 use serde_json::{Value, json as object};
@@ -70,7 +69,8 @@ fn json(summary: &Summary) -> Value {
     };
     let bounds = summary.bounds.map(|corners| corners.map(|corner| corner.to_array()));
     let memory = summary.has_volume().then(|| {
-        let [reading, drawing, lit] = memory_bytes(&summary.size);
+        let need = MemoryNeed::new(summary.size);
+        let [reading, drawing, lit] = [need.reading(), need.drawing(), need.drawing_lit()];
         object!({ "reading": reading, "drawing": drawing, "drawing_with_gradient_and_light": lit })
     });
     object!({
@@ -86,29 +86,6 @@ fn json(summary: &Summary) -> Value {
     })
 }
 
-/// Bytes of the program before it has read anything: its code, its threads, and their stacks.
-const PROGRAM_BYTES: u64 = 30 << 20;
-/// Bytes for the neighbours of a point, 14 on average, while `least-squares` solves for its gradient.
-const NEIGHBOURS_BYTES: u64 = 64;
-/// Bytes for the gradient at a point, and its length.
-const GRADIENT_BYTES: u64 = 32;
-/// Side of the picture that [`memory_bytes`] assumes (pixels).
-const SIDE: u32 = 1024;
-
-/// Memory of a whole process (bytes) that reads a grid of this size with one scalar, that draws all of its cells by the scalar
-/// alone, and that draws them by the scalar and the gradient magnitude, with light.
-fn memory_bytes(size: &GridSize) -> [u64; 3] {
-    let grid = PROGRAM_BYTES.saturating_add(size.bytes());
-    let drawn = |attributes| drawing_bytes(size.tetrahedra, size.points, attributes, [SIDE; 2]);
-    let reading = PROGRAM_BYTES.saturating_add(size.reading_bytes());
-    let gradient = size.points.saturating_mul(GRADIENT_BYTES);
-    let solving = size.points.saturating_mul(GRADIENT_BYTES + NEIGHBOURS_BYTES);
-    let drawing = reading.max(grid.saturating_add(drawn(1)));
-    // s, g and the three components of ∇s.
-    let lit = gradient.saturating_add(drawn(5)).max(solving);
-    [reading, drawing, drawing.max(grid.saturating_add(lit))]
-}
-
 fn describe_data(path: &Path, summary: &Summary) -> String {
     let mut text = format!("{}\n  {}\n", name(&path.to_string_lossy()), name(&summary.format));
     let mebibytes = |bytes: u64| format!("{:.0} MiB", bytes as f64 / f64::from(1 << 20));
@@ -118,13 +95,15 @@ fn describe_data(path: &Path, summary: &Summary) -> String {
         counted(summary.piece_count, "piece"),
     );
     if summary.has_volume() {
-        let [reading, drawing, lit] = memory_bytes(&summary.size);
+        let need = MemoryNeed::new(summary.size);
+        let [reading, drawing, lit] = [need.reading(), need.drawing(), need.drawing_lit()].map(mebibytes);
         text += &format!(
-            "  a run takes about {} of memory to read it with one array, {} to draw all of it ({SIDE} × {SIDE} \
+            "  a run takes about {} of memory to read it with one array, {} to draw all of it ({side} × {side} \
              pixels, on the CPU), {} with gradient and light\n",
-            mebibytes(reading),
-            mebibytes(drawing),
-            mebibytes(lit)
+            reading,
+            drawing,
+            lit,
+            side = MemoryNeed::SIDE,
         );
     }
     text +=

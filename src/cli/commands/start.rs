@@ -11,7 +11,7 @@ use crate::core::grid::Grid;
 use crate::core::grid::extent::{range, scene_length};
 use crate::core::parameters::nearest_first;
 use crate::core::probing::{Axis, Histogram, ProposedWidget, Volumes, histogram, proposal, quiet};
-use crate::core::progress::Progress;
+use crate::core::progress::{PartProgress, Progress};
 use crate::core::transfer::AxisScale;
 use crate::core::{Error, Result, agreeing};
 use crate::graph::{ParameterValue, Registry};
@@ -130,11 +130,13 @@ pub fn pipeline(
     let gradient = Method::with_defaults(Arc::new(LeastSquares))?.gradient(&grid, &field, progress)?;
     let g = magnitude(&gradient.vectors);
     let found = histogram_of(&grid, &field, &g, progress)?;
+    progress.report("widgets", 0.0);
     let mut look = proposal(&found, COLORS.len());
     if is_log {
         // The gradient magnitude of the logarithm is no array that a widget reads.
         look.iter_mut().for_each(|one| (one.centre[1], one.sigma[1]) = (0.0, f64::INFINITY));
     }
+    progress.check_cancelled()?;
     let [s_axis, g_axis] = found.axes;
     let points = match arguments.fit {
         true => shown_points(&grid, &field, &g, &look),
@@ -374,17 +376,12 @@ fn first_quantity(arguments: &Start, summary: &Summary) -> Result<ArrayChoice> {
 fn histogram_of(grid: &Grid, s: &[f64], g: &[f64], progress: &dyn Progress) -> Result<Histogram> {
     let s_axis = Axis::over(s, BINS);
     let whole = Axis::over(g, 16 * BINS);
-    progress.report("histogram", 0.0);
-    let coarse = histogram(
-        grid,
-        [s, g],
-        [Axis { bins: 1, ..s_axis }, Axis { low: whole.low.min(0.0), ..whole }],
-        progress,
-    )?;
-    progress.report("histogram", 0.5);
+    let half = |range| PartProgress { whole: progress, stage: "histogram", range };
+    let coarse_axes = [Axis { bins: 1, ..s_axis }, Axis { low: whole.low.min(0.0), ..whole }];
+    let coarse = histogram(grid, [s, g], coarse_axes, &half([0.0, 0.5]))?;
     let high = coarse.nearly_all();
     let low = quiet(&coarse).min(0.5 * high);
-    histogram(grid, [s, g], [s_axis, Axis { low, high, bins: BINS }], progress)
+    histogram(grid, [s, g], [s_axis, Axis { low, high, bins: BINS }], &half([0.5, 1.0]))
 }
 
 /// A Gaussian of this extinction; `steps`: finer than what is told apart along s and g; `scale`: of s.
@@ -435,4 +432,77 @@ fn shown_points(grid: &Grid, s: &[f64], g: &[f64], look: &[ProposedWidget]) -> V
 
 fn one_digit(x: f64) -> f64 {
     format!("{x:.0e}").parse().unwrap_or(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Mutex;
+
+    /// The stages so far, and the one in which the user stops.
+    struct StoppedIn {
+        stage: &'static str,
+        seen: Mutex<Vec<String>>,
+    }
+
+    impl Progress for StoppedIn {
+        fn report(&self, stage: &str, _fraction: f64) {
+            let mut seen = self.seen.lock().unwrap();
+            if seen.last().is_none_or(|last| last != stage) {
+                seen.push(stage.into());
+            }
+        }
+
+        fn cancelled(&self) -> bool {
+            self.seen.lock().unwrap().iter().any(|seen| seen == self.stage)
+        }
+    }
+
+    #[test]
+    fn it_is_stopped_in_each_stage_and_begins_no_other() {
+        let data = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("data/heat_sink.vtu");
+        let arguments = Start { data, scalar: Some("temperature".into()), ..Start::default() };
+        let registry = crate::nodes::registry().unwrap();
+        let run = |stage| {
+            let progress = StoppedIn { stage, seen: Mutex::default() };
+            let made = pipeline(&arguments, &registry, Path::new("scene.toml"), &progress);
+            (made, progress.seen.into_inner().unwrap())
+        };
+        let (made, stages) = run("none");
+        assert!(made.unwrap().0.contains("[nodes.picture]"));
+        assert_eq!(stages, ["reading", "tetrahedra", "gradient", "histogram", "widgets"]);
+        for stage in ["reading", "tetrahedra", "gradient", "histogram", "widgets"] {
+            let (made, seen) = run(stage);
+            assert_eq!(made.unwrap_err().kind, ErrorKind::Cancelled, "{stage}");
+            assert_eq!(seen.last().map(String::as_str), Some(stage), "{seen:?}");
+        }
+        // Over decades, where the values lie is looked at first.
+        let folder = tempfile::tempdir().unwrap();
+        let decades = folder.path().join("decades.vti");
+        let values: Vec<String> = (0..10 * 4 * 4).map(|i| format!("1e{}", i % 10)).collect();
+        let text = format!(
+            "<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 9 0 3 0 3\" Origin=\"0 0 0\" Spacing=\"1 1 1\">\
+             <Piece Extent=\"0 9 0 3 0 3\"><PointData><DataArray type=\"Float64\" Name=\"s\" format=\"ascii\">{}\
+             </DataArray></PointData></Piece></ImageData></VTKFile>",
+            values.join(" ")
+        );
+        std::fs::write(&decades, text).unwrap();
+        let of_decades = Start { data: decades, scalar: Some("s".into()), ..Start::default() };
+        let run = |stage| {
+            let progress = StoppedIn { stage, seen: Mutex::default() };
+            let made = pipeline(&of_decades, &registry, Path::new("scene.toml"), &progress);
+            (made, progress.seen.into_inner().unwrap())
+        };
+        let (made, stages) = run("none");
+        assert!(made.unwrap().0.contains("s_scale = \"log\""));
+        assert!(stages.iter().any(|stage| stage == "distribution"), "{stages:?}");
+        let (made, seen) = run("distribution");
+        assert_eq!(made.unwrap_err().kind, ErrorKind::Cancelled);
+        assert_eq!(seen.last().map(String::as_str), Some("distribution"), "{seen:?}");
+        // Where the array is to be found, everything is read once more before it.
+        let unnamed = Start { scalar: None, ..arguments };
+        let progress = StoppedIn { stage: "reading", seen: Mutex::default() };
+        let made = pipeline(&unnamed, &registry, Path::new("scene.toml"), &progress);
+        assert_eq!(made.unwrap_err().kind, ErrorKind::Cancelled);
+    }
 }

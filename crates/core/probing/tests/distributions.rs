@@ -1,7 +1,8 @@
 use super::super::sub_tetrahedron::{Distribution, SubTetrahedron};
-use super::super::{Axis, BandCounts, bands, histogram};
-use super::{close, cube, numbers};
+use super::super::{Axis, BandCounts, Volumes, bands, histogram};
+use super::{Shares, close, cube, numbers};
 use crate::SharedSlice;
+use crate::error::ErrorKind;
 use crate::grid::Grid;
 use crate::grid::generate::{box_of_tetrahedra, sample};
 use crate::progress::NoProgress;
@@ -166,4 +167,33 @@ fn bands_are_counted_by_cell() {
     assert_eq!((found[1].share_above_one, found[1].cell_count), (0.0, cells));
     // Only the last layer, s from 36 to 45, reaches into the region.
     assert_eq!((found[2].widget, found[2].median, found[2].cell_count), (3, 9.0, cells / 10));
+}
+
+/// Threads end their own chunks after the stop: of four, and this many cells, most is left then.
+#[test]
+fn long_sums_tell_their_share_and_stop_in_the_middle() {
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap();
+    threads.install(sums_stop_in_the_middle);
+}
+
+fn sums_stop_in_the_middle() {
+    let grid = box_of_tetrahedra([40; 3], [DVec3::ZERO, DVec3::ONE], 0.2);
+    let [x, y] = [0, 1].map(|axis| grid.points.iter().map(|point| point[axis]).collect::<Vec<f64>>());
+    let axis = Axis { low: 0.0, high: 1.0, bins: 64 };
+    let of_histogram = |progress: &Shares| histogram(&grid, [&x, &y], [axis; 2], progress).map(drop);
+    let of_volumes = |progress: &Shares| Volumes::new(&grid, &x, progress).map(drop);
+    let both: [(&str, &dyn Fn(&Shares) -> crate::Result<()>); 2] =
+        [("histogram", &of_histogram), ("distribution", &of_volumes)];
+    for (stage, sums) in both {
+        let whole = Shares::of(stage, f64::INFINITY);
+        sums(&whole).unwrap();
+        assert_eq!(whole.last(), 1.0, "{stage}");
+        assert!(whole.count() >= 20, "{stage}: {} reports", whole.count());
+        let stopped = Shares::of(stage, 0.25);
+        assert_eq!(sums(&stopped).unwrap_err().kind, ErrorKind::Cancelled, "{stage}");
+        assert!((0.25..0.6).contains(&stopped.last()), "{stage}: went on to {}", stopped.last());
+    }
+    let volumes = Volumes::new(&grid, &x, &Shares::of("distribution", f64::INFINITY)).unwrap();
+    let stopped = volumes.below_each(&[0.25, 0.5], &Shares::of("distribution", 0.0));
+    assert_eq!(stopped.unwrap_err().kind, ErrorKind::Cancelled);
 }

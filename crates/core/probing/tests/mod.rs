@@ -7,7 +7,9 @@ mod percentiles;
 
 use crate::grid::Grid;
 use crate::grid::generate::box_of_tetrahedra;
+use crate::progress::Progress;
 use glam::DVec3;
+use std::sync::Mutex;
 
 /// The unit cube in some hundred irregular tetrahedra.
 fn cube() -> Grid {
@@ -28,4 +30,37 @@ fn numbers() -> impl FnMut() -> f64 {
 #[track_caller]
 fn close(found: f64, wanted: f64, tolerance: f64) {
     assert!((found - wanted).abs() <= tolerance, "{found} is not {wanted} to {tolerance:e}");
+}
+
+/// Shares of a stage that were reported; from one of them on the user has stopped it.
+struct Shares {
+    stage: &'static str,
+    found: Mutex<Vec<f64>>,
+    stops_at: f64,
+}
+
+impl Shares {
+    fn of(stage: &'static str, stops_at: f64) -> Shares {
+        Shares { stage, found: Mutex::default(), stops_at }
+    }
+
+    /// The largest share.
+    fn last(&self) -> f64 {
+        self.found.lock().unwrap().iter().copied().fold(0.0, f64::max)
+    }
+
+    fn count(&self) -> usize {
+        self.found.lock().unwrap().len()
+    }
+}
+
+impl Progress for Shares {
+    fn report(&self, stage: &str, fraction: f64) {
+        assert_eq!(stage, self.stage);
+        self.found.lock().unwrap().push(fraction);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.last() >= self.stops_at
+    }
 }

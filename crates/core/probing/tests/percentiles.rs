@@ -79,7 +79,7 @@ fn many_values_at_once_are_as_one_by_one() {
     values[3] = f64::NAN;
     let volumes = Volumes::new(&grid, &values, &NoProgress).unwrap();
     let edges: Vec<f64> = (0..=50).map(|i| -1.2 + 0.07 * f64::from(i)).collect();
-    for (edge, many) in edges.iter().zip(volumes.below_each(&edges)) {
+    for (edge, many) in edges.iter().zip(volumes.below_each(&edges, &NoProgress).unwrap()) {
         // A sum of hundreds of roundings.
         assert!((volumes.below(*edge) - many).abs() < 1e-13, "{edge}");
     }

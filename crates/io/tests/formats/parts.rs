@@ -199,7 +199,8 @@ fn parts_of_a_box_are_the_box() {
         };
         let path = file(&folder, "box.vtu", text.as_bytes());
         let sizes = piece_sizes(&path, &Request::default()).unwrap();
-        assert_eq!((sizes[0].points, sizes[0].cells), (3, 1));
+        // Text does not tell the corners of a cell before it is read: one of an unknown kind counts as a hexahedron.
+        assert_eq!((sizes[0].points, sizes[0].tetrahedra), (3, 6));
         for (scalar, association) in [("p", Association::Point), ("c", Association::Cell)] {
             let request =
                 Request { scalar: Some(scalar.into()), association: Some(association), ..Request::default() };
