@@ -486,8 +486,8 @@ impl Kernel for FindHits<'_> {
                         edge_function::<L>(at[1], at[2]),
                         edge_function::<L>(at[2], at[0]),
                     ];
-                    let (side_0, side_1, side_2) = edges_inside::<L>(functions, edges);
                     let valid = u32::MAX >> (32 - L::WIDTH.min(size[0] - half));
+                    let (side_0, side_1, side_2) = edges_inside::<L>(functions, edges, mask_of::<L>(valid));
                     let mut in_by = side_0.and(side_1).and(side_2).bits() & valid;
                     let out_by = side_0.or(side_1).or(side_2).not();
                     let first = row * TILE + half;

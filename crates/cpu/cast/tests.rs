@@ -5,7 +5,7 @@ use super::half_faces::{EXIT_FLAG, HalfFaces, Mesh, NO_FACE, ORDER, ROTATION_BIT
 use proptest::prelude::*;
 use std::sync::Arc;
 use voltet_core::grid::Grid;
-use voltet_simd::{Float, Kernel, LaneSet, Lanes, Mask, dispatch};
+use voltet_simd::{Float, Kernel, LaneSet, Lanes, Mask, dispatch, mask_of};
 use voltet_testing::pictures::grids::{cube, moved};
 
 /// The corners of a half-face in their order.
@@ -84,7 +84,8 @@ impl Kernel<[bool; 2]> for Both {
     fn run<L: Lanes>(self) -> [bool; 2] {
         let [a, b] = self.0.map(|place| place.map(L::F::splat));
         let (there, back) = (edge_function::<L>(a, b), edge_function::<L>(b, a));
-        let (one, other, _) = edges_inside::<L>([there, back, there], [[a, b], [b, a], [a, b]]);
+        let (one, other, _) =
+            edges_inside::<L>([there, back, there], [[a, b], [b, a], [a, b]], mask_of::<L>(u32::MAX));
         assert_eq!(there.lt(L::F::splat(0.0)).any(), L::F::splat(0.0).lt(back).any());
         [one.any(), other.any()]
     }
