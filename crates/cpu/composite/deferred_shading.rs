@@ -9,7 +9,7 @@ use crate::shade::shaded_batch::{KINDS, ShadedBatch};
 use crate::shade::shader::finish;
 use crate::tile::TILE;
 use crate::tolerances::{MIN_DEFERRED_VISIBILITY, MIN_TRANSMITTANCE_SAFE};
-use voltet_simd::LaneSet;
+use voltet_simd::{Float, Kernel, LaneSet, Lanes, dispatch};
 
 /// Queues of segments that need a slower kernel: one for each kind of [`ShadedBatch::left_over`].
 pub(crate) struct DeferredShading {
@@ -91,7 +91,7 @@ impl DeferredShading {
         count: usize,
         deferred: &mut DeferredFragments,
     ) {
-        self.find_visibility(row, batch, shaded, count);
+        self.find_visibility(frame.lanes, row, batch, shaded, count);
         let first = deferred.take(frame, (row, batch), shaded, count);
         let rgba = &shaded.rgba;
         for (number, which) in shaded.left_over().into_iter().enumerate() {
@@ -125,7 +125,14 @@ impl DeferredShading {
     }
 
     /// Finds the visibility of each segment of a batch, and opacities after light; 0 where they are unknown.
-    fn find_visibility(&mut self, row: usize, batch: &Batch, shaded: &ShadedBatch, count: usize) {
+    fn find_visibility(
+        &mut self,
+        lanes: LaneSet,
+        row: usize,
+        batch: &Batch,
+        shaded: &ShadedBatch,
+        count: usize,
+    ) {
         let opacities = &mut self.opacities;
         opacities.copy_from_slice(&**shaded.rgba[3]);
         for (number, which) in shaded.left_over().into_iter().enumerate() {
@@ -133,14 +140,9 @@ impl DeferredShading {
                 opacities[k] *= if number == UNKNOWN { 0.0 } else { self.opacity[k] };
             }
         }
-        let of_row = &mut self.transmittance[row];
-        for at in (0..count).step_by(TILE) {
-            self.visibility[at..][..TILE].copy_from_slice(of_row);
-            let slice = batch.length[at..][..TILE].iter().zip(&opacities[at..][..TILE]);
-            for (transmittance, (length, opacity)) in of_row.iter_mut().zip(slice) {
-                *transmittance *= if *length > 0.0 { 1.0 - opacity } else { 1.0 };
-            }
-        }
+        let transmittance = &mut self.transmittance[row];
+        let (lengths, visibility) = (&batch.length[..count], &mut **self.visibility);
+        dispatch(lanes, Visibility { transmittance, lengths, opacities: &opacities[..], visibility });
     }
 
     /// Runs the slower kernels on all queues.
@@ -171,6 +173,51 @@ impl DeferredShading {
             if number == UNKNOWN {
                 transmittance[deferred.row_of(index as usize)][index as usize % TILE] *= 1.0 - a[k];
             }
+        }
+    }
+}
+
+/// Upper bound of the transmittance in front of the segments of a row's slices, and behind the last.
+struct Visibility<'a> {
+    transmittance: &'a mut [f32; TILE],
+    /// Lengths of the segments: those of no length are none.
+    lengths: &'a [f32],
+    opacities: &'a [f32],
+    visibility: &'a mut [f32],
+}
+
+impl Kernel for Visibility<'_> {
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Visibility { transmittance, lengths, opacities, visibility } = self;
+        let (zero, one) = (L::F::splat(0.0), L::F::splat(1.0));
+        for half in (0..TILE).step_by(L::WIDTH) {
+            let mut through = L::F::load(&transmittance[half..]);
+            for at in (half..lengths.len()).step_by(TILE) {
+                through.store(&mut visibility[at..]);
+                let is_one = zero.lt(L::F::load(&lengths[at..]));
+                through = through * L::F::select(is_one, one - L::F::load(&opacities[at..]), one);
+            }
+            through.store(&mut transmittance[half..]);
+        }
+    }
+}
+
+/// Copies the values of segments to a column, slices of a row; `none` in place of those of no length.
+struct PutSegments<'a> {
+    column: &'a mut [f32],
+    values: &'a [f32],
+    lengths: &'a [f32],
+    none: f32,
+}
+
+impl Kernel for PutSegments<'_> {
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let PutSegments { column, values, lengths, none } = self;
+        for at in (0..lengths.len()).step_by(L::WIDTH) {
+            let is_one = L::F::splat(0.0).lt(L::F::load(&lengths[at..]));
+            L::F::select(is_one, L::F::load(&values[at..]), L::F::splat(none)).store(&mut column[at..]);
         }
     }
 }
@@ -218,8 +265,8 @@ impl DeferredFragments {
         }
         let lengths = &batch.length[..count];
         let put = |column: &mut Vec<f32>, values: &[f32], none: f32| {
-            let of_segment = |(value, length): (&f32, &f32)| if *length > 0.0 { *value } else { none };
-            column.extend(values[..count].iter().zip(lengths).map(of_segment));
+            column.resize(first + count, none);
+            dispatch(frame.lanes, PutSegments { column: &mut column[first..], values, lengths, none });
         };
         for (column, values) in self.columns.iter_mut().zip(&shaded.rgba) {
             put(column, &values[..], 0.0);
