@@ -39,6 +39,18 @@ impl LaneRegion {
         (!half_planes.is_empty()).then_some(LaneRegion { half_planes })
     }
 
+    /// True if some segments that cross their cells have an end outside.
+    #[inline(always)]
+    fn cuts_any<L: Lanes>(&self, segments: &SegmentLanes<L>) -> bool {
+        let splat = L::F::splat;
+        let mut out = splat(1.0).lt(splat(0.0));
+        for &[s, g, limit] in &self.half_planes {
+            let place = inlined!(|v: &[L::F; 2]| splat(s).mul_add(v[0], splat(g) * v[1]));
+            out = out.or(splat(limit).lt(place(&segments.front).max(place(&segments.back))));
+        }
+        out.and(segments.crossing).any()
+    }
+
     /// The interval [t₀, t₁] inside; t₁ ≤ t₀ where there is none. A segment along an edge is inside.
     #[inline(always)]
     pub fn clip<L: Lanes>(&self, segments: &SegmentLanes<L>) -> [L::F; 2] {
@@ -66,8 +78,7 @@ impl<L: Lanes> SegmentLanes<L> {
     pub(crate) fn inside(&self, region: Option<&LaneRegion>) -> Inside<L> {
         let (zero, one) = (L::F::splat(0.0), L::F::splat(1.0));
         match region {
-            None => Inside { front: self.front, back: self.back, share: one, cut: one.lt(zero) },
-            Some(region) => {
+            Some(region) if region.cuts_any(self) => {
                 let [t0, t1] = region.clip(self);
                 let (cut, share) = (cuts::<L>(t0, t1), (t1 - t0).max(zero));
                 let (mut front, mut back) = (self.front, self.back);
@@ -80,6 +91,7 @@ impl<L: Lanes> SegmentLanes<L> {
                 }
                 Inside { front, back, share, cut }
             }
+            _ => Inside { front: self.front, back: self.back, share: one, cut: one.lt(zero) },
         }
     }
 }
@@ -152,14 +164,14 @@ impl SupportBounds {
     #[inline(always)]
     pub fn meets<L: Lanes>(&self, spread: &ValueRange<L>) -> L::M {
         let splat = L::F::splat;
-        let within = |axis: usize| {
+        let within = inlined!(|axis: usize| {
             let [low, high] = self.limits[axis];
             splat(low).le(spread.high[axis]).and(spread.low[axis].le(splat(high)))
-        };
+        });
         let mut meets = spread.segments.crossing.and(within(0)).and(within(1));
         for &[a, b, low, high] in &self.tilted {
-            let [front, back] = [&spread.segments.front, &spread.segments.back]
-                .map(|v| splat(a).mul_add(v[0], splat(b) * v[1]));
+            let place = inlined!(|v: &[L::F; 2]| splat(a).mul_add(v[0], splat(b) * v[1]));
+            let (front, back) = (place(&spread.segments.front), place(&spread.segments.back));
             meets = meets.and(splat(low).le(front.max(back))).and(front.min(back).le(splat(high)));
         }
         meets
