@@ -248,7 +248,7 @@ mod tests {
     fn parts_are_those_of_one_at_a_time(ends: &[[[f32; 2]; 2]], nowhere: f32) {
         // s ≤ ½ and −¼ ≤ g: all numbers are exact.
         let region = LaneRegion { half_planes: vec![[1.0, 0.0, 0.5], [0.0, -1.0, 0.25]] };
-        let segment = |lane: usize| (lane % 2 == 0).then(|| ends[lane / 2 % ends.len()]);
+        let segment = |lane: usize| lane.is_multiple_of(2).then(|| ends[lane / 2 % ends.len()]);
         let row = |end: usize, axis: usize| -> Row {
             std::array::from_fn(|lane| segment(lane).map_or(nowhere, |ends| ends[end][axis]))
         };
