@@ -112,7 +112,8 @@ fn parts(quarter: impl Fn(usize) -> __m128) -> [F; 4] {
             _mm512_insertf32x4::<3>(low, quarter(i + 12))
         })
     });
-    turned([side(0), side(1), side(2), side(3)]).map(F)
+    let parts = turned([side(0), side(1), side(2), side(3)]);
+    array!(|c| F(parts[c]))
 }
 
 /// Rows and columns exchanged within each quarter.
@@ -121,12 +122,13 @@ fn turned([a, b, c, d]: [__m512; 4]) -> [__m512; 4] {
     on_processor!({
         let (ab_low, ab_high) = (_mm512_unpacklo_ps(a, b), _mm512_unpackhi_ps(a, b));
         let (cd_low, cd_high) = (_mm512_unpacklo_ps(c, d), _mm512_unpackhi_ps(c, d));
-        let pair = [ab_low, cd_low, ab_high, cd_high].map(inlined!(|x| _mm512_castps_pd(x)));
+        let (ab_low, ab_high) = (_mm512_castps_pd(ab_low), _mm512_castps_pd(ab_high));
+        let (cd_low, cd_high) = (_mm512_castps_pd(cd_low), _mm512_castps_pd(cd_high));
         [
-            _mm512_castpd_ps(_mm512_unpacklo_pd(pair[0], pair[1])),
-            _mm512_castpd_ps(_mm512_unpackhi_pd(pair[0], pair[1])),
-            _mm512_castpd_ps(_mm512_unpacklo_pd(pair[2], pair[3])),
-            _mm512_castpd_ps(_mm512_unpackhi_pd(pair[2], pair[3])),
+            _mm512_castpd_ps(_mm512_unpacklo_pd(ab_low, cd_low)),
+            _mm512_castpd_ps(_mm512_unpackhi_pd(ab_low, cd_low)),
+            _mm512_castpd_ps(_mm512_unpacklo_pd(ab_high, cd_high)),
+            _mm512_castpd_ps(_mm512_unpackhi_pd(ab_high, cd_high)),
         ]
     })
 }

@@ -23,15 +23,19 @@ pub(super) fn edge_function<L: Lanes>(a: Offset<L>, b: Offset<L>) -> L::F {
 }
 
 /// Inside test of three edges with a tie rule: true for each edge that is clockwise about rays that are moved right by next to nothing and
-/// down by next to nothing of that, so that none meets an edge.
+/// down by next to nothing of that, so that none meets an edge. `wanted`: the rays that count.
 #[inline(always)]
-pub(super) fn edges_inside<L: Lanes>(functions: [L::F; 3], edges: [[Offset<L>; 2]; 3]) -> (L::M, L::M, L::M) {
+pub(super) fn edges_inside<L: Lanes>(
+    functions: [L::F; 3],
+    edges: [[Offset<L>; 2]; 3],
+    wanted: L::M,
+) -> (L::M, L::M, L::M) {
     let zero = L::F::splat(0.0);
     // Underflow does no harm.
     let product = functions[0] * functions[1] * functions[2];
     // No array of masks: they would go through memory.
     let sides = (zero.lt(functions[0]), zero.lt(functions[1]), zero.lt(functions[2]));
-    if !zero.le(product).and(product.le(zero)).any() {
+    if !zero.le(product).and(product.le(zero)).and(wanted).any() {
         return sides;
     }
     let moved = inlined!(|side: L::M, function: L::F, [a, b]: [Offset<L>; 2]| {

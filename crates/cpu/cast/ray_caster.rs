@@ -486,8 +486,8 @@ impl Kernel for FindHits<'_> {
                         edge_function::<L>(at[1], at[2]),
                         edge_function::<L>(at[2], at[0]),
                     ];
-                    let (side_0, side_1, side_2) = edges_inside::<L>(functions, edges);
                     let valid = u32::MAX >> (32 - L::WIDTH.min(size[0] - half));
+                    let (side_0, side_1, side_2) = edges_inside::<L>(functions, edges, mask_of::<L>(valid));
                     let mut in_by = side_0.and(side_1).and(side_2).bits() & valid;
                     let out_by = side_0.or(side_1).or(side_2).not();
                     let first = row * TILE + half;
@@ -495,14 +495,16 @@ impl Kernel for FindHits<'_> {
                         let of_half = &mut exit_checksum[first..];
                         let (sum, more) = (L::U::load(of_half), L::U::splat(EXIT_FLAG | face.half_face));
                         let out_by = mask_of::<L>(out_by.bits() & valid);
-                        L::U::select(out_by, sum + more, sum).store(of_half);
+                        (sum + L::U::select(out_by, more, L::U::splat(0))).store(of_half);
                     }
                     if in_by == 0 {
                         continue;
                     }
                     let depth = array!(|k| L::U::splat(corners[k][2]));
                     let mut depths = [0; MAX_LANES];
-                    FacePoint::<L>::new(points, functions.map(L::F::abs), depth).depth.store(&mut depths);
+                    FacePoint::<L>::new(points, array!(|k| functions[k].abs()), depth)
+                        .depth
+                        .store(&mut depths);
                     while in_by != 0 {
                         let lane = in_by.trailing_zeros() as usize;
                         unsorted.push(((first + lane) as u8, Entry { depth: depths[lane], face: number }));

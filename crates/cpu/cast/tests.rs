@@ -5,7 +5,7 @@ use super::half_faces::{EXIT_FLAG, HalfFaces, Mesh, NO_FACE, ORDER, ROTATION_BIT
 use proptest::prelude::*;
 use std::sync::Arc;
 use voltet_core::grid::Grid;
-use voltet_simd::{Float, Kernel, LaneSet, Lanes, Mask, dispatch};
+use voltet_simd::{Float, Kernel, LaneSet, Lanes, Mask, dispatch, mask_of};
 use voltet_testing::pictures::grids::{cube, moved};
 
 /// The corners of a half-face in their order.
@@ -84,11 +84,33 @@ impl Kernel<[bool; 2]> for Both {
     fn run<L: Lanes>(self) -> [bool; 2] {
         let [a, b] = self.0.map(|place| place.map(L::F::splat));
         let (there, back) = (edge_function::<L>(a, b), edge_function::<L>(b, a));
-        let (one, other, _) = edges_inside::<L>([there, back, there], [[a, b], [b, a], [a, b]]);
+        let (one, other, _) =
+            edges_inside::<L>([there, back, there], [[a, b], [b, a], [a, b]], mask_of::<L>(u32::MAX));
         assert_eq!(there.lt(L::F::splat(0.0)).any(), L::F::splat(0.0).lt(back).any());
         [one.any(), other.any()]
     }
 }
+
+/// Sides (bits) on which two edges pass the rays, those of even lanes and of odd, with all rays wanted and with the even ones alone.
+struct Wanted([[[f32; 2]; 2]; 2]);
+
+impl Kernel<[[u32; 3]; 2]> for Wanted {
+    fn run<L: Lanes>(self) -> [[u32; 3]; 2] {
+        let [even, odd] = self.0.map(|edge| edge.map(|place| place.map(L::F::splat)));
+        let place =
+            |k: usize| [0, 1].map(|axis| L::F::select(mask_of::<L>(EVEN), even[k][axis], odd[k][axis]));
+        let (a, b) = (place(0), place(1));
+        let (there, back) = (edge_function::<L>(a, b), edge_function::<L>(b, a));
+        [u32::MAX, EVEN].map(|wanted| {
+            let (x, y, z) =
+                edges_inside::<L>([there, back, there], [[a, b], [b, a], [a, b]], mask_of::<L>(wanted));
+            [x.bits(), y.bits(), z.bits()]
+        })
+    }
+}
+
+/// Every second lane.
+const EVEN: u32 = 0x5555_5555;
 
 /// Edge function of two places.
 struct EdgeFunction([[f32; 2]; 2]);
@@ -131,6 +153,16 @@ proptest! {
         for lanes in LaneSet::ALL.into_iter().filter(|lanes| lanes.is_supported()) {
             let [one, other] = dispatch(lanes, Both([a, b]));
             prop_assert_ne!(one, other, "{} {:?} {:?}", lanes.name(), a, b);
+        }
+    }
+
+    /// Rays that do not count change nothing of those that do.
+    #[test]
+    fn wanted_rays_pass_edges_as_if_all_were_wanted(a in place(), b in place(), c in place(), d in place()) {
+        prop_assume!(a != b && c != d);
+        for lanes in LaneSet::ALL.into_iter().filter(|lanes| lanes.is_supported()) {
+            let [all, even] = dispatch(lanes, Wanted([[a, b], [c, d]]));
+            prop_assert_eq!(all.map(|bits| bits & EVEN), even.map(|bits| bits & EVEN), "{}", lanes.name());
         }
     }
 }

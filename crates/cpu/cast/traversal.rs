@@ -168,6 +168,7 @@ impl<'a, 'b, L: Lanes, const CUT: bool, const N: usize> PacketTraversal<'a, 'b, 
         let entering = traversal.packet.entering >> half & mine;
         if entering != 0 {
             traversal.packet.entering &= !(mine << half);
+            traversal.ask_pending(entering);
             traversal.enter(entering);
         }
         traversal
@@ -225,11 +226,11 @@ impl<'a, 'b, L: Lanes, const CUT: bool, const N: usize> PacketTraversal<'a, 'b, 
         [_, next_0, next_1, next_2]: [L::U; 4],
         opposite: &OppositeVertex<L, N>,
     ) -> ExitFace<L> {
-        let PacketTraversal { state, records, .. } = self;
+        let PacketTraversal { state, records, active, .. } = self;
         // The face whose edges to the fourth corner the ray passes on the two sides.
         let ([a, b, c], d) = (state.corners, opposite.at);
         let functions = [edge_function::<L>(a, d), edge_function::<L>(b, d), edge_function::<L>(c, d)];
-        let (side_a, side_b, side_c) = edges_inside::<L>(functions, [[a, d], [b, d], [c, d]]);
+        let (side_a, side_b, side_c) = edges_inside::<L>(functions, [[a, d], [b, d], [c, d]], *active);
         let without_0 = side_c.and(side_b.not());
         let without_1 = side_a.and(side_c.not());
         let without_2 = without_0.or(without_1).not();
@@ -262,14 +263,16 @@ impl<'a, 'b, L: Lanes, const CUT: bool, const N: usize> PacketTraversal<'a, 'b, 
         let ExitFace { without_0, without_1, without_2, functions: [fa, fb, fc] } = exit;
         let OppositeVertex { at: d, depth, values } = opposite;
         let mut replace = inlined!(|k: usize, without: L::M| {
-            state.corners[k] = [
-                L::F::select(without, d[0], state.corners[k][0]),
-                L::F::select(without, d[1], state.corners[k][1]),
-            ];
-            state.depth[k] = L::U::select(without, depth, state.depth[k]);
+            let corner = array!(|axis| L::F::select(without, d[axis], state.corners[k][axis]));
+            let corner_depth = L::U::select(without, depth, state.depth[k]);
+            let corner_values: [L::F; N] = array!(|a| L::F::select(without, values[a], state.values[a][k]));
+            // Else the compiler makes one masked store of a selection and the store to where it was loaded from, which takes
+            // a dozen cycles on some processors.
+            std::hint::black_box(());
+            (state.corners[k], state.depth[k]) = (corner, corner_depth);
             let mut a = 0;
             while a < N {
-                state.values[a][k] = L::F::select(without, values[a], state.values[a][k]);
+                state.values[a][k] = corner_values[a];
                 a += 1;
             }
         });
@@ -330,7 +333,7 @@ impl<'a, 'b, L: Lanes, const CUT: bool, const N: usize> PacketTraversal<'a, 'b, 
             depth_of(end, distance).store(&mut batch.exit[slot..]);
         }
         let is_one = zero.lt(length).and(active);
-        self.segments = L::U::select(is_one, self.segments + L::U::splat(1), self.segments);
+        self.segments = self.segments + L::U::select(is_one, L::U::splat(1), L::U::splat(0));
         (state.at, state.distance, state.value) = (at, distance, out);
         self.slice += 1;
     }
@@ -358,10 +361,22 @@ impl<'a, 'b, L: Lanes, const CUT: bool, const N: usize> PacketTraversal<'a, 'b, 
         let mine = u32::MAX >> (32 - L::WIDTH);
         self.any_active = !packet.is_mistracked && packet.active >> half & mine != 0;
         *active = mask_of::<L>(packet.active >> half);
-        self.enter(out);
+        let entering = out & packet.active >> half;
+        // Of rays that end the next half-face is the sentinel.
+        self.ask_pending(out);
+        if entering != 0 {
+            self.enter(entering);
+        }
     }
 
-    /// Puts some rays (bits) at their entries.
+    /// Asks for the records of the half-faces that some rays (bits) enter by next.
+    #[inline(always)]
+    fn ask_pending(&mut self, rays: u32) {
+        let pending = L::U::load(&self.packet.pending.half_face[self.half..]);
+        self.records.ask::<L>(L::U::select(mask_of::<L>(rays), pending, self.records.index::<L>()));
+    }
+
+    /// Puts some rays (bits) at their entries, whose records were [asked for](Self::ask_pending).
     #[inline(always)]
     fn enter(&mut self, rays: u32) {
         let pending = &self.packet.pending;
@@ -369,7 +384,6 @@ impl<'a, 'b, L: Lanes, const CUT: bool, const N: usize> PacketTraversal<'a, 'b, 
         let corner = inlined!(|k: usize| self.opposite_vertex(L::U::load(&pending.corners[k][half..])));
         let corners = [corner(0), corner(1), corner(2)];
         let at = L::U::load(&pending.at[half..]);
-        let half_face = L::U::load(&pending.half_face[half..]);
         let [a, b, c] = [corners[0].at, corners[1].at, corners[2].at];
         let functions =
             [edge_function::<L>(a, b).abs(), edge_function::<L>(b, c).abs(), edge_function::<L>(c, a).abs()];
@@ -395,7 +409,6 @@ impl<'a, 'b, L: Lanes, const CUT: bool, const N: usize> PacketTraversal<'a, 'b, 
             state.value[a] = L::F::select(entered, point.interpolate(values), state.value[a]);
             a += 1;
         }
-        self.records.ask::<L>(L::U::select(entered, half_face, self.records.index::<L>()));
         state.rotation = L::U::select(entered, L::U::splat(0), state.rotation);
         state.at = L::U::select(entered, at, state.at);
         state.distance = L::F::select(entered, point.distance, state.distance);

@@ -9,7 +9,7 @@ use crate::shade::shaded_batch::{KINDS, ShadedBatch};
 use crate::shade::shader::finish;
 use crate::tile::TILE;
 use crate::tolerances::{MIN_DEFERRED_VISIBILITY, MIN_TRANSMITTANCE_SAFE};
-use voltet_simd::LaneSet;
+use voltet_simd::{Float, Kernel, LaneSet, Lanes, dispatch};
 
 /// Queues of segments that need a slower kernel: one for each kind of [`ShadedBatch::left_over`].
 pub(crate) struct DeferredShading {
@@ -91,7 +91,7 @@ impl DeferredShading {
         count: usize,
         deferred: &mut DeferredFragments,
     ) {
-        self.find_visibility(row, batch, shaded, count);
+        self.find_visibility(frame.lanes, row, batch, shaded, count);
         let first = deferred.take(frame, (row, batch), shaded, count);
         let rgba = &shaded.rgba;
         for (number, which) in shaded.left_over().into_iter().enumerate() {
@@ -125,7 +125,14 @@ impl DeferredShading {
     }
 
     /// Finds the visibility of each segment of a batch, and opacities after light; 0 where they are unknown.
-    fn find_visibility(&mut self, row: usize, batch: &Batch, shaded: &ShadedBatch, count: usize) {
+    fn find_visibility(
+        &mut self,
+        lanes: LaneSet,
+        row: usize,
+        batch: &Batch,
+        shaded: &ShadedBatch,
+        count: usize,
+    ) {
         let opacities = &mut self.opacities;
         opacities.copy_from_slice(&**shaded.rgba[3]);
         for (number, which) in shaded.left_over().into_iter().enumerate() {
@@ -133,14 +140,9 @@ impl DeferredShading {
                 opacities[k] *= if number == UNKNOWN { 0.0 } else { self.opacity[k] };
             }
         }
-        let of_row = &mut self.transmittance[row];
-        for at in (0..count).step_by(TILE) {
-            self.visibility[at..][..TILE].copy_from_slice(of_row);
-            let slice = batch.length[at..][..TILE].iter().zip(&opacities[at..][..TILE]);
-            for (transmittance, (length, opacity)) in of_row.iter_mut().zip(slice) {
-                *transmittance *= if *length > 0.0 { 1.0 - opacity } else { 1.0 };
-            }
-        }
+        let transmittance = &mut self.transmittance[row];
+        let (lengths, visibility) = (&batch.length[..count], &mut **self.visibility);
+        dispatch(lanes, Visibility { transmittance, lengths, opacities: &opacities[..], visibility });
     }
 
     /// Runs the slower kernels on all queues.
@@ -175,6 +177,53 @@ impl DeferredShading {
     }
 }
 
+/// Upper bound of the transmittance in front of the segments of a row's slices, all of them whole, and behind the last.
+struct Visibility<'a> {
+    transmittance: &'a mut [f32; TILE],
+    /// Lengths of the segments: those of no length are none.
+    lengths: &'a [f32],
+    opacities: &'a [f32],
+    visibility: &'a mut [f32],
+}
+
+impl Kernel for Visibility<'_> {
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Visibility { transmittance, lengths, opacities, visibility } = self;
+        debug_assert!(lengths.len().is_multiple_of(TILE), "whole slices");
+        let (zero, one) = (L::F::splat(0.0), L::F::splat(1.0));
+        for half in (0..TILE).step_by(L::WIDTH) {
+            let mut through = L::F::load(&transmittance[half..]);
+            for at in (half..lengths.len()).step_by(TILE) {
+                through.store(&mut visibility[at..]);
+                let is_one = zero.lt(L::F::load(&lengths[at..]));
+                through = through * L::F::select(is_one, one - L::F::load(&opacities[at..]), one);
+            }
+            through.store(&mut transmittance[half..]);
+        }
+    }
+}
+
+/// Copies the values of segments to a column, whole slices of a row; `none` in place of those of no length.
+struct PutSegments<'a> {
+    column: &'a mut [f32],
+    values: &'a [f32],
+    lengths: &'a [f32],
+    none: f32,
+}
+
+impl Kernel for PutSegments<'_> {
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let PutSegments { column, values, lengths, none } = self;
+        debug_assert!(lengths.len().is_multiple_of(TILE), "whole slices");
+        for at in (0..lengths.len()).step_by(L::WIDTH) {
+            let is_one = L::F::splat(0.0).lt(L::F::load(&lengths[at..]));
+            L::F::select(is_one, L::F::load(&values[at..]), L::F::splat(none)).store(&mut column[at..]);
+        }
+    }
+}
+
 /// Colours and opacities of the segments of some rows, front to back, some of which are not shaded yet: row by row, slice by slice, the
 /// pixels of the row side by side.
 #[derive(Default)]
@@ -204,7 +253,7 @@ impl DeferredFragments {
         self.rows[behind - 1].0
     }
 
-    /// Takes the first `count` segments of a batch, slices of a row; those of no length are clear. Returns the index of the first.
+    /// Takes the first `count` segments of a batch, whole slices of a row; those of no length are clear. Returns the index of the first.
     pub fn take(
         &mut self,
         frame: &FrameContext<'_>,
@@ -218,8 +267,8 @@ impl DeferredFragments {
         }
         let lengths = &batch.length[..count];
         let put = |column: &mut Vec<f32>, values: &[f32], none: f32| {
-            let of_segment = |(value, length): (&f32, &f32)| if *length > 0.0 { *value } else { none };
-            column.extend(values[..count].iter().zip(lengths).map(of_segment));
+            column.resize(first + count, none);
+            dispatch(frame.lanes, PutSegments { column: &mut column[first..], values, lengths, none });
         };
         for (column, values) in self.columns.iter_mut().zip(&shaded.rgba) {
             put(column, &values[..], 0.0);
@@ -259,5 +308,68 @@ impl DeferredFragments {
         }
         self.rows.clear();
         self.columns.iter_mut().chain(&mut self.depths).for_each(Vec::clear);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two slices: lengths, values (not a number where a slot has no segment), and the transmittance before them.
+    fn slices() -> ([f32; 2 * TILE], [f32; 2 * TILE], [f32; TILE]) {
+        let lengths: [f32; 2 * TILE] =
+            std::array::from_fn(|k| if k * 5 % 3 == 0 { 0.0 } else { 0.5 + k as f32 });
+        let value = |k: usize| if lengths[k] > 0.0 { k as f32 / 64.0 } else { f32::NAN };
+        (lengths, std::array::from_fn(value), std::array::from_fn(|x| 1.0 - x as f32 / 32.0))
+    }
+
+    fn each_lane_set(check: impl Fn(LaneSet)) {
+        LaneSet::ALL.into_iter().filter(|lanes| lanes.is_supported()).for_each(check);
+    }
+
+    #[test]
+    fn segments_dim_those_behind_them_in_their_pixel() {
+        let (lengths, opacities, before) = slices();
+        let (mut through, mut expected) = (before, [0.0; 2 * TILE]);
+        for k in 0..2 * TILE {
+            expected[k] = through[k % TILE];
+            if lengths[k] > 0.0 {
+                through[k % TILE] *= 1.0 - opacities[k];
+            }
+        }
+        each_lane_set(|lanes| {
+            let (mut transmittance, mut visibility) = (before, [9.0; 3 * TILE]);
+            dispatch(
+                lanes,
+                Visibility {
+                    transmittance: &mut transmittance,
+                    lengths: &lengths,
+                    opacities: &opacities,
+                    visibility: &mut visibility,
+                },
+            );
+            assert_eq!(
+                (transmittance, &visibility[..2 * TILE]),
+                (through, &expected[..]),
+                "{}",
+                lanes.name()
+            );
+            assert_eq!(visibility[2 * TILE..], [9.0; TILE], "{}: nothing behind the slices", lanes.name());
+        });
+    }
+
+    #[test]
+    fn slots_of_no_length_are_put_aside_as_none() {
+        let (lengths, values, _) = slices();
+        let expected: [f32; 2 * TILE] =
+            std::array::from_fn(|k| if lengths[k] > 0.0 { values[k] } else { f32::INFINITY });
+        each_lane_set(|lanes| {
+            let mut column = [9.0; 2 * TILE];
+            dispatch(
+                lanes,
+                PutSegments { column: &mut column, values: &values, lengths: &lengths, none: f32::INFINITY },
+            );
+            assert_eq!(column, expected, "{}", lanes.name());
+        });
     }
 }

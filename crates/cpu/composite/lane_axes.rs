@@ -97,12 +97,13 @@ impl LaneAxis {
     /// Positions of values; undefined for those that have none.
     #[inline(always)]
     fn positions<L: Lanes>(&self, values: L::F) -> L::F {
-        let [factor, unit, offset] = [self.factor, self.unit, self.offset].map(L::F::splat);
+        let splat = L::F::splat;
+        let (factor, unit, offset) = (splat(self.factor), splat(self.unit), splat(self.offset));
         if !self.is_symmetric {
             return ln::<L>(values * factor) * unit;
         }
-        let above = ln::<L>(values.abs().mul_add(factor, L::F::splat(1.0))) * unit;
-        L::F::select(values.lt(L::F::splat(0.0)), -above, above) - offset
+        let above = ln::<L>(values.abs().mul_add(factor, splat(1.0))) * unit;
+        L::F::select(values.lt(splat(0.0)), -above, above) - offset
     }
 }
 
@@ -138,10 +139,10 @@ impl LaneAxes {
             return pieces;
         };
         for axis in axes {
-            let [front, back] =
-                [&batch.front, &batch.back].map(|columns| L::F::load(&columns[axis.axis][at..]));
+            let front = L::F::load(&batch.front[axis.axis][at..]);
+            let back = L::F::load(&batch.back[axis.axis][at..]);
             let (low, high) = (front.min(back), front.max(back));
-            let [least, most] = axis.drawn.map(splat);
+            let (least, most) = (splat(axis.drawn[0]), splat(axis.drawn[1]));
             pieces.is_drawn = pieces.is_drawn.and(least.le(high)).and(low.le(most));
             let mut is_pair = least.le(low).and(high.le(most));
             if !axis.is_symmetric {
@@ -150,9 +151,9 @@ impl LaneAxes {
             for jump in &axis.jumps {
                 is_pair = is_pair.and(low.lt(splat(*jump)).and(splat(*jump).lt(high)).not());
             }
-            let [first, last] = [front, back].map(|values| axis.positions::<L>(values));
+            let (first, last) = (axis.positions::<L>(front), axis.positions::<L>(back));
             let (from, to) = (first.min(last), first.max(last));
-            let [begin, end] = axis.changing.map(splat);
+            let (begin, end) = (splat(axis.changing[0]), splat(axis.changing[1]));
             let is_within = begin.le(from).and(to.le(end)).and((to - from).le(splat(axis.step)));
             is_pair = is_pair.and(is_within.or(to.le(begin)).or(end.le(from)));
             let middle = axis.positions::<L>((front + back) * splat(0.5));

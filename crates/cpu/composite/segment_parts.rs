@@ -395,8 +395,9 @@ impl Kernel<usize> for CutRow<'_, '_> {
         for first in (0..self.count).step_by(TILE) {
             let mut meets = 0;
             for lane in (0..TILE).step_by(L::WIDTH) {
-                let [length, exit] =
-                    [&self.batch.length, &self.batch.exit].map(|column| L::F::load(&column[first + lane..]));
+                let at = first + lane;
+                let (length, exit) =
+                    (L::F::load(&self.batch.length[at..]), L::F::load(&self.batch.exit[at..]));
                 let is_met = zero.lt(length).and(L::F::load(&depths[lane..]).lt(exit));
                 meets |= is_met.bits() << lane;
             }

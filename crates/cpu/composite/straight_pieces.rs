@@ -8,7 +8,7 @@ use crate::fragments::batch::{BATCH, Batch};
 use crate::shade::light::Rays;
 use crate::tile::TILE;
 use std::ops::Range;
-use voltet_simd::{Float, Kernel, Lanes, Mask, Unsigned, dispatch};
+use voltet_simd::{Float, Kernel, Lanes, Mask, Unsigned, array, dispatch};
 
 /// Fills a batch with straight pieces of the segments of another, slices of a row, from one slot on as far as there is room. Returns the slot
 /// to go on from, the count of segments in the batch, and the slots and colours of those that were cut.
@@ -99,7 +99,7 @@ impl StraightenRow<'_, '_> {
         pixel.store(&mut batch.pixel[to..]);
         pixel.store(&mut batch.pixel[second..]);
         if frame.needs_depths() {
-            let [entry, exit] = [&source.entry, &source.exit].map(|column| L::F::load(&column[from..]));
+            let (entry, exit) = (L::F::load(&source.entry[from..]), L::F::load(&source.exit[from..]));
             let middle = (entry + exit) * half;
             entry.store(&mut batch.entry[to..]);
             L::F::select(is_paired, middle, exit).store(&mut batch.exit[to..]);
@@ -107,11 +107,11 @@ impl StraightenRow<'_, '_> {
             exit.store(&mut batch.exit[second..]);
         }
         for a in 0..frame.attribute_count() {
-            let [front, back] = [&source.front, &source.back].map(|columns| L::F::load(&columns[a][from..]));
+            let (front, back) = (L::F::load(&source.front[a][from..]), L::F::load(&source.back[a][from..]));
             let (front, middles, back) = match pieces.ends.get(a) {
                 // Of slots without a segment positions are not defined.
                 Some(Some(LaneEnds(ends))) => {
-                    let [front, middle, back] = ends.map(|end| L::F::select(is_kept, end, zero));
+                    let [front, middle, back]: [L::F; 3] = array!(|k| L::F::select(is_kept, ends[k], zero));
                     (front, [middle; 2], back)
                 }
                 // A piece has the gradient of all of its part.

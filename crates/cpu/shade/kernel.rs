@@ -3,6 +3,7 @@
 
 use crate::fragments::batch::{Batch, meant};
 use crate::shade::kinds::{LaneLinear, LaneWidget, OrderRequirement, for_each_active_widget};
+use crate::shade::region::Inside;
 use crate::shade::segment_lanes::SegmentLanes;
 use crate::shade::shaded_batch::{MIN_THICK_DEPTH, MIX_PRODUCT, STEPS, ShadedBatch};
 use voltet_optics::WidgetBlend;
@@ -111,6 +112,9 @@ pub(crate) struct Several<'a> {
 #[derive(Clone, Copy)]
 struct PendingGaussian<L: Lanes> {
     near: Near<L>,
+    /// Fraction of each segment inside its region, and the segments that the region cuts.
+    share: L::F,
+    cut: L::M,
     meets: L::M,
     /// Number of the widget.
     number: usize,
@@ -122,8 +126,16 @@ impl Kernel for Several<'_> {
         let Several { overlap, ordered_from, range: SegmentBatch { widgets, batch, count, .. }, out } = self;
         let zero = L::F::splat(0.0);
         let nowhere = zero.lt(zero);
-        let mut pending =
-            vec![PendingGaussian::<L> { near: Near::none(), meets: nowhere, number: 0 }; widgets.len()];
+        let mut pending = vec![
+            PendingGaussian::<L> {
+                near: Near::none(),
+                share: zero,
+                cut: nowhere,
+                meets: nowhere,
+                number: 0
+            };
+            widgets.len()
+        ];
         let mut terms = vec![Term::<L>::none(); widgets.len()];
         for at in (0..count).step_by(L::WIDTH) {
             let segments = SegmentLanes::<L>::load(batch, at);
@@ -133,10 +145,11 @@ impl Kernel for Several<'_> {
                 widgets,
                 &segments,
                 inlined!(|number, widget: &LaneWidget, meets: L::M| {
-                    if let Some(gaussian) = widget.whole_gaussian() {
+                    if let Some(gaussian) = widget.gaussian() {
                         unsure |= gaussian.unsure(&segments) & meets.bits();
-                        pending[gaussians] =
-                            PendingGaussian { near: gaussian.near(&segments), meets, number };
+                        let Inside { front, back, share, cut } = widget.inside(&segments.only(meets));
+                        let near = gaussian.near(&front, &back);
+                        pending[gaussians] = PendingGaussian { near, share, cut, meets, number };
                         gaussians += 1;
                         return;
                     }
@@ -151,14 +164,18 @@ impl Kernel for Several<'_> {
                 }),
             );
             // One loop after the other: a mean is a long chain of operations, and of two loops a processor has several in hand.
-            for &PendingGaussian { near, meets, number } in &pending[..gaussians] {
+            for &PendingGaussian { near, share, cut, meets, number } in &pending[..gaussians] {
                 let widget = &widgets[number];
-                let Some(gaussian) = widget.whole_gaussian() else { continue };
+                let Some(gaussian) = widget.gaussian() else { continue };
                 let mut shape = near.shape(
-                    L::F::splat(widget.density()) * segments.length,
+                    L::F::splat(widget.density()) * segments.length * share,
                     meets,
-                    inlined!(|| gaussian.path(&segments.front, &segments.back)),
+                    inlined!(|| {
+                        let Inside { front, back, .. } = widget.inside(&segments.only(meets));
+                        gaussian.path(&front, &back)
+                    }),
                 );
+                shape = shape.cut(cut);
                 shape.depth = L::F::select(meets, shape.depth, zero);
                 sums.add(&shape, widget.color, &mut terms[met]);
                 met += 1;

@@ -39,7 +39,8 @@ impl LaneRegion {
         (!half_planes.is_empty()).then_some(LaneRegion { half_planes })
     }
 
-    /// The interval [t₀, t₁] inside; t₁ ≤ t₀ where there is none. A segment along an edge is inside.
+    /// The interval [t₀, t₁] inside; t₁ ≤ t₀ where there is none. A segment along an edge is inside. Lanes that do not cross their cells have
+    /// an interval, too, that means nothing.
     #[inline(always)]
     pub fn clip<L: Lanes>(&self, segments: &SegmentLanes<L>) -> [L::F; 2] {
         let splat = L::F::splat;
@@ -49,7 +50,7 @@ impl LaneRegion {
             let margin = inlined!(|v: &[L::F; 2]| splat(limit) - splat(s).mul_add(v[0], splat(g) * v[1]));
             let (front, back) = (margin(&segments.front), margin(&segments.back));
             let (front_out, back_out) = (front.lt(zero), back.lt(zero));
-            if !front_out.or(back_out).any() {
+            if !front_out.or(back_out).and(segments.crossing).any() {
                 continue;
             }
             let crossing = front / (front - back);
@@ -152,14 +153,14 @@ impl SupportBounds {
     #[inline(always)]
     pub fn meets<L: Lanes>(&self, spread: &ValueRange<L>) -> L::M {
         let splat = L::F::splat;
-        let within = |axis: usize| {
+        let within = inlined!(|axis: usize| {
             let [low, high] = self.limits[axis];
             splat(low).le(spread.high[axis]).and(spread.low[axis].le(splat(high)))
-        };
+        });
         let mut meets = spread.segments.crossing.and(within(0)).and(within(1));
         for &[a, b, low, high] in &self.tilted {
-            let [front, back] = [&spread.segments.front, &spread.segments.back]
-                .map(|v| splat(a).mul_add(v[0], splat(b) * v[1]));
+            let place = inlined!(|v: &[L::F; 2]| splat(a).mul_add(v[0], splat(b) * v[1]));
+            let (front, back) = (place(&spread.segments.front), place(&spread.segments.back));
             meets = meets.and(splat(low).le(front.max(back))).and(front.min(back).le(splat(high)));
         }
         meets
@@ -191,6 +192,101 @@ impl<'a, L: Lanes> ValueRange<'a, L> {
             segments,
             low: [front[0].min(back[0]), front[1].min(back[1])],
             high: [front[0].max(back[0]), front[1].max(back[1])],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fragments::batch::MAX_LANES;
+    use voltet_simd::{Kernel, LaneSet, dispatch};
+
+    type Row = [f32; MAX_LANES];
+
+    /// Front and back of the parts inside, their fractions, and which are cut (bits), of as many segments as a vector has lanes.
+    struct Parts<'a> {
+        region: &'a LaneRegion,
+        length: Row,
+        /// s and g.
+        ends: [[Row; 2]; 2],
+    }
+
+    impl Kernel<(usize, [[Row; 2]; 2], Row, u32)> for Parts<'_> {
+        #[inline(always)]
+        fn run<L: Lanes>(self) -> (usize, [[Row; 2]; 2], Row, u32) {
+            let length = L::F::load(&self.length);
+            let [front, back] = self.ends.map(|end| end.map(|row| L::F::load(&row)));
+            let crossing = L::F::splat(0.0).lt(length);
+            let inside = SegmentLanes::<L> { length, crossing, front, back }.inside(Some(self.region));
+            let row = |values: L::F| {
+                let mut row = [0.0; MAX_LANES];
+                values.store(&mut row);
+                row
+            };
+            let ends = [inside.front, inside.back].map(|end| end.map(row));
+            (L::WIDTH, ends, row(inside.share), inside.cut.bits())
+        }
+    }
+
+    /// Front and back of the part inside, one segment at a time; `None` where there is none.
+    fn part(region: &LaneRegion, ends: [[f32; 2]; 2]) -> Option<[f32; 2]> {
+        let (mut t0, mut t1) = (0.0f32, 1.0f32);
+        for [s, g, limit] in &region.half_planes {
+            let [front, back] = ends.map(|v| limit - (s * v[0] + g * v[1]));
+            match (front < 0.0, back < 0.0) {
+                (false, false) => {}
+                (true, true) => return None,
+                (true, false) => t0 = t0.max(front / (front - back)),
+                (false, true) => t1 = t1.min(front / (front - back)),
+            }
+        }
+        (t0 < t1).then_some([t0, t1])
+    }
+
+    /// Segments in lanes by turns: each of `ends`, then one of no length, at `nowhere`.
+    fn parts_are_those_of_one_at_a_time(ends: &[[[f32; 2]; 2]], nowhere: f32) {
+        // s ≤ ½ and −¼ ≤ g: all numbers are exact.
+        let region = LaneRegion { half_planes: vec![[1.0, 0.0, 0.5], [0.0, -1.0, 0.25]] };
+        let segment = |lane: usize| lane.is_multiple_of(2).then(|| ends[lane / 2 % ends.len()]);
+        let row = |end: usize, axis: usize| -> Row {
+            std::array::from_fn(|lane| segment(lane).map_or(nowhere, |ends| ends[end][axis]))
+        };
+        let length = std::array::from_fn(|lane| if segment(lane).is_some() { 2.0 } else { 0.0 });
+        let rows = [0, 1].map(|end| [0, 1].map(|axis| row(end, axis)));
+        for lanes in LaneSet::ALL.into_iter().filter(|lanes| lanes.is_supported()) {
+            let (width, found, share, cut) = dispatch(lanes, Parts { region: &region, length, ends: rows });
+            for lane in (0..width).step_by(2) {
+                let ends = segment(lane).expect("every second lane has a segment");
+                let [t0, t1] = part(&region, ends).unwrap_or([0.0; 2]);
+                let name = format!("{}, lane {lane}, {ends:?}", lanes.name());
+                assert_eq!(share[lane], t1 - t0, "{name}");
+                assert_eq!(cut >> lane & 1 == 1, 0.0 < share[lane] && share[lane] < 1.0, "{name}");
+                // All of a segment that lies outside counts for nothing.
+                let [t0, t1] = if share[lane] > 0.0 { [t0, t1] } else { [0.0, 1.0] };
+                for axis in 0..2 {
+                    let at = |t: f32| ends[0][axis] + t * (ends[1][axis] - ends[0][axis]);
+                    assert_eq!(found.map(|end| end[axis][lane]), [at(t0), at(t1)], "{name}, axis {axis}");
+                }
+            }
+            if ends.iter().all(|ends| part(&region, *ends) == Some([0.0, 1.0])) {
+                // Lanes without a segment cost no cut.
+                assert_eq!((cut, &share[..width]), (0, &[1.0; MAX_LANES][..width]), "{}", lanes.name());
+            }
+        }
+    }
+
+    #[test]
+    fn regions_cut_each_segment_as_if_it_were_alone() {
+        let inside = [[0.25, 0.0], [0.5, 1.0]];
+        let cut_once = [[0.25, 0.0], [0.75, 0.5]];
+        let cut_twice = [[0.0, -0.5], [1.0, 0.5]];
+        let ends_inside = [[1.0, 0.5], [0.0, 0.5]];
+        let outside = [[0.75, 0.0], [1.0, 0.0]];
+        for nowhere in [0.0, 9.0, f32::NAN] {
+            parts_are_those_of_one_at_a_time(&[inside], nowhere);
+            parts_are_those_of_one_at_a_time(&[inside, cut_once], nowhere);
+            parts_are_those_of_one_at_a_time(&[cut_twice, outside, inside, ends_inside], nowhere);
         }
     }
 }

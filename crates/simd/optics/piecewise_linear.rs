@@ -79,7 +79,7 @@ impl LanePoints {
     /// Colour at s.
     #[inline(always)]
     pub fn color<L: Lanes>(&self, s: L::F) -> [L::F; 3] {
-        let mut sum = self.points[0].color.map(L::F::splat);
+        let mut sum: [L::F; 3] = array!(|c| L::F::splat(self.points[0].color[c]));
         self.blend::<L>(
             s,
             inlined!(|point: &LanePoint, share: L::F| {

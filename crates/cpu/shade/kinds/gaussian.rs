@@ -66,10 +66,10 @@ impl LaneGaussian {
         gaussian::shape::<L, 2>(self.point::<L>(front), self.point::<L>(back), peak, wanted)
     }
 
-    /// Input of the mean over whole segments.
+    /// Input of the mean between two points.
     #[inline(always)]
-    pub fn near<L: Lanes>(&self, segments: &SegmentLanes<L>) -> Near<L> {
-        Near::new(&self.point::<L>(&segments.front), &self.point::<L>(&segments.back))
+    pub fn near<L: Lanes>(&self, front: &[L::F; 2], back: &[L::F; 2]) -> Near<L> {
+        Near::new(&self.point::<L>(front), &self.point::<L>(back))
     }
 
     /// The profile at a point.

@@ -367,12 +367,19 @@ impl LaneWidget {
         }
     }
 
-    /// The Gaussian that it is everywhere, if it is one.
-    pub(super) fn whole_gaussian(&self) -> Option<&LaneGaussian> {
-        match (&self.profile, &self.region) {
-            (VectorProfile::Gaussian(gaussian), None) => Some(gaussian),
+    /// The Gaussian that it is, everywhere or in its region.
+    #[inline(always)]
+    pub(super) fn gaussian(&self) -> Option<&LaneGaussian> {
+        match &self.profile {
+            VectorProfile::Gaussian(gaussian) => Some(gaussian),
             _ => None,
         }
+    }
+
+    /// The parts of segments inside its region.
+    #[inline(always)]
+    pub(super) fn inside<L: Lanes>(&self, segments: &SegmentLanes<L>) -> Inside<L> {
+        segments.inside(self.region.as_ref())
     }
 
     /// Square of the steps that quadrature takes for it alone ([`crate::shade::fixed_quadrature`]); ∞ where a part of the segment or all lies
