@@ -21,7 +21,7 @@ fn size(piece: &Piece) -> GridSize {
             return structured;
         }
         Geometry::Adaptive(_) => (Some(cells.saturating_mul(8)), 0, false),
-        Geometry::Added(_) => (None, 0, false),
+        Geometry::Open(_) => (None, 0, false),
         Geometry::Unstructured { cells: stored, .. } => match &**stored {
             StoredCells::Offsets { connectivity, faces, .. } => {
                 let has_streams = matches!(faces, StoredFaces::InConnectivity);
