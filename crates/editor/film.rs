@@ -1,8 +1,9 @@
 //! Films: a sheet that chooses the frames, their rate and size, and the file; made in the background as `voltet run --film` makes them.
 
 use crate::jobs::Job;
-use crate::scene::{Action, FilePurpose, Scene};
-use crate::theme;
+use crate::scene::{Action, FilePurpose, Scene, error_text};
+use crate::theme::{self, Help};
+use crate::ways_out::{AGAIN, ELSEWHERE, FEWER_PIXELS, WayOut, buttons, is_of_size, ways_out};
 use eframe::egui::{
     Button, Context, DragValue, Grid, ProgressBar, Rect, RichText, TextEdit, Ui, Widget, Window,
 };
@@ -37,6 +38,9 @@ pub type Film = Arc<dyn Fn(&FilmRequest, &dyn Observer) -> Result<String> + Send
 /// Most frames a second.
 const MAX_RATE: f64 = 1000.0;
 
+/// Size of a film of a camera that states none.
+const USUAL_SIZE: [u32; 2] = [1024, 768];
+
 /// Most pixels of a side.
 const MAX_SIDE: u32 = 32_768;
 
@@ -47,7 +51,9 @@ pub(crate) struct FilmPanel {
     /// Place of the slider of the frames in the window.
     pub rail: Rect,
     made: Option<Job<String>>,
-    found: Option<std::result::Result<String, String>>,
+    /// What was asked for last, and its outcome.
+    asked: Option<FilmRequest>,
+    found: Option<Result<String>>,
     /// First and last frame, and the way from one to the next; `None`: all of them.
     range: Option<[usize; 3]>,
     rate: f64,
@@ -63,6 +69,7 @@ impl Default for FilmPanel {
             make: None,
             rail: Rect::NOTHING,
             made: None,
+            asked: None,
             found: None,
             range: None,
             rate: 25.0,
@@ -107,11 +114,7 @@ impl FilmPanel {
             if let Some(made) = &self.made {
                 let (stage, fraction) = made.progress();
                 ui.horizontal(|ui| {
-                    if ui
-                        .button("Stop")
-                        .on_hover_text("pictures that are drawn stay for the next film")
-                        .clicked()
-                    {
+                    if ui.button("Stop").help("pictures that are drawn stay for the next film").clicked() {
                         made.cancel();
                     }
                     ui.add(ProgressBar::new(fraction as f32).desired_width(180.0).show_percentage());
@@ -120,15 +123,44 @@ impl FilmPanel {
             } else {
                 self.form(ui, scene, steps, frames, fault);
             }
-            match &self.found {
-                Some(Ok(line)) => drop(ui.label(line.trim_end())),
-                Some(Err(error)) => {
-                    ui.label(RichText::new(error).color(theme::wrong(ui.visuals().dark_mode)));
-                }
-                None => {}
-            }
+            self.outcome(ui, scene);
         });
         self.is_open = is_open;
+    }
+
+    /// The line about the last film, or why there is none, with ways out.
+    fn outcome(&mut self, ui: &mut Ui, scene: &Scene) {
+        let error = match &self.found {
+            None => return,
+            Some(Ok(line)) => return drop(ui.label(line.trim_end())),
+            Some(Err(error)) => error.clone(),
+        };
+        let text = match error.kind {
+            ErrorKind::Cancelled => "stopped".into(),
+            _ => error_text(&error, scene.document),
+        };
+        ui.label(RichText::new(text).color(theme::wrong(ui.visuals().dark_mode)));
+        ui.horizontal_wrapped(|ui| {
+            let is_size = |(text, _): &WayOut| text == FEWER_PIXELS;
+            let ways: Vec<WayOut> = ways_out(scene, &error).into_iter().filter(|way| !is_size(way)).collect();
+            buttons(ui, &ways).into_iter().for_each(|action| scene.actions.push(action));
+            let Some(mut again) = self.asked.clone() else { return };
+            if is_of_size(&error) && ui.small_button(FEWER_PIXELS).clicked() {
+                let own = again.size.or(scene.picture_size).unwrap_or(USUAL_SIZE);
+                self.size = Some(own.map(|length| (length / 2).max(1)));
+                again.size = self.size;
+                self.begin(again, ui.ctx());
+                return;
+            }
+            if error.kind != ErrorKind::Cancelled && ui.small_button(ELSEWHERE).clicked() {
+                scene.actions.push(Action::ChooseFile(FilePurpose::Film, Some(again.film.clone())));
+            }
+            if ui.small_button(AGAIN).clicked() {
+                // The fields may say another file now.
+                again.film = scene.document.folder().join(self.path.as_deref().unwrap_or_default());
+                self.begin(again, ui.ctx());
+            }
+        });
     }
 
     fn form(&mut self, ui: &mut Ui, scene: &Scene, steps: usize, frames: usize, fault: Option<&Error>) {
@@ -142,12 +174,12 @@ impl FilmPanel {
         let last = steps.saturating_sub(1);
         let [mut from, mut to, mut by] = self.range.unwrap_or([0, last, 1]);
         (from, to) = (from.min(last), to.min(last));
-        let own = scene.picture_size.unwrap_or([1024, 768]);
+        let own = scene.picture_size.unwrap_or(USUAL_SIZE);
         let mut size = self.size.unwrap_or(own);
         let path = self.path.get_or_insert_with(|| proposed(scene));
         Grid::new("film").num_columns(2).show(ui, |ui| {
             if has_steps {
-                ui.label("steps").on_hover_text("as --steps of `voltet run`: from, to and by");
+                ui.label("steps").help("as --steps of `voltet run`: from, to and by");
                 ui.horizontal(|ui| {
                     named(ui, "first step", DragValue::new(&mut from).range(0..=to));
                     ui.label("to");
@@ -156,7 +188,7 @@ impl FilmPanel {
                     named(ui, "step width", DragValue::new(&mut by).range(1..=last.max(1)));
                 });
             } else {
-                ui.label("frames").on_hover_text("as --frames of `voltet run`: along the camera's way");
+                ui.label("frames").help("as --frames of `voltet run`: along the camera's way");
                 ui.label(frames.to_string());
             }
             ui.end_row();
@@ -173,10 +205,10 @@ impl FilmPanel {
                 ui.label("pixels");
             });
             ui.end_row();
-            ui.label("file").on_hover_text(".gif and .png (animated); .mp4 and .webm by the program ffmpeg");
+            ui.label("file").help(".gif and .png (animated); .mp4 and .webm by the program ffmpeg");
             ui.horizontal(|ui| {
                 named(ui, "file of the film", TextEdit::singleline(path).desired_width(240.0));
-                if ui.button("…").on_hover_text("choose a file").clicked() {
+                if ui.button("…").help("choose a file").clicked() {
                     let at = scene.document.folder().join(&*path);
                     scene.actions.push(Action::ChooseFile(FilePurpose::Film, Some(at)));
                 }
@@ -208,19 +240,17 @@ impl FilmPanel {
 
     fn begin(&mut self, of: FilmRequest, ctx: &Context) {
         let Some(make) = self.make.clone() else { return };
+        self.asked = Some(of.clone());
         match Job::start("film", ctx, move |observer| make(&of, observer)) {
             Ok(made) => (self.made, self.found) = (Some(made), None),
-            Err(error) => self.found = Some(Err(error.to_string())),
+            Err(error) => self.found = Some(Err(error)),
         }
     }
 
     fn take_found(&mut self) {
         let Some(found) = self.made.as_ref().and_then(Job::result) else { return };
         self.made = None;
-        self.found = match found {
-            Err(error) if error.kind == ErrorKind::Cancelled => Some(Err("stopped".into())),
-            found => Some(found.map_err(|error| error.to_string())),
-        };
+        self.found = Some(found);
     }
 }
 
@@ -230,8 +260,12 @@ fn named(ui: &mut Ui, name: &str, field: impl Widget) {
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
 }
 
-/// Name of a film of the document, beside it.
+/// Name of a film of the document, beside it: of a kind that can be made here.
 fn proposed(scene: &Scene) -> String {
     let stem = scene.document.path().and_then(|path| path.file_stem());
-    format!("{}.mp4", stem.map_or("film".into(), |stem| stem.to_string_lossy()))
+    // Films need a program that is not everywhere.
+    let folders = std::env::var_os("PATH").unwrap_or_default();
+    let is_there = |folder: PathBuf| ["ffmpeg", "ffmpeg.exe"].iter().any(|name| folder.join(name).is_file());
+    let ending = if std::env::split_paths(&folders).any(is_there) { "mp4" } else { "gif" };
+    format!("{}.{ending}", stem.map_or("film".into(), |stem| stem.to_string_lossy()))
 }

@@ -3,7 +3,7 @@
 
 use crate::invitation::template_buttons;
 use crate::scene::{Actions, Command, Scene, TimeMove};
-use crate::theme;
+use crate::theme::{self, Help};
 use eframe::egui::{
     self, Button, Context, Event, Grid, Key, KeyboardShortcut, Label, Layout, MenuBar, Modifiers, RawInput,
     RichText, ScrollArea, Ui, Vec2, Window, vec2,
@@ -291,7 +291,7 @@ pub(crate) fn bar(ui: &mut Ui, scene: &Scene) {
                     "write the files of the pipeline, such as its picture; stops a run (Ctrl+R)",
                 ),
             ] {
-                if ui.button(text).on_hover_text(help).clicked() {
+                if ui.button(text).help(help).clicked() {
                     scene.actions.command(command);
                 }
             }
@@ -304,7 +304,7 @@ pub(crate) fn bar(ui: &mut Ui, scene: &Scene) {
             let name = RichText::new(format!("{name}{mark}")).color(theme::weak(ui.visuals().dark_mode));
             let label = ui.add(Label::new(name).truncate());
             if let Some(path) = path {
-                label.on_hover_text(path.display().to_string());
+                label.help(path.display().to_string());
             }
         });
     });
@@ -384,6 +384,11 @@ pub(crate) struct GestureTracker {
 }
 
 impl GestureTracker {
+    /// A gesture of its own.
+    pub fn begin(&mut self) -> Gesture {
+        Gesture(self.next())
+    }
+
     fn next(&mut self) -> u64 {
         self.last += 1;
         self.last

@@ -2,6 +2,7 @@
 
 mod apply_actions;
 mod blocks;
+mod carried_widgets;
 mod compare;
 mod dropped;
 mod editor;
@@ -39,6 +40,7 @@ mod transfer;
 #[cfg(test)]
 mod ui_tests;
 pub mod view;
+mod ways_out;
 mod window;
 pub mod worker;
 

@@ -6,10 +6,11 @@ use crate::handles::Handles;
 use crate::hit_marks;
 use crate::outline::{Drawing, Outline, OutlineShape, enclosed};
 pub(crate) use crate::scene::milliseconds;
-use crate::scene::{Action, Command, EARLIER, FilePurpose, ProbePurpose, Scene, command_buttons};
+use crate::scene::{Action, Command, EARLIER, ProbePurpose, Scene, command_buttons};
 pub(crate) use crate::textures::{WHOLE, set_texture};
-use crate::theme::{self, button, switch};
+use crate::theme::{self, Help, button, switch};
 use crate::view::View;
+use crate::ways_out::{AGAIN, ways_out};
 use eframe::egui::scroll_area::ScrollSource;
 use eframe::egui::{
     Align2, Button, Color32, ColorImage, ComboBox, CursorIcon, FontId, PointerButton, Pos2, Rect, Response,
@@ -18,13 +19,12 @@ use eframe::egui::{
 };
 use std::collections::HashMap;
 use std::f64::consts::PI;
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 use voltet_core::Error;
-use voltet_document::panel::{Row, default_value};
+use voltet_document::panel::default_value;
 use voltet_document::{Edit, Path, links};
-use voltet_graph::{LocatedValue, NodeEntry, ParameterType, ParameterValue};
+use voltet_graph::{LocatedValue, NodeEntry, ParameterType};
 use voltet_nodes::drawing::CLIP;
 
 /// Radians that a drag over the height of the picture turns.
@@ -301,7 +301,7 @@ impl PicturePanel {
             }
             (Some(failure), Some(_)) => {
                 let place = say(ui, &scene.reason("picture", failure), theme::wrong(dark));
-                ways_out(ui, scene, failure, place.center_bottom(), rect);
+                show_ways_out(ui, scene, failure, place.center_bottom(), rect);
             }
             (None, Some(_)) if scene.pixels.is_none() => {
                 say(ui, scene.running.as_deref().unwrap_or("drawing …"), Color32::from_gray(200));
@@ -420,7 +420,7 @@ fn cut_menu(ui: &mut Ui, scene: &Scene) {
     let place = node.setting(CLIP.name).and_then(LocatedValue::list).map_or(0, |list| list.len());
     let menu = ui.menu_button("cut", |ui| {
         for kind in kinds {
-            if ui.button(kind.name).on_hover_text(kind.summary).clicked() {
+            if ui.button(kind.name).help(kind.summary).clicked() {
                 let entry = default_value(kind, &scene.data_extent());
                 let (node, list) = (node.name.clone(), Path::from(CLIP.name));
                 scene.actions.push(Action::Select([node.clone()].into()));
@@ -429,45 +429,13 @@ fn cut_menu(ui: &mut Ui, scene: &Scene) {
             }
         }
     });
-    menu.response.on_hover_text("cuts the volume through its middle, a box from there to the highest corner; grips in the picture move the cut");
+    menu.response.help("cuts the volume through its middle, a box from there to the highest corner; grips in the picture move the cut");
 }
 
-/// The parameter of a node that names the file that an error is about, else its `path`; and that file.
-fn file_of(scene: &Scene, node: &str, error: &Error) -> Option<(Path, PathBuf)> {
-    fn collect(rows: &[Row], files: &mut Vec<(Path, String)>) {
-        for row in rows {
-            if let Some(ParameterValue::Text(text)) = &row.set_value
-                && row.parameter.parameter_type.is_input_path(text)
-            {
-                files.push((row.path.clone(), text.clone()));
-            }
-            collect(&row.rows, files);
-            row.entries.iter().for_each(|entry| collect(&entry.rows, files));
-        }
-    }
-    let mut files = Vec::new();
-    collect(&scene.document.rows(scene.registry, node), &mut files);
-    let in_folder = |(path, text)| (path, scene.document.folder().join::<String>(text));
-    let mut files = files.into_iter().map(in_folder).collect::<Vec<_>>();
-    let named = error.location.file.as_deref();
-    let is_named = |(_, file): &(Path, PathBuf)| named == Some(&*file.to_string_lossy());
-    let place = files.iter().position(is_named);
-    let place = place.or_else(|| files.iter().position(|(path, _)| *path == "path".into()));
-    place.map(|place| files.swap_remove(place))
-}
-
-/// Buttons below what is wrong with a node: to its parameters where it is not selected, and to another file where it reads one.
-/// Side by side where `within` has room for that, else one below the other.
-fn ways_out(ui: &mut Ui, scene: &Scene, failure: &Error, below: Pos2, within: Rect) {
-    let Some(entry) = failure.location.node.as_deref().and_then(|node| scene.entry(node)) else { return };
-    let name = entry.name.clone();
-    let file = file_of(scene, &name, failure).map(|(path, file)| {
-        let purpose = FilePurpose::Parameter { node: name.clone(), path, writes: false };
-        ("Choose a file …".to_string(), Action::ChooseFile(purpose, Some(file)))
-    });
-    let shows =
-        (!scene.selection.contains(&name)).then(|| (format!("Show '{name}'"), Action::Select([name].into())));
-    let ways: Vec<(String, Action)> = shows.into_iter().chain(file).collect();
+/// Buttons below what is wrong with a picture, side by side where `within` has room for that, else one below the other.
+fn show_ways_out(ui: &mut Ui, scene: &Scene, failure: &Error, below: Pos2, within: Rect) {
+    let mut ways = ways_out(scene, failure);
+    ways.push((AGAIN.into(), Action::Do(Command::ReadAgain)));
     let (size, others) = (vec2(170.0f32.min(within.width()), 28.0), ways.len().saturating_sub(1) as f32);
     let across = vec2(size.x + 8.0, 0.0);
     let is_row = (size + others * across).x <= within.width();

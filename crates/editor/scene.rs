@@ -96,6 +96,12 @@ impl Scene<'_> {
         }
     }
 
+    /// Line of the document's text that an error is about, from 1.
+    pub fn line_of(&self, error: &Error) -> Option<usize> {
+        let own = self.document.locate(Error::usage("")).location.file;
+        error.location.line_column.filter(|_| error.location.file == own).map(|(line, _)| line)
+    }
+
     /// Name of an entry of a node: the one that the file states, else its comment; `None` without both.
     pub fn name_of(&self, node: &str, path: &Path, stated: Option<&str>) -> Option<String> {
         let stated = stated.filter(|name| !name.is_empty()).map(str::to_string);
@@ -236,6 +242,8 @@ pub enum Action {
     Estimate,
     Do(Command),
     Say(String),
+    /// The text of the pipeline is shown, at a line.
+    ShowText(usize),
     /// A pipeline file is opened, or one that is made for a file that is none, after a question about unsaved work.
     Begin(PathBuf),
     /// A pipeline of a template is made for a data file that is asked for, after a question about unsaved work.

@@ -8,6 +8,7 @@
 //! its support lies. How it is integrated is said by each engine.
 
 mod axis;
+mod carried;
 mod function;
 mod hull;
 mod kinds;
@@ -16,6 +17,7 @@ mod relative;
 mod support;
 
 pub use axis::{AxisScale, DECADES, off_axes, on_axes};
+pub use carried::carried;
 pub use function::{OpticalModel, TransferFunction, Widget, read};
 pub(crate) use hull::meets;
 pub use hull::{Corners, box_corners};

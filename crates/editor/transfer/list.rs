@@ -9,7 +9,7 @@ use super::{TransferPanel, edit};
 use crate::fields::{by_hand, drag, edited_color};
 use crate::jobs::{Extent, reads};
 use crate::scene::Command;
-use crate::theme::{self, button};
+use crate::theme::{self, Help, button};
 use crate::worker::{short, widget_count};
 use eframe::egui::{
     Button, Key, Modifiers, RichText, ScrollArea, Sense, Stroke, StrokeKind, TextEdit, Ui, WidgetInfo,
@@ -247,7 +247,7 @@ impl TransferPanel {
                 look.is_of_s_and_g() || look.axes.iter().all(|axis| matches!(axis, ArrayRef::Array(_)));
             let peak = ui
                 .add_enabled(fits, peak)
-                .on_hover_text("a Gaussian where most of the volume is that no widget holds (P)")
+                .help("a Gaussian where most of the volume is that no widget holds (P)")
                 .on_disabled_hover_text("a widget is over s and g, or over arrays");
             if peak.clicked() {
                 self.add_at_peak(look);
@@ -257,9 +257,7 @@ impl TransferPanel {
             for (place, widget) in look.widgets.iter().enumerate() {
                 self.chip(ui, place, widget, look);
             }
-            if self.shown.is_some()
-                && ui.small_button("all").on_hover_text("all of the data into view").clicked()
-            {
+            if self.shown.is_some() && ui.small_button("all").help("all of the data into view").clicked() {
                 self.shown = None;
             }
             self.set_menu(ui, look);
@@ -293,7 +291,7 @@ impl TransferPanel {
             ("▶", (place + 1).min(count - 1), "later in the list (Shift+PageDown)"),
         ] {
             let button = Button::new(text).small();
-            if ui.add_enabled(to != place, button).on_hover_text(help).clicked() {
+            if ui.add_enabled(to != place, button).help(help).clicked() {
                 self.reorder(look, to);
             }
         }
@@ -331,7 +329,7 @@ impl TransferPanel {
                 text => Edit::Set { node, path, value: text.into() },
             });
         }
-        response.on_hover_text("name of the widget, such as \"bone\"; the file keeps it");
+        response.help("name of the widget, such as \"bone\"; the file keeps it");
     }
 
     /// Share of the data in the selected widget, and its contribution to the picture.
@@ -392,7 +390,7 @@ impl TransferPanel {
             }
             for (i, (text, help)) in texts.into_iter().enumerate() {
                 let text = if i > 0 { format!("· {text}") } else { text };
-                ui.label(weak(text)).on_hover_text(help);
+                ui.label(weak(text)).help(help);
             }
         });
     }
@@ -411,7 +409,7 @@ impl TransferPanel {
         let name = widget.name.as_ref().map_or(kind.clone(), |name| format!("{kind}: {name}"));
         let is_chosen = place == self.chosen;
         response.widget_info(|| WidgetInfo::selected(WidgetType::SelectableLabel, true, is_chosen, &name));
-        if response.on_hover_text(name).clicked() {
+        if response.help(name).clicked() {
             self.choose(place, look);
             self.is_last = true;
         }
@@ -472,7 +470,7 @@ impl TransferPanel {
             if by_hand(&response) && extinction != before {
                 set("extinction", ParameterValue::Number(extinction));
             }
-            response.on_hover_text("extinction, per unit_distance");
+            response.help("extinction, per unit_distance");
         }
     }
 
@@ -498,13 +496,13 @@ impl TransferPanel {
             }
         })
         .response
-        .on_hover_text("all widgets, kept in the file under a digit: Ctrl+0 … 9 stores, 0 … 9 recalls");
+        .help("all widgets, kept in the file under a digit: Ctrl+0 … 9 stores, 0 … 9 recalls");
     }
 
     pub(super) fn axes_menu(&mut self, ui: &mut Ui, look: &EditedFunction) {
         let [x, y] = look.axes.each_ref().map(axis_name);
         ui.menu_button(format!("axes {x}, {y}"), |ui| {
-            if ui.button("s, g").on_hover_text("the scalar and its gradient magnitude").clicked() {
+            if ui.button("s, g").help("the scalar and its gradient magnitude").clicked() {
                 self.set_axes(S_AND_G);
                 ui.close();
             }
@@ -521,7 +519,7 @@ impl TransferPanel {
             });
         })
         .response
-        .on_hover_text("the quantities that the plane is over; widgets of several fields lie on theirs");
+        .help("the quantities that the plane is over; widgets of several fields lie on theirs");
     }
 
     fn list_of_axis(&mut self, ui: &mut Ui, k: usize, choices: &[(ArrayRef, String)]) {
@@ -567,15 +565,12 @@ fn scalar_menu(ui: &mut Ui, look: &EditedFunction) {
                         edits.push(Edit::Unset { node: reader.name.clone(), path: ["association"].into() });
                     }
                     look.actions.edits(format!("draw '{}'", array.name), edits);
-                    let stay = "widgets stay at their numbers: \"+ at peak\" adds one for it";
-                    look.actions.say(format!("'{}' is drawn; {stay}", array.name));
                     ui.close();
                 }
             }
         });
     });
-    menu.response
-        .on_hover_text("the array that is drawn; widgets whose numbers are relative to the data follow");
+    menu.response.help("the array that is drawn; the widgets follow to the same shares of its range");
 }
 
 /// Choices for an axis, labelled with kind and range where the data have it.

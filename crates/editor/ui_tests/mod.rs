@@ -13,6 +13,7 @@ mod ground;
 mod handles;
 mod hits;
 mod keyboard;
+mod other_array;
 mod parameters;
 mod picture;
 mod probe;
@@ -25,6 +26,7 @@ mod time;
 mod transfer;
 mod transfer_axes;
 mod transfer_more;
+mod ways_out;
 
 use crate::editor::Editor;
 use crate::panes::Layouts;
@@ -316,6 +318,6 @@ impl Hand {
     }
 
     fn said(&self) -> String {
-        self.editor.message.clone().map_or(String::new(), |(text, _)| text)
+        self.editor.message.clone().map_or(String::new(), |said| said.text)
     }
 }

@@ -3,6 +3,7 @@
 use crate::device::adapter::{Adapters, describe, kind};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
+use voltet_core::progress::SMALLER_WORK;
 use voltet_core::{Error, Result};
 use voltet_optics::engine::{Stage, StageTiming};
 use wgpu::{BufferUsages, SubmissionIndex};
@@ -131,7 +132,7 @@ impl Device {
         let validation = pollster::block_on(validation.pop());
         if pollster::block_on(memory.pop()).is_some() {
             return Err(Error::run(format!("{} has no memory left for {what}", self.name))
-                .expected("a smaller grid or picture, another adapter, or engine = \"cpu\""));
+                .expected(format!("{SMALLER_WORK}, another adapter, or engine = \"cpu\"")));
         }
         self.check(what)?;
         match internal.or(validation) {
