@@ -3,23 +3,21 @@
 
 use crate::editor::{Editor, Next, Panels};
 use crate::eyes;
-use crate::files::{Disk, FileDialog, Recover, age, is_pipeline};
+use crate::files::{Disk, FileDialog, is_pipeline};
 use crate::jobs::{Arrays, Job};
 use crate::picture::milliseconds;
 use crate::scene::{Action, Command, FilePurpose, error_text};
 use crate::templates::begun;
-use crate::theme::Help;
 use crate::view::View;
 use crate::ways_out::Message;
 use crate::worker::size_of;
-use eframe::egui::{Context, Event, Panel, ThemePreference, Ui};
+use eframe::egui::{Context, Event, ThemePreference};
 use glam::DVec3;
 use std::collections::BTreeSet;
 use std::path::Path;
-use std::time::{Duration, Instant};
 use voltet_core::{Error, Result, counted};
 use voltet_document::arrange::{PlacedNode, align, tidy};
-use voltet_document::{Annotation, AnnotationId, Document, Edit, Recovery};
+use voltet_document::{Annotation, AnnotationId, Document, Edit};
 use voltet_graph::NodeEntry;
 use voltet_graph::pipeline::Pipeline;
 use voltet_nodes::VIEW_PARAMETERS;
@@ -108,7 +106,7 @@ impl Editor {
     pub(crate) fn edit(&mut self, label: String, edits: &[Edit]) {
         self.message = None;
         let former = self.before_other_array(edits);
-        let gesture = former.as_ref().map(|former| former.gesture()).or(self.gesture);
+        let gesture = former.as_ref().map(|former| former.gesture).or(self.gesture);
         let outcome = self.document.edit_all(label, edits, gesture);
         if self.check(outcome).is_none() {
             return;
@@ -407,9 +405,6 @@ impl Editor {
     }
 }
 
-/// Shortest interval between two copies of unsaved work while a hand goes on with one edit, and after one that failed.
-const BETWEEN: Duration = Duration::from_secs(2);
-
 impl Editor {
     /// Opens a pipeline file, or makes a pipeline for another file, on a thread of its own. A file that cannot be opened leads to the dialog.
     pub(crate) fn open_any(&mut self, ctx: &Context, path: &Path) {
@@ -525,81 +520,5 @@ impl Editor {
             help,
             ..Panels::default()
         };
-    }
-
-    pub(crate) fn keep_in(&mut self, place: Recovery) {
-        self.recover = Recover::at(place);
-    }
-
-    /// Keeps the work as it is now; true where there is more to keep a little later.
-    pub(crate) fn keep(&mut self, ctx: &Context) {
-        let Some(place) = &self.recover.place else { return };
-        if self.document.is_saved() {
-            // What is saved is not offered again, however the window ends.
-            if let (Some(_), Some(keeper)) = (self.recover.kept.take(), &mut self.recover.keeper) {
-                let _ = keeper.give_up();
-            }
-            return;
-        }
-        let goes_on = self.gesture.is_some() || self.recover.failed.is_some();
-        if let Some(kept) = self.recover.kept.filter(|kept| goes_on && kept.elapsed() < BETWEEN) {
-            // The hand may rest without a frame that follows.
-            ctx.request_repaint_after(BETWEEN.saturating_sub(kept.elapsed()));
-            return;
-        }
-        if self.recover.keeper.is_none() {
-            // Without a folder to write to, work is not kept; saving says why.
-            self.recover.keeper = place.keeper(&self.document).ok();
-        }
-        let document = &self.document;
-        let outcome = self.recover.keeper.as_mut().map(|keeper| keeper.follow(document));
-        self.recover.kept = Some(Instant::now());
-        let is_kept = matches!(outcome, Some(Ok(())));
-        let failed = (!is_kept).then_some(document.revision());
-        let is_said = self.recover.failed == failed;
-        self.recover.failed = failed;
-        // Once for each edit: other messages are read, too.
-        outcome.filter(|_| !is_said).map(|outcome| self.check(outcome));
-    }
-
-    /// Offers work that was left behind, above what is shown, until it is answered.
-    pub(crate) fn offer_left_behind(&mut self, ui: &mut Ui) {
-        let Some(left) = self.recover.left.first() else { return };
-        let name = left.path.as_ref().map_or("a new pipeline".into(), |path| path.display().to_string());
-        let when = left.written.elapsed().map(|time| format!(", {}", age(time))).unwrap_or_default();
-        let text = format!("A window ended without saving what was done in {name}{when}.");
-        let answers = [
-            ("Open it", "its changes as they were, not saved yet"),
-            ("Discard it", "its changes are gone; its file stays as it is"),
-            ("Later", "the next window offers it again"),
-        ];
-        let mut answer = None;
-        Panel::top("left behind").show(ui, |ui| {
-            ui.horizontal_wrapped(|ui| {
-                for (text, help) in answers {
-                    answer = ui.button(text).help(help).clicked().then_some(text).or(answer);
-                }
-                ui.label(text);
-            });
-        });
-        match answer {
-            Some("Open it") => self.unless_unsaved(ui.ctx(), Next::Recover),
-            Some("Discard it") => _ = self.recover.left.remove(0).give_up(),
-            Some(_) => self.recover.left.clear(),
-            None => {}
-        }
-    }
-
-    /// Takes up work that was left behind.
-    fn recover(&mut self, ctx: &Context) {
-        if self.recover.left.is_empty() {
-            return;
-        }
-        let left = self.recover.left.remove(0);
-        self.take(left.document());
-        // Kept anew under this window's name before it goes.
-        self.recover.kept = None;
-        self.keep(ctx);
-        let _ = left.give_up();
     }
 }

@@ -1,8 +1,8 @@
 //! The editor: a document, a worker, what is selected and shown; and one frame: what happened meanwhile, the layout of the window's parts,
 //! what is requested of the worker.
 
-use crate::carried_widgets::FormerArray;
 use crate::files::{BETWEEN, Disk, FileDialog, FileWatcher, Recent, Recover, ask, show_dialog};
+use crate::former_array::FormerArray;
 use crate::graph::GraphView;
 use crate::invitation::invite;
 use crate::jobs::{Arrays, DataSource, Job};
@@ -325,7 +325,7 @@ impl Editor {
         self.panels.study.take_found();
         self.show_run();
         self.name_arrays(ctx);
-        self.carry_widgets();
+        self.rescale_widgets();
         self.settle_on_nodes();
         self.follow_answers(ctx);
         self.follow_time(ctx);

@@ -288,6 +288,23 @@ pub(crate) fn choice(
     taken
 }
 
+/// Channels of a colour.
+pub(crate) fn channels(datum: &ParameterValue) -> Option<[f64; 3]> {
+    LocatedValue::from(datum.clone()).color()
+}
+
+/// A number, if it is one.
+pub(crate) fn number(datum: &ParameterValue) -> Option<f64> {
+    LocatedValue::from(datum.clone()).number()
+}
+
+/// Texts of a list, or the one that it is.
+pub(crate) fn texts(datum: &ParameterValue) -> Vec<String> {
+    let value = LocatedValue::from(datum.clone());
+    let parts = value.list().unwrap_or(std::slice::from_ref(&value));
+    parts.iter().filter_map(|part| part.text().map(str::to_string)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

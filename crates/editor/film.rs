@@ -51,7 +51,7 @@ pub(crate) struct FilmPanel {
     /// Place of the slider of the frames in the window.
     pub rail: Rect,
     made: Option<Job<String>>,
-    /// What was asked for last, and its outcome.
+    /// The film that was asked for last, and its outcome.
     asked: Option<FilmRequest>,
     found: Option<Result<String>>,
     /// First and last frame, and the way from one to the next; `None`: all of them.

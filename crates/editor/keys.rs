@@ -322,8 +322,9 @@ fn rows(ctx: &Context) -> Vec<(String, &'static str)> {
     all.map(|(keys, words)| (shortcut(ctx, keys), words)).collect()
 }
 
-/// Width of the help sheet with keys and mouse beside each other, points.
+/// Widths of the help sheet with keys and mouse beside each other, and with the keys in two columns, points.
 const SHEET_WIDTH: f32 = 1140.0;
+const WIDE_SHEET: f32 = 1480.0;
 
 pub(crate) fn sheet(ctx: &Context, open: &mut bool) {
     let grid = |ui: &mut Ui, name: &str, rows: &[(&str, &str)]| {
@@ -340,7 +341,9 @@ pub(crate) fn sheet(ctx: &Context, open: &mut bool) {
     };
     let room = ctx.content_rect().size() - vec2(60.0, 90.0);
     // Beside each other where there is room, else below each other.
+    let columns = if room.x > WIDE_SHEET { 2 } else { 1 };
     let (layout, width) = match room.x > SHEET_WIDTH {
+        true if columns > 1 => (Layout::left_to_right(egui::Align::Min), WIDE_SHEET),
         true => (Layout::left_to_right(egui::Align::Min), SHEET_WIDTH),
         false => (Layout::top_down(egui::Align::Min), 0.55 * SHEET_WIDTH),
     };
@@ -352,8 +355,10 @@ pub(crate) fn sheet(ctx: &Context, open: &mut bool) {
                     let all = rows(ctx);
                     let keys: Vec<(&str, &str)> =
                         all.iter().map(|(keys, words)| (keys.as_str(), *words)).collect();
-                    ui.vertical(|ui| grid(ui, "keys", &keys));
-                    ui.add_space(12.0);
+                    for (column, keys) in keys.chunks(keys.len().div_ceil(columns)).enumerate() {
+                        ui.vertical(|ui| grid(ui, &format!("keys {column}"), keys));
+                        ui.add_space(12.0);
+                    }
                     ui.vertical(|ui| {
                         for (place, rows) in MOUSE {
                             ui.strong(*place);

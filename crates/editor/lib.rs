@@ -2,7 +2,6 @@
 
 mod apply_actions;
 mod blocks;
-mod carried_widgets;
 mod compare;
 mod dropped;
 mod editor;
@@ -12,6 +11,7 @@ mod fields;
 mod files;
 mod film;
 mod first_arrays;
+mod former_array;
 mod graph;
 mod handles;
 mod hit_marks;
@@ -25,7 +25,9 @@ mod parameters;
 mod picture;
 mod plugins;
 mod probes;
+mod recovery;
 mod requests;
+mod rescaled_widgets;
 mod scene;
 mod section;
 mod selection;

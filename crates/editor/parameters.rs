@@ -3,7 +3,7 @@
 
 use crate::blocks::block_tree;
 use crate::expression::ExpressionField;
-use crate::fields::{choice, color, number_field, numbers};
+use crate::fields::{channels, choice, color, number, number_field, numbers, texts};
 use crate::jobs::reads;
 use crate::scene::{Action, FilePurpose, Scene, error_text};
 use crate::theme::{self, Help, button};
@@ -19,7 +19,7 @@ use voltet_core::expression::Expression;
 use voltet_document::panel::{Control, Row, default_value, to_text, typed};
 use voltet_document::{Edit, Path};
 use voltet_graph::{
-    DefaultValue, LocatedValue, NodeEntry, ParameterType, ParameterValue, Range, SourceSpan, VariantSchema,
+    DefaultValue, NodeEntry, ParameterType, ParameterValue, Range, SourceSpan, VariantSchema,
 };
 use voltet_io::formats::Association;
 
@@ -595,18 +595,4 @@ fn browse(of: Of, row: &Row) -> Action {
     };
     let (node, writes) = (of.node.to_string(), matches!(row.control, Control::OutputFile));
     Action::ChooseFile(FilePurpose::Parameter { node, path: row.path.clone(), writes }, at)
-}
-
-fn channels(datum: &ParameterValue) -> Option<[f64; 3]> {
-    LocatedValue::from(datum.clone()).color()
-}
-
-fn number(datum: &ParameterValue) -> Option<f64> {
-    LocatedValue::from(datum.clone()).number()
-}
-
-fn texts(datum: &ParameterValue) -> Vec<String> {
-    let value = LocatedValue::from(datum.clone());
-    let parts = value.list().unwrap_or(std::slice::from_ref(&value));
-    parts.iter().filter_map(|part| part.text().map(str::to_string)).collect()
 }

@@ -29,7 +29,7 @@ pub(crate) struct Message {
     pub text: String,
     /// The error that it says.
     pub error: Option<Error>,
-    /// What failed by it, to be done once more.
+    /// The command that failed by it, to be given once more.
     pub again: Option<Command>,
 }
 
