@@ -258,6 +258,7 @@ impl Editor {
                 earlier,
                 previews: previews.filter_map(preview).collect(),
                 asks: self.asks() || self.file_dialog.is_some(),
+                was_typing: self.was_typing,
                 nodes: shown.nodes.clone(),
                 values: shown.values.clone(),
                 bounds: shown.output_bounds.clone(),

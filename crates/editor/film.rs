@@ -1,7 +1,7 @@
 //! Films: a sheet that chooses the frames, their rate and size, and the file; made in the background as `voltet run --film` makes them.
 
 use crate::jobs::Job;
-use crate::scene::{Action, FilePurpose, Scene, error_text};
+use crate::scene::{Action, FilePurpose, Scene, camera_of, error_text};
 use crate::theme::{self, Help};
 use crate::ways_out::{AGAIN, ELSEWHERE, FEWER_PIXELS, WayOut, buttons, is_of_size, ways_out};
 use eframe::egui::{
@@ -11,6 +11,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use voltet_core::error::ErrorKind;
 use voltet_core::{Error, Result};
+use voltet_document::Edit;
 use voltet_graph::Observer;
 
 /// Request for a film.
@@ -168,7 +169,14 @@ impl FilmPanel {
         if !has_steps && frames == 0 {
             let none =
                 || "there is no frame: no reader has time steps, and the camera has no way (orbit or keys)";
-            ui.label(fault.map_or_else(|| none().to_string(), Error::to_string));
+            ui.label(fault.map_or_else(|| none().to_string(), |fault| error_text(fault, scene.document)));
+            let nodes = &scene.document.pipeline().nodes;
+            let camera = scene.shown_node.and_then(|shown| camera_of(nodes, shown));
+            if let Some(camera) = camera
+                && ui.button("Orbit about the data").help("gives the camera a way: once around").clicked()
+            {
+                scene.actions.edit(Edit::set(&camera.name, ["orbit"], 360.0.into()));
+            }
             return;
         }
         let last = steps.saturating_sub(1);

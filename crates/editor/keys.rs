@@ -322,9 +322,11 @@ fn rows(ctx: &Context) -> Vec<(String, &'static str)> {
     all.map(|(keys, words)| (shortcut(ctx, keys), words)).collect()
 }
 
-/// Widths of the help sheet with keys and mouse beside each other, and with the keys in two columns, points.
+/// Width of the help sheet with two columns, points.
 const SHEET_WIDTH: f32 = 1140.0;
-const WIDE_SHEET: f32 = 1480.0;
+
+/// Places in [`MOUSE`] that stand below the keys of each of two columns.
+const BELOW_KEYS: [&[usize]; 2] = [&[1], &[0, 2]];
 
 pub(crate) fn sheet(ctx: &Context, open: &mut bool) {
     let grid = |ui: &mut Ui, name: &str, rows: &[(&str, &str)]| {
@@ -339,37 +341,44 @@ pub(crate) fn sheet(ctx: &Context, open: &mut bool) {
             },
         );
     };
+    let all = rows(ctx);
+    let keys: Vec<(&str, &str)> = all.iter().map(|(keys, words)| (keys.as_str(), *words)).collect();
     let room = ctx.content_rect().size() - vec2(60.0, 90.0);
-    // Beside each other where there is room, else below each other.
-    let columns = if room.x > WIDE_SHEET { 2 } else { 1 };
-    let (layout, width) = match room.x > SHEET_WIDTH {
-        true if columns > 1 => (Layout::left_to_right(egui::Align::Min), WIDE_SHEET),
+    // Two columns of like lengths where there is room, else one.
+    let is_wide = room.x > SHEET_WIDTH;
+    let rows_below = |places: &[usize]| places.iter().map(|place| MOUSE[*place].1.len() + 1).sum::<usize>();
+    let [left, right] = BELOW_KEYS.map(rows_below);
+    let first = if is_wide { (keys.len() + right).saturating_sub(left).div_ceil(2) } else { keys.len() };
+    let column = |ui: &mut Ui, keys: &[(&str, &str)], places: &[usize]| {
+        ui.vertical(|ui| {
+            keys.first().inspect(|(key, _)| grid(ui, key, keys));
+            for (place, rows) in places.iter().map(|place| MOUSE[*place]) {
+                ui.add_space(4.0);
+                ui.strong(place);
+                grid(ui, place, rows);
+            }
+        });
+    };
+    let (layout, width) = match is_wide {
         true => (Layout::left_to_right(egui::Align::Min), SHEET_WIDTH),
         false => (Layout::top_down(egui::Align::Min), 0.55 * SHEET_WIDTH),
     };
-    Window::new("Keys and mouse").open(open).resizable(true).default_size([room.x.min(width), room.y]).show(
-        ctx,
-        |ui| {
-            ScrollArea::both().max_height(room.y).max_width(room.x).show(ui, |ui| {
-                ui.with_layout(layout, |ui| {
-                    let all = rows(ctx);
-                    let keys: Vec<(&str, &str)> =
-                        all.iter().map(|(keys, words)| (keys.as_str(), *words)).collect();
-                    for (column, keys) in keys.chunks(keys.len().div_ceil(columns)).enumerate() {
-                        ui.vertical(|ui| grid(ui, &format!("keys {column}"), keys));
+    let window = Window::new("Keys and mouse").open(open).resizable(true);
+    window.default_size([room.x.min(width), room.y]).show(ctx, |ui| {
+        ScrollArea::both().max_height(room.y).max_width(room.x).show(ui, |ui| {
+            ui.with_layout(layout, |ui| {
+                let (before, after) = keys.split_at(first.min(keys.len()));
+                match is_wide {
+                    true => {
+                        column(ui, before, BELOW_KEYS[0]);
                         ui.add_space(12.0);
+                        column(ui, after, BELOW_KEYS[1]);
                     }
-                    ui.vertical(|ui| {
-                        for (place, rows) in MOUSE {
-                            ui.strong(*place);
-                            grid(ui, place, rows);
-                            ui.add_space(4.0);
-                        }
-                    });
-                });
+                    false => column(ui, before, &[0, 1, 2]),
+                }
             });
-        },
-    );
+        });
+    });
 }
 
 /// Name of the file that a hand holds over the window.

@@ -37,6 +37,8 @@ pub(crate) struct Scene<'a> {
     pub earlier: BTreeSet<&'a str>,
     /// True if a question must be answered first, and other input is blocked.
     pub asks: bool,
+    /// True if a text was typed in the last frame: the keys of this one may be the end of it.
+    pub was_typing: bool,
     pub nodes: BTreeMap<String, NodeStatus>,
     /// For each output what runs through it, and the box of its points.
     pub values: Arc<BTreeMap<String, String>>,

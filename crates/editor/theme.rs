@@ -24,6 +24,8 @@ pub(crate) fn apply(ctx: &Context) {
             // A blinking cursor would keep an idle window busy.
             style.visuals.text_cursor.blink = false;
             style.spacing.slider_width = 130.0;
+            // What goes on beyond its end shows a bar.
+            style.spacing.scroll.dormant_handle_opacity = 0.5;
             // Words beside values are read as they are.
             style.text_styles.insert(TextStyle::Small, FontId::proportional(10.5));
         });

@@ -149,7 +149,8 @@ impl TransferPanel {
             Some(_) => self.take_away(look),
             None => {}
         }
-        if ui.ctx().text_edit_focused() || look.scene.asks || !self.takes_keys() {
+        let is_typing = ui.ctx().text_edit_focused() || look.scene.was_typing;
+        if is_typing || look.scene.asks || !self.takes_keys() {
             return;
         }
         self.set_keys(ui, look);
@@ -524,7 +525,7 @@ impl TransferPanel {
 
     fn list_of_axis(&mut self, ui: &mut Ui, k: usize, choices: &[(ArrayRef, String)]) {
         let (mut axes, mut taken) = (self.axes(), None);
-        ScrollArea::vertical().id_salt(("axis", k)).max_height(HEIGHT).show(ui, |ui| {
+        list_area().id_salt(("axis", k)).show(ui, |ui| {
             for (axis, label) in choices {
                 if ui.selectable_label(axes[k] == *axis, label).clicked() {
                     taken = Some(axis.clone());
@@ -545,6 +546,11 @@ impl TransferPanel {
     }
 }
 
+/// Area of a list in a menu: as high as its entries, up to a height from which on it scrolls.
+fn list_area() -> ScrollArea {
+    ScrollArea::vertical().max_height(HEIGHT).min_scrolled_height(HEIGHT)
+}
+
 /// Choice of the array that is drawn as s: the reader's, where one feeds the plane.
 fn scalar_menu(ui: &mut Ui, look: &EditedFunction) {
     let scene = look.scene;
@@ -557,7 +563,7 @@ fn scalar_menu(ui: &mut Ui, look: &EditedFunction) {
     let menu = ui.menu_button(format!("s: {now}"), |ui| {
         ui.set_min_width(WIDTH);
         let arrays = scene.arrays.of_reader(ui.ctx(), scene.document, scene.registry, reader, Extent::Whole);
-        ScrollArea::vertical().max_height(HEIGHT).show(ui, |ui| {
+        list_area().show(ui, |ui| {
             for array in arrays.choices.iter().filter(|array| !array.name.is_empty()) {
                 if ui.selectable_label(array.name == now, &array.label).clicked() {
                     let mut edits = vec![Edit::set(&reader.name, ["scalar"], array.name.as_str().into())];

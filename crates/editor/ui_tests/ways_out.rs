@@ -130,3 +130,13 @@ fn a_film_that_fails_is_made_with_fewer_pixels_elsewhere_or_once_more() {
     let sizes: Vec<_> = asked.lock().unwrap().iter().map(|of| of.size).collect();
     assert_eq!(sizes, [None, Some([80, 60]), Some([80, 60])]);
 }
+
+#[test]
+fn a_camera_without_a_way_gets_one_from_the_sheet_of_films() {
+    let mut hand = Hand::new(TEXT);
+    hand.command(Command::Film);
+    hand.frames(4);
+    hand.click_on("Orbit about the data");
+    hand.frames(4);
+    assert!(hand.text().contains("orbit = 360.0") && hand.sees("Make the film"), "{}", hand.text());
+}
