@@ -21,7 +21,6 @@ use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Duration;
-use voltet_core::Error;
 use voltet_document::panel::default_value;
 use voltet_document::{Edit, Path, links};
 use voltet_graph::{LocatedValue, NodeEntry, ParameterType};
@@ -287,24 +286,39 @@ impl PicturePanel {
     /// Text over the picture: the reason for which there is none, or that it is being drawn.
     fn over(&self, ui: &mut Ui, scene: &Scene, rect: Rect) {
         let dark = true; // The ground is black.
-        let say = |ui: &Ui, text: &str, color: Color32| {
+        // `below`: height of what stands below the text.
+        let say = |ui: &Ui, text: &str, color: Color32, below: f32| {
             let galley =
                 ui.painter().layout(text.into(), FontId::proportional(14.0), color, rect.width() - 40.0);
-            let place = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());
+            let middle = rect.center() - vec2(0.0, 0.5 * below);
+            let place = Align2::CENTER_CENTER.anchor_size(middle, galley.size());
+            let place = place.translate(vec2(0.0, (rect.top() + 8.0 - place.top()).max(0.0)));
             ui.painter().rect_filled(place.expand(8.0), 4.0, Color32::from_black_alpha(200));
             ui.painter().galley(place.min, galley, color);
             place
         };
         match (&scene.failure, scene.shown_node) {
             (_, None) => {
-                say(ui, "No node gives a picture yet: add a renderer (Space).", Color32::from_gray(200));
+                say(ui, "No node gives a picture yet: add a renderer (Space).", Color32::from_gray(200), 0.0);
             }
             (Some(failure), Some(_)) => {
-                let place = say(ui, &scene.reason("picture", failure), theme::wrong(dark));
-                show_ways_out(ui, scene, failure, place.center_bottom(), rect);
+                let mut ways = ways_out(scene, failure);
+                ways.push((AGAIN.into(), Action::Do(Command::ReadAgain)));
+                let [size, step] = steps_of_buttons(ways.len(), rect.width());
+                let whole = size + ways.len().saturating_sub(1) as f32 * step;
+                let text = scene.reason("picture", failure);
+                let place = say(ui, &text, theme::wrong(dark), whole.y + BELOW_TEXT);
+                let first = place.center_bottom() + vec2(-0.5 * whole.x, BELOW_TEXT);
+                let first = first.min(rect.max - whole).max(rect.min);
+                for (place, (text, action)) in ways.into_iter().enumerate() {
+                    let at = Rect::from_min_size(first + place as f32 * step, size);
+                    if ui.put(at, Button::new(text).truncate()).clicked() {
+                        scene.actions.push(action);
+                    }
+                }
             }
             (None, Some(_)) if scene.pixels.is_none() => {
-                say(ui, scene.running.as_deref().unwrap_or("drawing …"), Color32::from_gray(200));
+                say(ui, scene.running.as_deref().unwrap_or("drawing …"), Color32::from_gray(200), 0.0);
             }
             (None, Some(_)) => {}
         }
@@ -432,23 +446,15 @@ fn cut_menu(ui: &mut Ui, scene: &Scene) {
     menu.response.help("cuts the volume through its middle, a box from there to the highest corner; grips in the picture move the cut");
 }
 
-/// Buttons below what is wrong with a picture, side by side where `within` has room for that, else one below the other.
-fn show_ways_out(ui: &mut Ui, scene: &Scene, failure: &Error, below: Pos2, within: Rect) {
-    let mut ways = ways_out(scene, failure);
-    ways.push((AGAIN.into(), Action::Do(Command::ReadAgain)));
-    let (size, others) = (vec2(170.0f32.min(within.width()), 28.0), ways.len().saturating_sub(1) as f32);
-    let across = vec2(size.x + 8.0, 0.0);
-    let is_row = (size + others * across).x <= within.width();
-    let step = if is_row { across } else { vec2(0.0, size.y + 8.0) };
-    let whole = size + others * step;
-    let first = below + vec2(-0.5 * whole.x, 16.0);
-    let first = first.min(within.max - whole).max(within.min);
-    for (place, (text, action)) in ways.iter().enumerate() {
-        let at = Rect::from_min_size(first + place as f32 * step, size);
-        if ui.put(at, Button::new(text).truncate()).clicked() {
-            scene.actions.push(action.clone());
-        }
-    }
+/// Distance of buttons from the text above them, points.
+const BELOW_TEXT: f32 = 16.0;
+
+/// Size of so many buttons, and the step from one to the next: side by side where there is room for that, else one below the other.
+fn steps_of_buttons(count: usize, width: f32) -> [Vec2; 2] {
+    let size = vec2(170.0f32.min(width), 28.0);
+    let across = size.x + 8.0;
+    let is_row = size.x + count.saturating_sub(1) as f32 * across <= width;
+    [size, if is_row { vec2(across, 0.0) } else { vec2(0.0, size.y + 8.0) }]
 }
 
 /// Time for which the pointer rests before what is under it is asked for, seconds: none while it only passes.

@@ -15,7 +15,11 @@ fn before(look: &str) -> Hand {
         "type = \"wavelet\"\nresolution = [12, 12, 12] # coarse",
         "type = \"reader\"\npath = \"data.vtk\"\nscalar = \"A\" # coarse",
     );
-    let mut hand = Hand::with_file(&text.replace(widgets, look), "data.vtk", DATA);
+    let text = text.replace(widgets, look);
+    // Shares are those of the volume that is wired in.
+    let text = text
+        .replace("\"transfer-function\"\n", "\"transfer-function\"\ninputs = { volume = \"gradient\" }\n");
+    let mut hand = Hand::with_file(&text, "data.vtk", DATA);
     until(&mut hand, "no histogram", |hand| hand.editor.scene().distribution.is_some());
     hand.frames(2);
     hand

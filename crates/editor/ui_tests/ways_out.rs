@@ -140,3 +140,29 @@ fn a_camera_without_a_way_gets_one_from_the_sheet_of_films() {
     hand.frames(4);
     assert!(hand.text().contains("orbit = 360.0") && hand.sees("Make the film"), "{}", hand.text());
 }
+
+/// In a small window, too, the buttons stand below what is wrong.
+#[test]
+fn ways_out_of_a_picture_cover_nothing_of_what_is_wrong() {
+    let text = TEXT.replace(
+        "type = \"wavelet\"\nresolution = [12, 12, 12] # coarse",
+        "type = \"reader\"\npath = \"gone.vtk\"",
+    );
+    let mut hand = Hand::before_window(&text, [700.0, 500.0], &|_| {});
+    hand.frames(4);
+    let wrong = |shape: &Shape| match shape {
+        Shape::Text(text) if text.galley.text().contains("gone.vtk") => Some(text.visual_bounding_rect()),
+        _ => None,
+    };
+    let picture = hand.rect("picture picture");
+    let texts: Vec<Rect> = hand.shapes().iter().filter_map(|clipped| wrong(&clipped.shape)).collect();
+    let text =
+        texts.into_iter().find(|text| picture.contains(text.center())).expect("it is said in the picture");
+    for button in ["Show 'grid'", "Choose a file …", "Try again"] {
+        let rect = hand.rect(button);
+        assert!(
+            rect.top() >= text.bottom() && rect.bottom() <= picture.bottom() + 1.0,
+            "{button} {rect} {text}"
+        );
+    }
+}
