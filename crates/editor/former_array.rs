@@ -5,7 +5,7 @@ use crate::worker::DataScales;
 use voltet_core::Result;
 use voltet_core::arithmetic::decimal;
 use voltet_core::parameters::{ArrayRef, Parameters};
-use voltet_core::transfer::{AxisScale, DataStatistics, WIDGET_KINDS, carried as rescaled};
+use voltet_core::transfer::{AxisScale, DataStatistics, WIDGET_KINDS, rescaled};
 use voltet_document::{Edit, Gesture, Path};
 use voltet_graph::{LocatedValue, NodeEntry, ParameterValue, SourceSpan, find_setting};
 

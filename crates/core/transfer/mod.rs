@@ -8,16 +8,15 @@
 //! its support lies. How it is integrated is said by each engine.
 
 mod axis;
-mod carried;
 mod function;
 mod hull;
 mod kinds;
 mod region;
 mod relative;
+mod rescale;
 mod support;
 
 pub use axis::{AxisScale, DECADES, off_axes, on_axes};
-pub use carried::carried;
 pub use function::{OpticalModel, TransferFunction, Widget, read};
 pub(crate) use hull::meets;
 pub use hull::{Corners, box_corners};
@@ -27,6 +26,7 @@ pub use kinds::{
 };
 pub use region::{Convex, HalfPlane, Region, Slab, SupportRadius};
 pub use relative::{DataStatistics, StatisticsRequest, resolved, statistics_request, with_placeholders};
+pub use rescale::rescaled;
 pub use support::Support;
 
 #[cfg(test)]

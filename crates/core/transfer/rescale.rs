@@ -1,4 +1,4 @@
-//! Widgets carried from the data that they were made for to other data: each number of s and g is the same share of the other range.
+//! Widgets rescaled from the data that they were made for to other data: each number of s and g is the same share of the other range.
 
 use super::relative::{DataStatistics, length};
 use crate::Result;
@@ -7,7 +7,7 @@ use crate::parameters::{
     ArrayRef, LocatedValue, ParameterValue, Parameters, Relative, RelativeNumberType, StatisticKind,
 };
 
-/// Share of a range, and of a width, that carried numbers are written to.
+/// Share of a range, and of a width, that rescaled numbers are written to.
 const WRITTEN: f64 = 1e-6;
 
 /// The parameters of a widget with its numbers of s and g at the same shares of the ranges of other data, counted along the axes' scales.
@@ -16,7 +16,7 @@ const WRITTEN: f64 = 1e-6;
 ///
 /// # Errors
 /// - the range of a quantity is not known
-pub fn carried(
+pub fn rescaled(
     p: &Parameters,
     before: &dyn DataStatistics,
     after: &dyn DataStatistics,
@@ -118,12 +118,12 @@ mod tests {
     const BEFORE: Ranges = Ranges([[0.0, 10.0], [0.0, 2.0]], AxisScale::Linear);
     const AFTER: Ranges = Ranges([[-100.0, 100.0], [0.0, 8.0]], AxisScale::Linear);
 
-    /// Settings of a widget of a kind, after it was carried.
+    /// Settings of a widget of a kind, after it was rescaled.
     fn after(kind: &str, fields: Vec<Field>, ranges: [&Ranges; 2]) -> impl Fn(&str) -> ParameterValue {
         let kind = WIDGET_KINDS.iter().find(|known| known.name == kind).unwrap();
         let mut fault = |name: &str, error| panic!("{name}: {error}");
         let found = Parameters::survey(kind.parameters, &fields, &SourceSpan::Nowhere, &[], &mut fault);
-        let found = carried(&found, ranges[0], ranges[1]).unwrap();
+        let found = rescaled(&found, ranges[0], ranges[1]).unwrap();
         move |name| found.optional(name).unwrap().datum.clone()
     }
 
