@@ -121,14 +121,17 @@ mod tests {
     /// Settings of a widget of a kind, after it was rescaled.
     fn after(kind: &str, fields: Vec<Field>, ranges: [&Ranges; 2]) -> impl Fn(&str) -> ParameterValue {
         let kind = WIDGET_KINDS.iter().find(|known| known.name == kind).unwrap();
-        let mut fault = |name: &str, error| panic!("{name}: {error}");
-        let found = Parameters::survey(kind.parameters, &fields, &SourceSpan::Nowhere, &[], &mut fault);
+        let found =
+            Parameters::survey(kind.parameters, &fields, &SourceSpan::Nowhere, &[], &mut |name, error| {
+                panic!("{name}: {error}")
+            });
         let found = rescaled(&found, ranges[0], ranges[1]).unwrap();
         move |name| found.optional(name).unwrap().datum.clone()
     }
 
     fn field(name: &str, value: impl Into<ParameterValue>) -> Field {
-        Field::new(name, value.into())
+        let value: ParameterValue = value.into();
+        Field::new(name, value)
     }
 
     fn numbers(all: &[f64]) -> ParameterValue {
