@@ -20,9 +20,6 @@ pub trait Progress: Sync {
     }
 }
 
-/// First words of what is expected where memory ends, and a smaller picture may be drawn.
-pub const SMALLER_WORK: &str = "a smaller grid or picture";
-
 /// Refuses work that takes more memory than is left. `what` takes it, as a clause that "takes about 3 GiB" can follow.
 pub fn refuse_beyond_memory(
     progress: &dyn Progress,
@@ -33,7 +30,7 @@ pub fn refuse_beyond_memory(
     let mebibytes = |bytes: u64| format!("{:.0} MiB", bytes as f64 / f64::from(1 << 20));
     Err(Error::run("memory ends before the work does")
         .got(format!("{} takes about {}, {} are left", what(), mebibytes(bytes), mebibytes(left)))
-        .expected(format!("{SMALLER_WORK}, or more memory")))
+        .expected("a smaller grid or picture, or more memory"))
 }
 
 /// Ignores progress and never stops.

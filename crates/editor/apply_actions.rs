@@ -1,5 +1,5 @@
 //! Application of the actions that the parts of the window requested: edits, commands, the clipboard, runs; the document's file, which is
-//! opened or made for data, saved, changed by another program, recovered after a crash.
+//! opened or made for data, saved, changed by another program.
 
 use crate::editor::{Editor, Next, Panels};
 use crate::eyes;
@@ -105,13 +105,13 @@ impl Editor {
 
     pub(crate) fn edit(&mut self, label: String, edits: &[Edit]) {
         self.message = None;
-        let former = self.before_other_array(edits);
-        let gesture = former.as_ref().map(|former| former.gesture).or(self.gesture);
+        let pending = self.before_rescale(edits);
+        let gesture = pending.as_ref().map(|pending| pending.gesture).or(self.gesture);
         let outcome = self.document.edit_all(label, edits, gesture);
         if self.check(outcome).is_none() {
             return;
         }
-        former.into_iter().for_each(|former| self.expect_ranges(former));
+        pending.into_iter().for_each(|pending| self.expect_ranges(pending));
         let mut added = BTreeSet::new();
         for edit in edits {
             match edit {
@@ -446,7 +446,7 @@ impl Editor {
         let outcome = if takes_over { self.document.reload() } else { self.document.save_over() };
         self.disk = Disk::default();
         self.new_readers.clear();
-        self.check(outcome);
+        self.check_of(outcome, (!takes_over).then_some(Command::Save));
     }
 
     pub(crate) fn save_as(&mut self, path: &Path) {
@@ -499,7 +499,7 @@ impl Editor {
     pub(crate) fn take(&mut self, document: Document) {
         self.document = document;
         self.new_readers.clear();
-        self.former_array = None;
+        self.pending_rescale = None;
         (self.run, self.made) = (None, None);
         self.recover.forget();
         self.begin();

@@ -2,7 +2,6 @@
 //! what is requested of the worker.
 
 use crate::files::{BETWEEN, Disk, FileDialog, FileWatcher, Recent, Recover, ask, show_dialog};
-use crate::former_array::FormerArray;
 use crate::graph::GraphView;
 use crate::invitation::invite;
 use crate::jobs::{Arrays, DataSource, Job};
@@ -11,6 +10,7 @@ use crate::panes::Pane;
 use crate::parameters::ParameterPanel;
 use crate::picture::{self, PicturePanel};
 use crate::plugins::Plugins;
+use crate::rescale_edits::PendingRescale;
 use crate::scene::{Actions, Command, FilePurpose, Lag, ProbePurpose, Scene, error_text, pictures};
 use crate::section::SectionPanel;
 use crate::study::{StudyPanel, show_costs};
@@ -129,7 +129,7 @@ pub struct Editor {
     pub(crate) faults: (Option<u64>, Vec<Error>),
     pub(crate) gestures: GestureTracker,
     pub(crate) gesture: Option<Gesture>,
-    pub(crate) former_array: Option<FormerArray>,
+    pub(crate) pending_rescale: Option<PendingRescale>,
     pub(crate) ends: bool,
     /// True if a text was typed in the last frame: Escape leaves it.
     was_typing: bool,
@@ -173,7 +173,7 @@ impl Editor {
             faults: (None, Vec::new()),
             gestures: GestureTracker::default(),
             gesture: None,
-            former_array: None,
+            pending_rescale: None,
             ends: false,
             was_typing: false,
         };

@@ -1,5 +1,5 @@
-//! Files: names, changes by other programs, recent ones, copies of unsaved work; and dialogs: a question with a few answers, and the choice
-//! of a file.
+//! Files: names, changes by other programs, recent ones, what is known of copies of unsaved work; and dialogs: a question with a few
+//! answers, and the choice of a file.
 
 use crate::scene::FilePurpose;
 use crate::theme::{self, Help};

@@ -3,7 +3,7 @@
 use crate::jobs::Job;
 use crate::scene::{Action, FilePurpose, Scene, camera_of, error_text};
 use crate::theme::{self, Help};
-use crate::ways_out::{AGAIN, ELSEWHERE, FEWER_PIXELS, WayOut, buttons, is_of_size, ways_out};
+use crate::ways_out::{AGAIN, ELSEWHERE, FEWER_PIXELS, WayOut, buttons, ways_out};
 use eframe::egui::{
     Button, Context, DragValue, Grid, ProgressBar, Rect, RichText, TextEdit, Ui, Widget, Window,
 };
@@ -52,8 +52,7 @@ pub(crate) struct FilmPanel {
     /// Place of the slider of the frames in the window.
     pub rail: Rect,
     made: Option<Job<String>>,
-    /// The film that was asked for last, and its outcome.
-    asked: Option<FilmRequest>,
+    /// Outcome of the film that was asked for last.
     found: Option<Result<String>>,
     /// First and last frame, and the way from one to the next; `None`: all of them.
     range: Option<[usize; 3]>,
@@ -70,7 +69,6 @@ impl Default for FilmPanel {
             make: None,
             rail: Rect::NOTHING,
             made: None,
-            asked: None,
             found: None,
             range: None,
             rate: 25.0,
@@ -124,13 +122,13 @@ impl FilmPanel {
             } else {
                 self.form(ui, scene, steps, frames, fault);
             }
-            self.outcome(ui, scene);
+            self.outcome(ui, scene, steps, frames);
         });
         self.is_open = is_open;
     }
 
     /// The line about the last film, or why there is none, with ways out.
-    fn outcome(&mut self, ui: &mut Ui, scene: &Scene) {
+    fn outcome(&mut self, ui: &mut Ui, scene: &Scene, steps: usize, frames: usize) {
         let error = match &self.found {
             None => return,
             Some(Ok(line)) => return drop(ui.label(line.trim_end())),
@@ -145,20 +143,18 @@ impl FilmPanel {
             let is_size = |(text, _): &WayOut| text == FEWER_PIXELS;
             let ways: Vec<WayOut> = ways_out(scene, &error).into_iter().filter(|way| !is_size(way)).collect();
             buttons(ui, &ways).into_iter().for_each(|action| scene.actions.push(action));
-            let Some(mut again) = self.asked.clone() else { return };
-            if is_of_size(&error) && ui.small_button(FEWER_PIXELS).clicked() {
+            let Some(again) = self.request(scene, steps, frames) else { return };
+            if error.fewer_pixels && ui.small_button(FEWER_PIXELS).clicked() {
                 let own = again.size.or(scene.picture_size).unwrap_or(USUAL_SIZE);
                 self.size = Some(own.map(|length| (length / 2).max(1)));
-                again.size = self.size;
-                self.begin(again, ui.ctx());
+                self.begin(FilmRequest { size: self.size, ..again }, ui.ctx());
                 return;
             }
-            if error.kind != ErrorKind::Cancelled && ui.small_button(ELSEWHERE).clicked() {
+            let is_of_film = error.location.file.as_deref() == Some(&*again.film.to_string_lossy());
+            if is_of_film && ui.small_button(ELSEWHERE).clicked() {
                 scene.actions.push(Action::ChooseFile(FilePurpose::Film, Some(again.film.clone())));
             }
             if ui.small_button(AGAIN).clicked() {
-                // The fields may say another file now.
-                again.film = scene.document.folder().join(self.path.as_deref().unwrap_or_default());
                 self.begin(again, ui.ctx());
             }
         });
@@ -170,6 +166,8 @@ impl FilmPanel {
             let none =
                 || "there is no frame: no reader has time steps, and the camera has no way (orbit or keys)";
             ui.label(fault.map_or_else(|| none().to_string(), |fault| error_text(fault, scene.document)));
+            let ways = fault.map_or(Vec::new(), |fault| ways_out(scene, fault));
+            buttons(ui, &ways).into_iter().for_each(|action| scene.actions.push(action));
             let nodes = &scene.document.pipeline().nodes;
             let camera = scene.shown_node.and_then(|shown| camera_of(nodes, shown));
             if let Some(camera) = camera
@@ -233,22 +231,30 @@ impl FilmPanel {
         let begins = begins
             .on_disabled_hover_text("save the pipeline first: paths of the film are relative to its file");
         ui.label("The pictures of the frames are written as the pipeline names them; those that are there already, as they would be drawn, stay.");
-        let Some(file) = scene.document.path().filter(|_| begins.clicked()) else { return };
-        let request = FilmRequest {
+        if let Some(request) = self.request(scene, steps, frames).filter(|_| begins.clicked()) {
+            self.begin(request, ui.ctx());
+        }
+    }
+
+    /// The film of the document and the fields as they are now; `None` without a frame, and of a document without a file.
+    fn request(&self, scene: &Scene, steps: usize, frames: usize) -> Option<FilmRequest> {
+        let (has_steps, last) = (steps > 1, steps.saturating_sub(1));
+        let [from, to, by] = self.range.unwrap_or([0, last, 1]);
+        let (from, to) = (from.min(last), to.min(last));
+        let path = scene.document.path().filter(|_| has_steps || frames > 0)?;
+        Some(FilmRequest {
             text: scene.document.text().to_string(),
-            path: file.to_path_buf(),
+            path: path.to_path_buf(),
             steps: has_steps.then(|| format!("{from}:{to}:{by}")),
             frames: (!has_steps).then_some(frames),
             rate: self.rate,
             size: self.size,
-            film: scene.document.folder().join(self.path.as_deref().unwrap_or_default()),
-        };
-        self.begin(request, ui.ctx());
+            film: scene.document.folder().join(self.path.as_deref()?),
+        })
     }
 
     fn begin(&mut self, of: FilmRequest, ctx: &Context) {
         let Some(make) = self.make.clone() else { return };
-        self.asked = Some(of.clone());
         match Job::start("film", ctx, move |observer| make(&of, observer)) {
             Ok(made) => (self.made, self.found) = (Some(made), None),
             Err(error) => self.found = Some(Err(error)),

@@ -59,6 +59,10 @@ impl Editor {
         ];
         let mut answer = None;
         Panel::top("left behind").show(ui, |ui| {
+            // What was asked about stays until it is answered.
+            if self.unsaved.is_some() {
+                ui.disable();
+            }
             ui.horizontal_wrapped(|ui| {
                 for (text, help) in answers {
                     answer = ui.button(text).help(help).clicked().then_some(text).or(answer);
@@ -74,7 +78,7 @@ impl Editor {
         }
     }
 
-    /// Takes up work that was left behind.
+    /// Takes up work that was left behind. It stays there, and is offered still, until this window keeps it.
     pub(crate) fn recover(&mut self, ctx: &Context) {
         if self.recover.left.is_empty() {
             return;
@@ -84,6 +88,14 @@ impl Editor {
         // Kept anew under this window's name before it goes.
         self.recover.kept = None;
         self.keep(ctx);
-        let _ = left.give_up();
+        let Recover { keeper, kept, failed, .. } = &self.recover;
+        if self.document.is_saved() || (keeper.is_some() && kept.is_some() && failed.is_none()) {
+            let _ = left.give_up();
+            return;
+        }
+        self.recover.left.insert(0, left);
+        if self.message.is_none() {
+            self.say("this work cannot be kept here before it is saved: the copy that was left behind stays");
+        }
     }
 }

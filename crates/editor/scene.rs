@@ -104,6 +104,12 @@ impl Scene<'_> {
         error.location.line_column.filter(|_| error.location.file == own).map(|(line, _)| line)
     }
 
+    /// True if an error is about another file than the document's.
+    pub fn is_of_other_file(&self, error: &Error) -> bool {
+        let file = &error.location.file;
+        file.is_some() && *file != self.document.locate(Error::usage("")).location.file
+    }
+
     /// Name of an entry of a node: the one that the file states, else its comment; `None` without both.
     pub fn name_of(&self, node: &str, path: &Path, stated: Option<&str>) -> Option<String> {
         let stated = stated.filter(|name| !name.is_empty()).map(str::to_string);
@@ -187,6 +193,12 @@ impl<'a> Scene<'a> {
             None => outputs.first(),
         };
         (name, output.or(given.map(|port| port.name)).unwrap_or_default(), given)
+    }
+
+    /// The node and the output that a source names.
+    pub fn output_of(&self, text: &str) -> (String, String) {
+        let (node, output, _) = self.giving(text);
+        (node.to_string(), output.to_string())
     }
 
     pub fn is_empty(&self) -> bool {

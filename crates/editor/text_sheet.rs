@@ -15,6 +15,8 @@ pub(crate) struct TextSheet {
     typed: String,
     /// The text of the document that it began with.
     begun: String,
+    /// True once something was wrong beside the nodes while it was open.
+    is_wrong: bool,
     /// The line to go to, from 1.
     line: Option<usize>,
 }
@@ -60,11 +62,15 @@ impl TextSheet {
         std::mem::take(&mut self.is_open)
     }
 
-    /// Shows the sheet where it is open; it closes once the text is right.
+    /// Shows the sheet where it is open; it closes once a text that was wrong is right.
     pub fn show(&mut self, ctx: &Context, scene: &Scene) {
         let now = scene.document.text();
         // What a node has wrong is mended there.
-        if scene.document.is_toml() && scene.faults.iter().all(|fault| fault.location.node.is_some()) {
+        let is_of_node =
+            |fault: &Error| fault.location.node.as_ref().is_some_and(|node| scene.entry(node).is_some());
+        let is_right = scene.document.is_toml() && scene.faults.iter().all(is_of_node);
+        self.is_wrong |= !is_right;
+        if is_right && (self.is_wrong || !self.is_open) {
             *self = TextSheet::default();
         } else if self.typed == self.begun || self.typed == now {
             // Nothing is typed, or it is taken over.

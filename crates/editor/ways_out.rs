@@ -5,8 +5,6 @@ use crate::worker::size_of;
 use eframe::egui::{Button, Ui};
 use std::path::PathBuf;
 use voltet_core::Error;
-use voltet_core::error::ErrorKind;
-use voltet_core::progress::SMALLER_WORK;
 use voltet_document::panel::{Control, Row};
 use voltet_document::{Edit, Path};
 use voltet_graph::ParameterValue;
@@ -66,10 +64,11 @@ pub(crate) fn ways_out(scene: &Scene, error: &Error) -> Vec<WayOut> {
                 .map(|line| (format!("Show the text at line {line}"), Action::ShowText(line))),
         ),
     }
-    if is_of_size(error)
-        && let Some((camera, size)) = scene
-            .shown_node
-            .and_then(|shown| camera_of(&scene.document.pipeline().nodes, shown))
+    let node = error.location.node.as_deref().filter(|node| scene.entry(node).is_some());
+    if error.fewer_pixels
+        && let Some((camera, size)) = node
+            .or(scene.shown_node)
+            .and_then(|node| camera_of(&scene.document.pipeline().nodes, node))
             .and_then(|camera| Some((camera, size_of(camera)?)))
     {
         let size = size.map(|length| i64::from((length / 2).max(1)));
@@ -79,12 +78,6 @@ pub(crate) fn ways_out(scene: &Scene, error: &Error) -> Vec<WayOut> {
     ways
 }
 
-/// True if a smaller picture may come to its end.
-pub(crate) fn is_of_size(error: &Error) -> bool {
-    error.kind != ErrorKind::Usage
-        && error.expected.as_ref().is_some_and(|expected| expected.starts_with(SMALLER_WORK))
-}
-
 /// Shows buttons; the action of the one that was clicked.
 pub(crate) fn buttons(ui: &mut Ui, ways: &[WayOut]) -> Option<Action> {
     let clicked = ways.iter().filter(|(text, _)| ui.add(Button::new(text).small()).clicked());
@@ -92,7 +85,8 @@ pub(crate) fn buttons(ui: &mut Ui, ways: &[WayOut]) -> Option<Action> {
     clicked.fold(None, |_, (_, action)| Some(action.clone()))
 }
 
-/// The parameter of a node that names the file that an error is about, else its `path`; that file, and true if it is written.
+/// The parameter of a node that names the file that an error is about; `path`, where the error is of that parameter or of another file, as
+/// one of a series. With that file, and true if it is written.
 fn file_of(scene: &Scene, node: &str, error: &Error) -> Option<(Path, PathBuf, bool)> {
     fn collect(rows: &[Row], files: &mut Vec<(Path, String, bool)>) {
         for row in rows {
@@ -113,6 +107,9 @@ fn file_of(scene: &Scene, node: &str, error: &Error) -> Option<(Path, PathBuf, b
     let named = error.location.file.as_deref();
     let is_named = |(_, file, _): &(Path, PathBuf, bool)| named == Some(&*file.to_string_lossy());
     let place = files.iter().position(is_named);
-    let place = place.or_else(|| files.iter().position(|(path, ..)| *path == "path".into()));
+    let is_of_path =
+        error.location.item.as_deref().is_none_or(|item| item == "path") || scene.is_of_other_file(error);
+    let usual = || files.iter().position(|(path, ..)| *path == "path".into()).filter(|_| is_of_path);
+    let place = place.or_else(usual);
     place.map(|place| files.swap_remove(place))
 }

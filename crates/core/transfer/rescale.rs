@@ -22,14 +22,18 @@ pub fn rescaled(
     after: &dyn DataStatistics,
 ) -> Result<Parameters> {
     p.with_settings(&mut |measured, _, setting, beside| {
+        let near = nearest(setting);
         number_by_number(setting, 0, &|place, x| {
             let quantity = measured.quantity(place, beside).filter(is_of_axes).filter(|_| x.is_finite());
             let Some(quantity) = quantity else { return Ok(x) };
+            if is_same(&quantity, before, after) {
+                return Ok(x);
+            }
             // A range without a length has no shares.
             let (Ok(from), Ok(to)) = (length(&quantity, before), length(&quantity, after)) else {
                 return Ok(x);
             };
-            let found = one(x, measured, &quantity, [before, after], [from, to])?;
+            let found = one([x, near], measured, &quantity, [before, after], [from, to])?;
             Ok(if found.is_finite() { found } else { x })
         })
     })
@@ -44,9 +48,33 @@ fn is_of_axes(quantity: &ArrayRef) -> bool {
     }
 }
 
-/// One number of other data; `from`, `to`: lengths of the quantity's ranges.
+/// True if the range of a quantity and its scale are those before.
+fn is_same(quantity: &ArrayRef, before: &dyn DataStatistics, after: &dyn DataStatistics) -> bool {
+    if let ArrayRef::Per(one, other) = quantity {
+        return is_same(one, before, after) && is_same(other, before, after);
+    }
+    let of = |data: &dyn DataStatistics| Some((data.range(quantity).ok()?, data.scale(quantity)));
+    of(before) == of(after)
+}
+
+/// The least distance of different numbers of a setting.
+fn nearest(setting: &LocatedValue) -> f64 {
+    fn collect(setting: &LocatedValue, numbers: &mut Vec<f64>) {
+        match &setting.datum {
+            ParameterValue::List(list) => list.iter().for_each(|part| collect(part, numbers)),
+            _ => numbers.extend(setting.number().filter(|x| x.is_finite())),
+        }
+    }
+    let mut numbers = Vec::new();
+    collect(setting, &mut numbers);
+    numbers.sort_by(f64::total_cmp);
+    let steps = numbers.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
+    steps.fold(f64::INFINITY, f64::min)
+}
+
+/// One number of other data; `near`: distance of the next; `from`, `to`: lengths of the quantity's ranges.
 fn one(
-    x: f64,
+    [x, near]: [f64; 2],
     measured: &RelativeNumberType,
     quantity: &ArrayRef,
     [before, after]: [&dyn DataStatistics; 2],
@@ -61,10 +89,13 @@ fn one(
                 Ok(of.scale(quantity).positions(of.range(quantity)?))
             };
             let [low, high] = ends(before)?;
-            let share = (before.scale(quantity).position(x) - low) / (high - low);
+            let [place, next] = [x, x + near].map(|x| before.scale(quantity).position(x));
+            let share = (place - low) / (high - low);
             let position = Relative::at_share(share, ends(after)?);
+            // Numbers that differ stay different.
+            let step = (WRITTEN * to).min(1e-3 * (next - place) * to / from);
             let [value, next] =
-                [position, position + WRITTEN * to].map(|position| after.scale(quantity).value(position));
+                [position, position + step].map(|position| after.scale(quantity).value(position));
             decimal(value, (next - value).abs())
         }
     })
@@ -185,6 +216,28 @@ mod tests {
         let own = [field("centre", numbers(&[100.0, 0.5])), field("sigma", numbers(&[0.25, 0.1]))];
         let found = after("gaussian", look().into_iter().chain(own).collect(), [&ranges[0], &ranges[1]]);
         assert_eq!((found("centre"), found("sigma")), (numbers(&[10.0, 0.5]), numbers(&[0.5, 0.1])));
+    }
+
+    #[test]
+    fn what_has_the_same_range_is_written_as_it_was() {
+        let own =
+            || [field("centre", numbers(&[1.0 / 3.0, 1.0])), field("sigma", numbers(&[0.123456789, 0.1]))];
+        let found = after("gaussian", look().into_iter().chain(own()).collect(), [&BEFORE, &BEFORE]);
+        assert_eq!(
+            (found("centre"), found("sigma")),
+            (numbers(&[1.0 / 3.0, 1.0]), numbers(&[0.123456789, 0.1]))
+        );
+    }
+
+    #[test]
+    fn numbers_that_are_close_stay_apart() {
+        let region = ParameterValue::Table(vec![field("s", numbers(&[5.0, 5.000_000_1]))]);
+        let own = [field("centre", 5.0), field("sigma", 0.1), field("region", region)];
+        let found = after("gaussian", look().into_iter().chain(own).collect(), [&BEFORE, &AFTER]);
+        let ParameterValue::Table(region) = found("region") else { panic!("no table") };
+        let ends: Vec<f64> =
+            region[0].setting.list().unwrap().iter().filter_map(LocatedValue::number).collect();
+        assert!((ends[1] - ends[0] - 2e-6).abs() < 1e-8, "{ends:?}");
     }
 
     #[test]

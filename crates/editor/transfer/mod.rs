@@ -17,7 +17,9 @@ use crate::scene::{Command, Scene};
 use crate::theme::{self, Help};
 use crate::worker::{short, short_by};
 use edited_function::{EditedFunction, axis_name, axis_title};
-pub(crate) use edited_function::{data_scope, drawn_with, edited_node, fields_of, scales, volume_of};
+pub(crate) use edited_function::{
+    data_scope, drawn_with, edited_node, fields_of, scales, volume_of, volumes_of,
+};
 use eframe::egui::{
     self, Align, Align2, Button, FontId, Layout, Rect, Sense, Stroke, StrokeKind, Ui, UiBuilder, WidgetInfo,
     WidgetType, pos2, vec2,

@@ -122,6 +122,28 @@ fn work_that_cannot_be_kept_is_said_once_and_tried_again_later() {
     assert_eq!(Recovery::in_folder(folder).left_behind()[0].text, hand.text());
 }
 
+/// All places for copies of that file are taken.
+#[test]
+fn work_that_cannot_be_kept_anew_stays_where_it_was_left_behind() {
+    let kept = tempfile::tempdir().unwrap();
+    let (text, _folder) = crashed(&kept);
+    let document = place(&kept).left_behind()[0].document();
+    let mut keepers = (0..1000).map_while(|_| place(&kept).keeper(&document).ok());
+    let held: Vec<_> = keepers.by_ref().map(|mut one| one.follow(&document).map(|()| one).unwrap()).collect();
+    assert!(held.len() < 1000);
+    let count = held.len() + 1;
+    let mut next = Hand::new("[pipeline]\nformat = 1\n");
+    next.editor.keep_in(place(&kept));
+    next.frames(2);
+    next.click_on("Open it");
+    next.frames(2);
+    assert_eq!(next.text(), text);
+    assert!(next.sees("Later") && next.said().contains("cannot be kept"), "{}", next.said());
+    drop((next, held));
+    let left: Vec<String> = place(&kept).left_behind().into_iter().map(|one| one.text).collect();
+    assert_eq!(left, vec![text; count]);
+}
+
 /// The offer takes a line of its own: what is below is seen, and works.
 #[test]
 fn the_offer_of_work_that_was_left_behind_covers_nothing_and_may_wait() {
@@ -141,6 +163,10 @@ fn the_offer_of_work_that_was_left_behind_covers_nothing_and_may_wait() {
     next.click_on("Open it");
     next.frames(2);
     assert!(next.sees("Unsaved work") && next.text() != text);
+    // What is asked about cannot be put off meanwhile.
+    next.click_on("Later");
+    next.frames(2);
+    assert!(next.sees("Later"));
     next.click_on("Discard");
     next.frames(2);
     assert_eq!(next.text(), text);

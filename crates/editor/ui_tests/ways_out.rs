@@ -18,7 +18,7 @@ impl Progress for Nothing {
 }
 
 fn no_memory() -> Error {
-    refuse_beyond_memory(&Nothing, || "the picture".into(), 1).unwrap_err()
+    refuse_beyond_memory(&Nothing, || "the picture".into(), 1).map_err(Error::with_fewer_pixels).unwrap_err()
 }
 
 #[test]
@@ -63,6 +63,13 @@ fn what_cannot_be_saved_is_saved_elsewhere() {
     hand.click_on("Save elsewhere …");
     hand.frames(2);
     assert!(hand.sees("Save as"));
+    let mut hand = Hand::new(TEXT);
+    hand.key(Key::X, Modifiers::NONE);
+    std::fs::remove_file(hand.path()).unwrap();
+    std::fs::create_dir(hand.path()).unwrap();
+    hand.editor.settle_with_disk(false);
+    hand.frames(2);
+    assert!(hand.sees("Save elsewhere …"), "{}", hand.said());
 }
 
 #[test]
@@ -105,6 +112,39 @@ fn a_picture_without_memory_is_drawn_with_fewer_pixels() {
     hand.frames(2);
     hand.click_on("Fewer pixels");
     assert_eq!(hand.numbers("view", "size"), [80.0, 60.0]);
+    hand.settle();
+    let drawn = hand.editor.worker().shown(|shown| shown.pixels.clone().unwrap().picture);
+    assert_eq!(drawn.rgba.len(), 80 * 60);
+    // A grid takes no less memory in a smaller picture.
+    let failed = Error { fewer_pixels: false, ..no_memory() }.at_node("grid");
+    hand.editor.message =
+        Some(crate::ways_out::Message { text: failed.to_string(), error: Some(failed), again: None });
+    hand.frames(2);
+    assert!(hand.sees("Show 'grid'") && !hand.sees("Fewer pixels"));
+}
+
+/// Neither another file nor another try helps.
+#[test]
+fn a_parameter_that_is_wrong_leads_to_its_node_alone() {
+    let text = TEXT.replace("path = \"picture.png\"", "path = \"picture.png\"\nbackground = \"nowhere\"");
+    let mut hand = Hand::new(&text);
+    hand.editor.selection = ["view".to_string()].into();
+    hand.frames(3);
+    assert!(hand.sees("Show 'file'") && !hand.sees("Save elsewhere …"), "{:?}", hand.editor.scene().faults);
+    let mut hand = Hand::new(&TEXT.replace("extinction = 4.0", "extinction = -4.0"));
+    hand.editor.selection = ["view".to_string()].into();
+    hand.settle();
+    assert!(hand.sees("Show 'look'") && !hand.sees("Try again"));
+}
+
+#[test]
+fn the_text_of_what_is_no_node_is_shown() {
+    let mut hand = Hand::new(&format!("{TEXT}\n[nodes]\nx = 5\n"));
+    hand.frames(2);
+    let at = hand.shown_beginning("Show the text at line")[0];
+    hand.click(at);
+    hand.frames(3);
+    assert!(hand.sees("Take over"), "the sheet stays open");
 }
 
 #[test]
@@ -116,19 +156,27 @@ fn a_film_that_fails_is_made_with_fewer_pixels_elsewhere_or_once_more() {
     hand.editor.panels.time.film.make = Some(Arc::new(move |of: &FilmRequest, _: &dyn Observer| {
         let mut known = known.lock().unwrap();
         known.push(of.clone());
-        if known.len() < 3 { Err(no_memory()) } else { Ok("made".into()) }
+        match known.len() {
+            1 => Err(no_memory()),
+            2 => Err(Error::run("it cannot be written").in_file(&of.film)),
+            _ => Ok("made".into()),
+        }
     }));
     hand.command(Command::Film);
     hand.frames(4);
     hand.click_on("Make the film");
     until(&mut hand, "it does not fail", |hand| hand.sees("Fewer pixels"));
-    assert!(hand.sees("Save elsewhere …"));
+    assert!(!hand.sees("Save elsewhere …"), "another file takes as much");
     hand.click_on("Fewer pixels");
-    until(&mut hand, "it does not fail", |hand| hand.sees("Try again"));
+    until(&mut hand, "it does not fail", |hand| hand.sees("Save elsewhere …"));
+    // What was mended since is what is made.
+    hand.editor.edit("mend".into(), &[Edit::set("view", ["orbit"], 180.0.into())]);
+    hand.frames(2);
     hand.click_on("Try again");
     until(&mut hand, "it is not made", |hand| hand.sees("made"));
     let sizes: Vec<_> = asked.lock().unwrap().iter().map(|of| of.size).collect();
     assert_eq!(sizes, [None, Some([80, 60]), Some([80, 60])]);
+    assert_eq!(asked.lock().unwrap()[2].text, hand.text());
 }
 
 #[test]

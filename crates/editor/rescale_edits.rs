@@ -1,4 +1,4 @@
-//! Widgets of the array that a reader drew before another: with its ranges, and the edits by which they are those of the other.
+//! Widgets of transfer functions that are to be rescaled to other data, and the edits that do it.
 
 use crate::transfer;
 use crate::worker::DataScales;
@@ -13,15 +13,18 @@ use voltet_graph::{LocatedValue, NodeEntry, ParameterValue, SourceSpan, find_set
 const NEARLY_ALL: f64 = 0.999;
 
 /// Widgets whose numbers are those of an array that is not drawn any more.
-pub(crate) struct FormerArray {
+#[derive(Clone)]
+pub(crate) struct PendingRescale {
     /// Reader, as it chooses the other array.
     pub reader: NodeEntry,
-    /// Transfer functions, as they stand.
+    /// Transfer functions that are rescaled, as they stand.
     pub looks: Vec<NodeEntry>,
+    /// Names of those that stay at their numbers, though the array is theirs.
+    pub left: Vec<String>,
     /// Output that gives the volume.
     pub output: String,
-    /// Ranges of the former array.
-    pub known: DataScales,
+    /// Ranges of the former array, where they are known.
+    pub before: Option<DataScales>,
     /// The step that chose the array.
     pub gesture: Gesture,
 }
@@ -66,13 +69,42 @@ pub(crate) fn edits(look: &NodeEntry, before: &DataScales, after: &DataScales) -
         };
         if let (AxisScale::SymLog { linear_below }, Some(from), Some(to)) =
             (scales[k], largest(before), largest(after))
+            && from != to
         {
             let linear_below = decimal(linear_below * to / from, 1e-4 * linear_below * to / from);
             scales_after[k] = AxisScale::SymLog { linear_below };
             edits.push(Edit::set(&look.name, [&*format!("{name}_linear_below")], linear_below.into()));
         }
     }
-    let [before, after] = [Axes { known: before, scales }, Axes { known: after, scales: scales_after }];
+    edits.extend(of_widgets(
+        look,
+        &Axes { known: before, scales },
+        &Axes { known: after, scales: scales_after },
+    ));
+    edits
+}
+
+/// Data whose quantities reach from 0 to a number.
+struct Span(f64);
+
+impl DataStatistics for Span {
+    fn range(&self, _: &ArrayRef) -> Result<[f64; 2]> {
+        Ok([0.0, self.0])
+    }
+
+    fn percentile(&self, _: &ArrayRef, percent: f64) -> Result<f64> {
+        Ok(percent)
+    }
+}
+
+/// True if numbers of a transfer function's widgets, or of its axes, are those of its data, and not all relative to them.
+pub(crate) fn is_absolute(look: &NodeEntry) -> bool {
+    let is_of_axis = ["s_linear_below", "g_linear_below"].iter().any(|name| look.setting(name).is_some());
+    is_of_axis || !of_widgets(look, &Span(1.0), &Span(2.0)).is_empty()
+}
+
+fn of_widgets(look: &NodeEntry, before: &dyn DataStatistics, after: &dyn DataStatistics) -> Vec<Edit> {
+    let mut edits = Vec::new();
     let widgets = look.setting("widgets").and_then(LocatedValue::list).unwrap_or_default();
     for (place, widget) in widgets.iter().enumerate() {
         let Some(fields) = widget.table() else { continue };
@@ -81,7 +113,7 @@ pub(crate) fn edits(look: &NodeEntry, before: &DataScales, after: &DataScales) -
         // What is wrong with a widget is said elsewhere.
         let found =
             Parameters::survey(kind.parameters, fields, &SourceSpan::Nowhere, &["kind"], &mut |_, _| {});
-        let Ok(found) = rescaled(&found, &before, &after) else { continue };
+        let Ok(found) = rescaled(&found, before, after) else { continue };
         let path = Path::from("widgets").with(place);
         for (parameter, setting, _) in found.iter() {
             let Some(new) = setting else { continue };
