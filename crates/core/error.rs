@@ -54,6 +54,8 @@ pub struct Error {
     pub expected: Option<String>,
     /// Location.
     pub location: Box<Location>,
+    /// True if the work may succeed with fewer pixels.
+    pub fewer_pixels: bool,
 }
 
 impl Error {
@@ -74,7 +76,14 @@ impl Error {
 
     /// An error of a category.
     pub fn new(kind: ErrorKind, what: impl Into<String>) -> Self {
-        Error { kind, what: without_number(what.into()), got: None, expected: None, location: Box::default() }
+        Error {
+            kind,
+            what: without_number(what.into()),
+            got: None,
+            expected: None,
+            location: Box::default(),
+            fewer_pixels: false,
+        }
     }
 
     /// Adds what was found.
@@ -86,6 +95,12 @@ impl Error {
     /// Adds what would be right: a clause that can follow "expected".
     pub fn expected(mut self, accepted: impl fmt::Display) -> Self {
         self.expected = Some(accepted.to_string());
+        self
+    }
+
+    /// Says that the work may succeed with fewer pixels.
+    pub fn with_fewer_pixels(mut self) -> Self {
+        self.fewer_pixels = true;
         self
     }
 

@@ -61,7 +61,8 @@ pub fn project(
         cells.traversal = Traversal::Project;
     }
     if cells.traversal == Traversal::Project {
-        refuse_beyond_memory(progress, || format!("drawing {}", counted(count, "cell")), bytes(None))?;
+        refuse_beyond_memory(progress, || format!("drawing {}", counted(count, "cell")), bytes(None))
+            .map_err(Error::with_fewer_pixels)?;
     }
     let max_optical_depth = max_optical_depth(transfer_function, cells.length).max(cells.optical_depth_floor);
     let policy = RayCastPolicy::new(transfer_function, max_optical_depth);

@@ -1,23 +1,23 @@
 //! Application of the actions that the parts of the window requested: edits, commands, the clipboard, runs; the document's file, which is
-//! opened or made for data, saved, changed by another program, recovered after a crash.
+//! opened or made for data, saved, changed by another program.
 
 use crate::editor::{Editor, Next, Panels};
 use crate::eyes;
-use crate::files::{Disk, FileDialog, Recover, age, ask, is_pipeline};
+use crate::files::{Disk, FileDialog, is_pipeline};
 use crate::jobs::{Arrays, Job};
 use crate::picture::milliseconds;
 use crate::scene::{Action, Command, FilePurpose, error_text};
 use crate::templates::begun;
 use crate::view::View;
+use crate::ways_out::Message;
 use crate::worker::size_of;
 use eframe::egui::{Context, Event, ThemePreference};
 use glam::DVec3;
 use std::collections::BTreeSet;
 use std::path::Path;
-use std::time::{Duration, Instant};
-use voltet_core::{Result, counted};
+use voltet_core::{Error, Result, counted};
 use voltet_document::arrange::{PlacedNode, align, tidy};
-use voltet_document::{Annotation, AnnotationId, Document, Edit, Recovery};
+use voltet_document::{Annotation, AnnotationId, Document, Edit};
 use voltet_graph::NodeEntry;
 use voltet_graph::pipeline::Pipeline;
 use voltet_nodes::VIEW_PARAMETERS;
@@ -39,6 +39,7 @@ impl Editor {
             Action::Estimate => self.estimate(),
             Action::Do(command) => self.command(ctx, command),
             Action::Say(text) => self.say(text),
+            Action::ShowText(line) => self.panels.text.open_at(Some(line)),
             Action::Begin(path) => self.unless_unsaved(ctx, Next::Open(path)),
             Action::BeginFrom(template) => {
                 self.unless_unsaved(ctx, Next::Choose(FilePurpose::Data(template)))
@@ -74,7 +75,7 @@ impl Editor {
 
     /// Shows the dialog by which a file was chosen that cannot be opened, or would be, with the reason, unless another is open.
     pub(crate) fn ask_again(&mut self, mut dialog: FileDialog) {
-        if let (Some((text, true)), None) = (&self.message, &self.file_dialog) {
+        if let (Some(Message { text, error: Some(_), .. }), None) = (&self.message, &self.file_dialog) {
             dialog.fault = Some(text.clone());
             self.file_dialog = Some(dialog);
         }
@@ -82,11 +83,20 @@ impl Editor {
 
     /// Value of an outcome; an error is shown.
     pub(crate) fn check<T>(&mut self, outcome: Result<T>) -> Option<T> {
-        outcome.map_err(|error| self.message = Some((error_text(&error, &self.document), true))).ok()
+        self.check_of(outcome, None)
+    }
+
+    /// Value of an outcome of a command, which can be given again where it failed.
+    fn check_of<T>(&mut self, outcome: Result<T>, again: Option<Command>) -> Option<T> {
+        let said = |error: Error| {
+            let text = error_text(&error, &self.document);
+            self.message = Some(Message { text, error: Some(error), again });
+        };
+        outcome.map_err(said).ok()
     }
 
     pub(crate) fn say(&mut self, text: impl Into<String>) {
-        self.message = Some((text.into(), false));
+        self.message = Some(Message { text: text.into(), error: None, again: None });
     }
 
     pub(crate) fn edit_one(&mut self, edit: Edit) {
@@ -95,10 +105,13 @@ impl Editor {
 
     pub(crate) fn edit(&mut self, label: String, edits: &[Edit]) {
         self.message = None;
-        let outcome = self.document.edit_all(label, edits, self.gesture);
+        let pending = self.before_rescale(edits);
+        let gesture = pending.as_ref().map(|pending| pending.gesture).or(self.gesture);
+        let outcome = self.document.edit_all(label, edits, gesture);
         if self.check(outcome).is_none() {
             return;
         }
+        pending.into_iter().for_each(|pending| self.expect_ranges(pending));
         let mut added = BTreeSet::new();
         for edit in edits {
             match edit {
@@ -248,7 +261,7 @@ impl Editor {
             graph.stated = stated?;
             Job::start("run", ctx, move |observer| voltet_nodes::session().run(&graph, observer))
         });
-        if let Some(run) = self.check(started) {
+        if let Some(run) = self.check_of(started, Some(Command::Run)) {
             self.run = Some(run);
             self.say("running; Ctrl+R stops it");
         }
@@ -257,7 +270,7 @@ impl Editor {
     pub(crate) fn show_run(&mut self) {
         let Some(outcome) = self.run.as_ref().and_then(Job::result) else { return };
         self.run = None;
-        let Some(report) = self.check(outcome) else { return };
+        let Some(report) = self.check_of(outcome, Some(Command::Run)) else { return };
         let folder = self.document.folder();
         let name = |file: &String| relative_to(Path::new(file), &folder).display().to_string();
         let files = if report.files.is_empty() {
@@ -392,9 +405,6 @@ impl Editor {
     }
 }
 
-/// Shortest interval between two copies of unsaved work while a hand goes on with one edit, and after one that failed.
-const BETWEEN: Duration = Duration::from_secs(2);
-
 impl Editor {
     /// Opens a pipeline file, or makes a pipeline for another file, on a thread of its own. A file that cannot be opened leads to the dialog.
     pub(crate) fn open_any(&mut self, ctx: &Context, path: &Path) {
@@ -436,7 +446,7 @@ impl Editor {
         let outcome = if takes_over { self.document.reload() } else { self.document.save_over() };
         self.disk = Disk::default();
         self.new_readers.clear();
-        self.check(outcome);
+        self.check_of(outcome, (!takes_over).then_some(Command::Save));
     }
 
     pub(crate) fn save_as(&mut self, path: &Path) {
@@ -444,7 +454,8 @@ impl Editor {
         if path.extension().is_none() {
             path.set_extension("toml");
         }
-        if self.check(refuse_unwritable(&path)).is_none() {
+        let again = if self.document.path() == Some(&*path) { Command::Save } else { Command::SaveAs };
+        if self.check_of(refuse_unwritable(&path), Some(again)).is_none() {
             return;
         }
         let follow = self.document.following_to(&self.registry, folder(&path));
@@ -457,7 +468,7 @@ impl Editor {
             self.edit("paths that lead from the new folder".into(), &follow);
         }
         let outcome = self.document.save_as(&path);
-        if self.check(outcome).is_some() {
+        if self.check_of(outcome, Some(again)).is_some() {
             // What is kept from now on is of this file.
             self.recover.forget();
             self.recent.add(&path);
@@ -479,6 +490,7 @@ impl Editor {
                 let at = data.or_else(|| self.document.path().map(Path::to_path_buf));
                 self.file_dialog = Some(FileDialog::new(purpose, at.as_deref()));
             }
+            Next::Recover => self.recover(ctx),
             Next::Quit => self.ends = true,
         }
     }
@@ -487,6 +499,7 @@ impl Editor {
     pub(crate) fn take(&mut self, document: Document) {
         self.document = document;
         self.new_readers.clear();
+        self.pending_rescale = None;
         (self.run, self.made, self.large) = (None, None, None);
         self.recover.forget();
         self.begin();
@@ -507,65 +520,5 @@ impl Editor {
             help,
             ..Panels::default()
         };
-    }
-
-    pub(crate) fn keep_in(&mut self, place: Recovery) {
-        self.recover = Recover::at(place);
-    }
-
-    /// Keeps the work as it is now; true where there is more to keep a little later.
-    pub(crate) fn keep(&mut self, ctx: &Context) {
-        let Some(place) = &self.recover.place else { return };
-        if self.document.is_saved() {
-            // What is saved is not offered again, however the window ends.
-            if let (Some(_), Some(keeper)) = (self.recover.kept.take(), &mut self.recover.keeper) {
-                let _ = keeper.give_up();
-            }
-            return;
-        }
-        let goes_on = self.gesture.is_some() || self.recover.failed.is_some();
-        if let Some(kept) = self.recover.kept.filter(|kept| goes_on && kept.elapsed() < BETWEEN) {
-            // The hand may rest without a frame that follows.
-            ctx.request_repaint_after(BETWEEN.saturating_sub(kept.elapsed()));
-            return;
-        }
-        if self.recover.keeper.is_none() {
-            // Without a folder to write to, work is not kept; saving says why.
-            self.recover.keeper = place.keeper(&self.document).ok();
-        }
-        let document = &self.document;
-        let outcome = self.recover.keeper.as_mut().map(|keeper| keeper.follow(document));
-        self.recover.kept = Some(Instant::now());
-        let is_kept = matches!(outcome, Some(Ok(())));
-        let failed = (!is_kept).then_some(document.revision());
-        let is_said = self.recover.failed == failed;
-        self.recover.failed = failed;
-        // Once for each edit: other messages are read, too.
-        outcome.filter(|_| !is_said).map(|outcome| self.check(outcome));
-    }
-
-    pub(crate) fn offer_left_behind(&mut self, ctx: &Context) {
-        // One question at a time has the keys.
-        let Some(left) = self.recover.left.first().filter(|_| self.unsaved.is_none()) else { return };
-        let name = left.path.as_ref().map_or("a new pipeline".into(), |path| path.display().to_string());
-        let when = left.written.elapsed().map(|time| format!(", {}", age(time))).unwrap_or_default();
-        let text = format!("A window ended without saving what was done in {name}{when}.");
-        let answers = [("Open it", 0), ("Discard it", 1), ("Later", 2)];
-        let Some(answer) = ask(ctx, "Work that was not saved", text, &answers) else { return };
-        let left = self.recover.left.remove(0);
-        match answer {
-            0 => {
-                let document = left.document();
-                self.take(document);
-                // Kept anew under this window's name before it goes.
-                self.recover.kept = None;
-                self.keep(ctx);
-                let _ = left.give_up();
-            }
-            1 => {
-                let _ = left.give_up();
-            }
-            _ => self.recover.left.clear(),
-        }
     }
 }

@@ -25,7 +25,7 @@ pub(crate) fn block_tree(
         let (entries, ticked) = (with_groups(blocks), ticks(names, blocks, is_all));
         let ticked_count = ticked.iter().filter(|ticked| **ticked).count();
         let height = ui.spacing().interact_size.y;
-        let area = ScrollArea::vertical().max_height(HEIGHT);
+        let area = ScrollArea::vertical().max_height(HEIGHT).min_scrolled_height(HEIGHT);
         area.show_rows(ui, height, entries.len(), |ui, rows| {
             for entry in &entries[rows] {
                 let held = || (0..blocks.len()).filter(|&i| is_of(&blocks[i], entry));

@@ -4,7 +4,7 @@
 use crate::jobs::Job;
 use crate::scene::{Scene, milliseconds};
 use crate::textures::{WHOLE, set_texture};
-use crate::theme;
+use crate::theme::{self, Help};
 use crate::worker::{Pixels, difference};
 use eframe::egui::{
     Align, Align2, Button, Color32, ColorImage, CursorIcon, FontId, Layout, Rect, Sense, Stroke,
@@ -84,7 +84,7 @@ impl Compare {
         let help =
             "keeps this picture, which later ones are compared with: of another step, integrator or camera";
         let button = ui.add_enabled(present.is_some(), Button::new("remember").small());
-        if let (true, Some(pixels)) = (button.on_hover_text(help).clicked(), present) {
+        if let (true, Some(pixels)) = (button.help(help).clicked(), present) {
             let texture = ui.ctx().load_texture("remembered", pixels.image.clone(), TextureOptions::LINEAR);
             self.remembered = Some(Remembered { pixels: pixels.clone(), texture, seconds: scene.seconds });
             self.found = None;
@@ -102,7 +102,7 @@ impl Compare {
                 *self = Compare::default();
             }
             for (mode, name, help) in MODES.into_iter().rev() {
-                if ui.add(Button::selectable(self.mode == mode, name)).on_hover_text(help).clicked() {
+                if ui.add(Button::selectable(self.mode == mode, name)).help(help).clicked() {
                     self.mode = mode;
                 }
             }

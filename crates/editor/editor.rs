@@ -11,14 +11,16 @@ use crate::panes::Pane;
 use crate::parameters::ParameterPanel;
 use crate::picture::{self, PicturePanel};
 use crate::plugins::Plugins;
+use crate::rescale_edits::PendingRescale;
 use crate::scene::{Actions, Command, FilePurpose, Lag, ProbePurpose, Scene, error_text, pictures};
 use crate::section::SectionPanel;
 use crate::study::{StudyPanel, show_costs};
 use crate::templates::{Template, templates};
 use crate::text_sheet::TextSheet;
-use crate::theme;
+use crate::theme::{self, Help};
 use crate::time_strip::TimeStrip;
 use crate::transfer::TransferPanel;
+use crate::ways_out::{Message, buttons, ways_out};
 use crate::worker::{
     Estimate, NodeState, PixelProbe, RenderRequest, VolumeSource, Worker, WorkerOutput, size_of,
 };
@@ -63,6 +65,8 @@ pub(crate) enum Next {
     Open(PathBuf),
     /// The choice of one.
     Choose(FilePurpose),
+    /// Work that another window left behind.
+    Recover,
     Quit,
 }
 
@@ -102,7 +106,7 @@ pub struct Editor {
     pub(crate) arrays: Arrays,
     /// Readers that were given a file in this window, and take its first array where none is named, with what they read.
     pub(crate) new_readers: BTreeMap<String, DataSource>,
-    pub(crate) message: Option<(String, bool)>,
+    pub(crate) message: Option<Message>,
     pub(crate) recover: Recover,
     pub(crate) disk: Disk,
     pub(crate) watch: FileWatcher,
@@ -118,6 +122,7 @@ pub struct Editor {
     pub(crate) faults: (Option<u64>, Vec<Error>),
     pub(crate) gestures: GestureTracker,
     pub(crate) gesture: Option<Gesture>,
+    pub(crate) pending_rescale: Option<PendingRescale>,
     pub(crate) ends: bool,
     /// True if a text was typed in the last frame: Escape leaves it.
     was_typing: bool,
@@ -163,6 +168,7 @@ impl Editor {
             faults: (None, Vec::new()),
             gestures: GestureTracker::default(),
             gesture: None,
+            pending_rescale: None,
             ends: false,
             was_typing: false,
         };
@@ -247,6 +253,7 @@ impl Editor {
                 earlier,
                 previews: previews.filter_map(preview).collect(),
                 asks: self.asks() || self.file_dialog.is_some(),
+                was_typing: self.was_typing,
                 nodes: shown.nodes.clone(),
                 values: shown.values.clone(),
                 bounds: shown.output_bounds.clone(),
@@ -294,6 +301,7 @@ fn running(shown: &WorkerOutput) -> Option<String> {
     Some(in_hand.unwrap_or_else(|| "drawing …".into()))
 }
 
+/// Faults of a document; of a text that is no TOML the first alone, of which the others are consequences.
 fn faults(document: &Document, registry: &Registry) -> Vec<Error> {
     if document.pipeline().nodes.is_empty() && document.is_toml() {
         return Vec::new();
@@ -302,7 +310,8 @@ fn faults(document: &Document, registry: &Registry) -> Vec<Error> {
         Some(node) => fault.error.at_node(node),
         None => fault.error,
     };
-    document.faults(registry).into_iter().map(named).collect()
+    let count = if document.is_toml() { usize::MAX } else { 1 };
+    document.faults(registry).into_iter().map(named).take(count).collect()
 }
 
 impl Editor {
@@ -316,6 +325,7 @@ impl Editor {
         self.panels.study.take_found();
         self.show_run();
         self.name_arrays(ctx);
+        self.rescale_widgets();
         self.settle_on_nodes();
         self.follow_answers(ctx);
         self.follow_time(ctx);
@@ -364,7 +374,7 @@ impl Editor {
 
     /// True if a question about work that is not saved waits for its answer.
     pub(crate) fn asks_about_work(&self) -> bool {
-        self.unsaved.is_some() || !self.recover.left.is_empty()
+        self.unsaved.is_some()
     }
 
     /// Closes the sheet that lies above the others, when Escape is pressed and nothing else has a use for it.
@@ -394,6 +404,7 @@ fn show(editor: &mut Editor, ui: &mut Ui) {
     let ctx = &ui.ctx().clone();
     let offers_plugin = editor.offers_plugin();
     changed_on_disk(editor, ui);
+    editor.offer_left_behind(ui);
     // The panels change; everything else is looked at.
     let mut panels = std::mem::take(&mut editor.panels);
     {
@@ -417,7 +428,6 @@ fn show(editor: &mut Editor, ui: &mut Ui) {
         editor.chosen(ctx, dialog, &path);
     }
     unsaved(editor, ctx);
-    editor.offer_left_behind(ctx);
     // Files that are chosen meanwhile are another question.
     if !editor.asks_about_work() && editor.file_dialog.is_none() {
         editor.offer_large_data(ctx);
@@ -502,18 +512,27 @@ fn status(ui: &mut Ui, editor: &Editor, scene: &Scene, panels: &Panels) {
                     scene.selection.len() == 1 && scene.selection.first() == node
                 };
                 let fault = scene.faults.iter().find(|fault| !is_said(fault));
+                // Of a text that is no TOML the graph says it.
+                let fault = fault.filter(|_| scene.document.is_toml());
                 let said = match (&editor.message, fault) {
-                    (Some((text, true)), _) => Some((text.clone(), theme::wrong(dark))),
-                    (Some((text, false)), _) => Some((text.clone(), theme::weak(dark))),
-                    (None, Some(fault)) => Some((error_text(fault, scene.document), theme::wrong(dark))),
+                    (Some(said), _) => {
+                        let color = if said.error.is_some() { theme::wrong(dark) } else { theme::weak(dark) };
+                        Some((said.text.clone(), color, said.ways_out(scene)))
+                    }
+                    (None, Some(fault)) => {
+                        let text = error_text(fault, scene.document);
+                        Some((text, theme::wrong(dark), ways_out(scene, fault)))
+                    }
                     (None, None) => None,
                 };
                 let held = keys::held_over(ui.ctx());
-                let held = held.map(|name| (format!("drop {name} here to take it up"), theme::accent(dark)));
-                if let Some((text, color)) = held.or(said) {
+                let held = held
+                    .map(|name| (format!("drop {name} here to take it up"), theme::accent(dark), Vec::new()));
+                if let Some((text, color, ways)) = held.or(said) {
+                    // Before the words, which are cut where there is no room.
+                    buttons(ui, &ways).into_iter().for_each(|action| scene.actions.push(action));
                     let label = Label::new(RichText::new(&text).color(color)).truncate();
-                    ui.add(label)
-                        .on_hover_text(making.map_or(text.clone(), |path| format!("{text}\n{path}")));
+                    ui.add(label).help(making.map_or(text.clone(), |path| format!("{text}\n{path}")));
                 } else {
                     ui.label(RichText::new("F1: keys and mouse").color(theme::weak(dark)));
                 }
@@ -534,7 +553,7 @@ fn changed_on_disk(editor: &mut Editor, ui: &mut Ui) {
                 ("Reload", "can be undone", true),
                 ("Overwrite", "with the document that is shown here", false),
             ] {
-                if ui.button(text).on_hover_text(help).clicked() {
+                if ui.button(text).help(help).clicked() {
                     answer = Some(takes_over);
                 }
             }

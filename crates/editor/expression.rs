@@ -2,7 +2,7 @@
 //! fault is pointed at.
 
 use crate::jobs::ArrayChoice;
-use crate::theme;
+use crate::theme::{self, Help};
 use eframe::egui::text::{CCursor, CCursorRange};
 use eframe::egui::text_edit::TextEditOutput;
 use eframe::egui::{
@@ -121,7 +121,7 @@ impl ExpressionField {
             word_at(text, place)
         });
         match word.and_then(|word| SIGNATURES.iter().find(|known| known.0 == word)) {
-            Some((_, signature, help)) => response.on_hover_text(format!("{signature}: {help}")),
+            Some((_, signature, help)) => response.help(format!("{signature}: {help}")),
             None => response,
         }
     }

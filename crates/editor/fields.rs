@@ -1,6 +1,6 @@
 //! Fields for numbers, colours and words: what a hand makes of them, and why a number is another than was typed.
 
-use crate::theme;
+use crate::theme::{self, Help};
 use eframe::egui::color_picker::{Alpha, color_picker_color32};
 use eframe::egui::text::{CCursor, CCursorRange};
 use eframe::egui::{
@@ -140,7 +140,7 @@ pub(crate) fn drag(
         state.store(ui.ctx(), response.id);
     }
     if !whole && text_of(before) != stated(before) {
-        response = response.on_hover_text(stated(before));
+        response = response.help(stated(before));
     }
     if let Some(typed) = text.into_inner() {
         *remark = correction(&typed, before, range, whole).or(remark.take());
@@ -201,7 +201,7 @@ pub(crate) fn edited_color(ui: &mut Ui, linear: [f64; 3]) -> Option<[f64; 3]> {
     button.widget_info(|| WidgetInfo::labeled(WidgetType::ColorButton, true, "colour"));
     let menu = Popup::menu(&button).close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     menu.show(|ui| color_controls(ui, &mut display));
-    button.on_hover_text(format!("{} in sRGB", hex(before)));
+    button.help(format!("{} in sRGB", hex(before)));
     (display != before).then(|| {
         let linear = Rgba::from(display);
         // A screen has 256 levels of each.
@@ -215,7 +215,7 @@ fn color_controls(ui: &mut Ui, display: &mut Color32) {
     // What the package says of a change is true of colours that it rounds on the way to a hue and back, too.
     let _ = color_picker_color32(ui, display, Alpha::Opaque);
     ui.horizontal(|ui| {
-        ui.label("sRGB").on_hover_text("the code of colours on screens; the file has linear numbers");
+        ui.label("sRGB").help("the code of colours on screens; the file has linear numbers");
         if let Some(typed) = hex_field(ui, *display) {
             *display = typed;
         }
@@ -278,7 +278,7 @@ pub(crate) fn choice(
                 if let Some(map) = Colormap::named(word) {
                     gradient(ui, map);
                 }
-                if ui.selectable_label(now == *word, *word).on_hover_text(*meaning).clicked() {
+                if ui.selectable_label(now == *word, *word).help(*meaning).clicked() {
                     taken = Some((*word).into());
                     ui.close();
                 }
@@ -286,6 +286,23 @@ pub(crate) fn choice(
         }
     });
     taken
+}
+
+/// Channels of a colour.
+pub(crate) fn channels(datum: &ParameterValue) -> Option<[f64; 3]> {
+    LocatedValue::from(datum.clone()).color()
+}
+
+/// A number, if it is one.
+pub(crate) fn number(datum: &ParameterValue) -> Option<f64> {
+    LocatedValue::from(datum.clone()).number()
+}
+
+/// Texts of a list, or the one that it is.
+pub(crate) fn texts(datum: &ParameterValue) -> Vec<String> {
+    let value = LocatedValue::from(datum.clone());
+    let parts = value.list().unwrap_or(std::slice::from_ref(&value));
+    parts.iter().filter_map(|part| part.text().map(str::to_string)).collect()
 }
 
 #[cfg(test)]

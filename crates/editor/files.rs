@@ -1,8 +1,8 @@
-//! Files: names, changes by other programs, recent ones, copies of unsaved work; and dialogs: a question with a few answers, and the choice
-//! of a file.
+//! Files: names, changes by other programs, recent ones, what is known of copies of unsaved work; and dialogs: a question with a few
+//! answers, and the choice of a file.
 
 use crate::scene::FilePurpose;
-use crate::theme;
+use crate::theme::{self, Help};
 use eframe::egui::{
     Align, Align2, Context, FocusDirection, Id, Key, Layout, Modifiers, Response, RichText, ScrollArea,
     TextEdit, Ui, Window,
@@ -343,7 +343,7 @@ impl FileDialog {
     fn show(&mut self, ui: &mut Ui) -> Option<PathBuf> {
         let mut chosen = None;
         ui.horizontal(|ui| {
-            if ui.button("⬆").on_hover_text("the folder above").clicked()
+            if ui.button("⬆").help("the folder above").clicked()
                 && let Some(above) = self.folder.parent().map(Path::to_path_buf)
             {
                 self.go(above);

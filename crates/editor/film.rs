@@ -1,8 +1,9 @@
 //! Films: a sheet that chooses the frames, their rate and size, and the file; made in the background as `voltet run --film` makes them.
 
 use crate::jobs::Job;
-use crate::scene::{Action, FilePurpose, Scene};
-use crate::theme;
+use crate::scene::{Action, FilePurpose, Scene, camera_of, error_text};
+use crate::theme::{self, Help};
+use crate::ways_out::{AGAIN, ELSEWHERE, FEWER_PIXELS, WayOut, buttons, ways_out};
 use eframe::egui::{
     Button, Context, DragValue, Grid, ProgressBar, Rect, RichText, TextEdit, Ui, Widget, Window,
 };
@@ -10,6 +11,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use voltet_core::error::ErrorKind;
 use voltet_core::{Error, Result};
+use voltet_document::Edit;
 use voltet_graph::Observer;
 
 /// Request for a film.
@@ -37,6 +39,9 @@ pub type Film = Arc<dyn Fn(&FilmRequest, &dyn Observer) -> Result<String> + Send
 /// Most frames a second.
 const MAX_RATE: f64 = 1000.0;
 
+/// Size of a film of a camera that states none.
+const USUAL_SIZE: [u32; 2] = [1024, 768];
+
 /// Most pixels of a side.
 const MAX_SIDE: u32 = 32_768;
 
@@ -47,7 +52,8 @@ pub(crate) struct FilmPanel {
     /// Place of the slider of the frames in the window.
     pub rail: Rect,
     made: Option<Job<String>>,
-    found: Option<std::result::Result<String, String>>,
+    /// Outcome of the film that was asked for last.
+    found: Option<Result<String>>,
     /// First and last frame, and the way from one to the next; `None`: all of them.
     range: Option<[usize; 3]>,
     rate: f64,
@@ -107,11 +113,7 @@ impl FilmPanel {
             if let Some(made) = &self.made {
                 let (stage, fraction) = made.progress();
                 ui.horizontal(|ui| {
-                    if ui
-                        .button("Stop")
-                        .on_hover_text("pictures that are drawn stay for the next film")
-                        .clicked()
-                    {
+                    if ui.button("Stop").help("pictures that are drawn stay for the next film").clicked() {
                         made.cancel();
                     }
                     ui.add(ProgressBar::new(fraction as f32).desired_width(180.0).show_percentage());
@@ -120,15 +122,42 @@ impl FilmPanel {
             } else {
                 self.form(ui, scene, steps, frames, fault);
             }
-            match &self.found {
-                Some(Ok(line)) => drop(ui.label(line.trim_end())),
-                Some(Err(error)) => {
-                    ui.label(RichText::new(error).color(theme::wrong(ui.visuals().dark_mode)));
-                }
-                None => {}
-            }
+            self.outcome(ui, scene, steps, frames);
         });
         self.is_open = is_open;
+    }
+
+    /// The line about the last film, or why there is none, with ways out.
+    fn outcome(&mut self, ui: &mut Ui, scene: &Scene, steps: usize, frames: usize) {
+        let error = match &self.found {
+            None => return,
+            Some(Ok(line)) => return drop(ui.label(line.trim_end())),
+            Some(Err(error)) => error.clone(),
+        };
+        let text = match error.kind {
+            ErrorKind::Cancelled => "stopped".into(),
+            _ => error_text(&error, scene.document),
+        };
+        ui.label(RichText::new(text).color(theme::wrong(ui.visuals().dark_mode)));
+        ui.horizontal_wrapped(|ui| {
+            let is_size = |(text, _): &WayOut| text == FEWER_PIXELS;
+            let ways: Vec<WayOut> = ways_out(scene, &error).into_iter().filter(|way| !is_size(way)).collect();
+            buttons(ui, &ways).into_iter().for_each(|action| scene.actions.push(action));
+            let Some(again) = self.request(scene, steps, frames) else { return };
+            if error.fewer_pixels && ui.small_button(FEWER_PIXELS).clicked() {
+                let own = again.size.or(scene.picture_size).unwrap_or(USUAL_SIZE);
+                self.size = Some(own.map(|length| (length / 2).max(1)));
+                self.begin(FilmRequest { size: self.size, ..again }, ui.ctx());
+                return;
+            }
+            let is_of_film = error.location.file.as_deref() == Some(&*again.film.to_string_lossy());
+            if is_of_film && ui.small_button(ELSEWHERE).clicked() {
+                scene.actions.push(Action::ChooseFile(FilePurpose::Film, Some(again.film.clone())));
+            }
+            if ui.small_button(AGAIN).clicked() {
+                self.begin(again, ui.ctx());
+            }
+        });
     }
 
     fn form(&mut self, ui: &mut Ui, scene: &Scene, steps: usize, frames: usize, fault: Option<&Error>) {
@@ -136,18 +165,27 @@ impl FilmPanel {
         if !has_steps && frames == 0 {
             let none =
                 || "there is no frame: no reader has time steps, and the camera has no way (orbit or keys)";
-            ui.label(fault.map_or_else(|| none().to_string(), Error::to_string));
+            ui.label(fault.map_or_else(|| none().to_string(), |fault| error_text(fault, scene.document)));
+            let ways = fault.map_or(Vec::new(), |fault| ways_out(scene, fault));
+            buttons(ui, &ways).into_iter().for_each(|action| scene.actions.push(action));
+            let nodes = &scene.document.pipeline().nodes;
+            let camera = scene.shown_node.and_then(|shown| camera_of(nodes, shown));
+            if let Some(camera) = camera
+                && ui.button("Orbit about the data").help("gives the camera a way: once around").clicked()
+            {
+                scene.actions.edit(Edit::set(&camera.name, ["orbit"], 360.0.into()));
+            }
             return;
         }
         let last = steps.saturating_sub(1);
         let [mut from, mut to, mut by] = self.range.unwrap_or([0, last, 1]);
         (from, to) = (from.min(last), to.min(last));
-        let own = scene.picture_size.unwrap_or([1024, 768]);
+        let own = scene.picture_size.unwrap_or(USUAL_SIZE);
         let mut size = self.size.unwrap_or(own);
         let path = self.path.get_or_insert_with(|| proposed(scene));
         Grid::new("film").num_columns(2).show(ui, |ui| {
             if has_steps {
-                ui.label("steps").on_hover_text("as --steps of `voltet run`: from, to and by");
+                ui.label("steps").help("as --steps of `voltet run`: from, to and by");
                 ui.horizontal(|ui| {
                     named(ui, "first step", DragValue::new(&mut from).range(0..=to));
                     ui.label("to");
@@ -156,7 +194,7 @@ impl FilmPanel {
                     named(ui, "step width", DragValue::new(&mut by).range(1..=last.max(1)));
                 });
             } else {
-                ui.label("frames").on_hover_text("as --frames of `voltet run`: along the camera's way");
+                ui.label("frames").help("as --frames of `voltet run`: along the camera's way");
                 ui.label(frames.to_string());
             }
             ui.end_row();
@@ -173,10 +211,10 @@ impl FilmPanel {
                 ui.label("pixels");
             });
             ui.end_row();
-            ui.label("file").on_hover_text(".gif and .png (animated); .mp4 and .webm by the program ffmpeg");
+            ui.label("file").help(".gif and .png (animated); .mp4 and .webm by the program ffmpeg");
             ui.horizontal(|ui| {
                 named(ui, "file of the film", TextEdit::singleline(path).desired_width(240.0));
-                if ui.button("…").on_hover_text("choose a file").clicked() {
+                if ui.button("…").help("choose a file").clicked() {
                     let at = scene.document.folder().join(&*path);
                     scene.actions.push(Action::ChooseFile(FilePurpose::Film, Some(at)));
                 }
@@ -193,34 +231,40 @@ impl FilmPanel {
         let begins = begins
             .on_disabled_hover_text("save the pipeline first: paths of the film are relative to its file");
         ui.label("The pictures of the frames are written as the pipeline names them; those that are there already, as they would be drawn, stay.");
-        let Some(file) = scene.document.path().filter(|_| begins.clicked()) else { return };
-        let request = FilmRequest {
+        if let Some(request) = self.request(scene, steps, frames).filter(|_| begins.clicked()) {
+            self.begin(request, ui.ctx());
+        }
+    }
+
+    /// The film of the document and the fields as they are now; `None` without a frame, and of a document without a file.
+    fn request(&self, scene: &Scene, steps: usize, frames: usize) -> Option<FilmRequest> {
+        let (has_steps, last) = (steps > 1, steps.saturating_sub(1));
+        let [from, to, by] = self.range.unwrap_or([0, last, 1]);
+        let (from, to) = (from.min(last), to.min(last));
+        let path = scene.document.path().filter(|_| has_steps || frames > 0)?;
+        Some(FilmRequest {
             text: scene.document.text().to_string(),
-            path: file.to_path_buf(),
+            path: path.to_path_buf(),
             steps: has_steps.then(|| format!("{from}:{to}:{by}")),
             frames: (!has_steps).then_some(frames),
             rate: self.rate,
             size: self.size,
-            film: scene.document.folder().join(self.path.as_deref().unwrap_or_default()),
-        };
-        self.begin(request, ui.ctx());
+            film: scene.document.folder().join(self.path.as_deref()?),
+        })
     }
 
     fn begin(&mut self, of: FilmRequest, ctx: &Context) {
         let Some(make) = self.make.clone() else { return };
         match Job::start("film", ctx, move |observer| make(&of, observer)) {
             Ok(made) => (self.made, self.found) = (Some(made), None),
-            Err(error) => self.found = Some(Err(error.to_string())),
+            Err(error) => self.found = Some(Err(error)),
         }
     }
 
     fn take_found(&mut self) {
         let Some(found) = self.made.as_ref().and_then(Job::result) else { return };
         self.made = None;
-        self.found = match found {
-            Err(error) if error.kind == ErrorKind::Cancelled => Some(Err("stopped".into())),
-            found => Some(found.map_err(|error| error.to_string())),
-        };
+        self.found = Some(found);
     }
 }
 
@@ -230,8 +274,12 @@ fn named(ui: &mut Ui, name: &str, field: impl Widget) {
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
 }
 
-/// Name of a film of the document, beside it.
+/// Name of a film of the document, beside it: of a kind that can be made here.
 fn proposed(scene: &Scene) -> String {
     let stem = scene.document.path().and_then(|path| path.file_stem());
-    format!("{}.mp4", stem.map_or("film".into(), |stem| stem.to_string_lossy()))
+    // Films need a program that is not everywhere.
+    let folders = std::env::var_os("PATH").unwrap_or_default();
+    let is_there = |folder: PathBuf| ["ffmpeg", "ffmpeg.exe"].iter().any(|name| folder.join(name).is_file());
+    let ending = if std::env::split_paths(&folders).any(is_there) { "mp4" } else { "gif" };
+    format!("{}.{ending}", stem.map_or("film".into(), |stem| stem.to_string_lossy()))
 }

@@ -1,7 +1,7 @@
 //! Ways to begin, which an empty window offers.
 
 use crate::scene::{Action, Command, Scene};
-use crate::theme;
+use crate::theme::{self, Help};
 use eframe::egui::containers::menu::MenuButton;
 use eframe::egui::{Align, Button, Layout, Rect, RichText, Ui, UiBuilder, vec2};
 use std::path::Path;
@@ -35,7 +35,7 @@ pub(crate) fn invite(ui: &mut Ui, scene: &Scene, place: Rect, recent: &[&Path], 
             ("Add a node …", Command::Add, "Space"),
             ("Begin with an example", Command::Example, "a pipeline that needs no data file"),
         ] {
-            if theme::help_beside(ui.add(button(text)), help).clicked() {
+            if ui.add(button(text)).help_at_right(help).clicked() {
                 scene.actions.command(command);
             }
             ui.add_space(4.0);
@@ -43,7 +43,7 @@ pub(crate) fn invite(ui: &mut Ui, scene: &Scene, place: Rect, recent: &[&Path], 
         let title = RichText::new("Begin with a template …").size(15.0);
         let offers = MenuButton::from_button(Button::new(title).min_size(vec2(rect.width(), 34.0)));
         let (offered, _) = offers.ui(ui, |ui| template_buttons(ui, scene));
-        theme::help_beside(offered, "a pipeline that fits any data, for a file that you choose");
+        offered.help_at_right("a pipeline that fits any data, for a file that you choose");
         ui.add_space(4.0);
         ui.label(RichText::new("or drop a file here").color(weak));
         if recent.is_empty() {
@@ -55,7 +55,7 @@ pub(crate) fn invite(ui: &mut Ui, scene: &Scene, place: Rect, recent: &[&Path], 
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             let folder = path.parent().unwrap_or(Path::new("")).display().to_string();
             let entry = Button::new(format!("{name}   in {folder}")).frame(false).truncate();
-            if theme::help_beside(ui.add(entry), &path.display().to_string()).clicked() {
+            if ui.add(entry).help_at_right(&path.display().to_string()).clicked() {
                 scene.actions.push(Action::Begin(path.to_path_buf()));
             }
         }

@@ -3,7 +3,7 @@
 
 use crate::invitation::template_buttons;
 use crate::scene::{Actions, Command, Scene, TimeMove};
-use crate::theme;
+use crate::theme::{self, Help};
 use eframe::egui::{
     self, Button, Context, Event, Grid, Key, KeyboardShortcut, Label, Layout, MenuBar, Modifiers, RawInput,
     RichText, ScrollArea, Ui, Vec2, Window, vec2,
@@ -291,7 +291,7 @@ pub(crate) fn bar(ui: &mut Ui, scene: &Scene) {
                     "write the files of the pipeline, such as its picture; stops a run (Ctrl+R)",
                 ),
             ] {
-                if ui.button(text).on_hover_text(help).clicked() {
+                if ui.button(text).help(help).clicked() {
                     scene.actions.command(command);
                 }
             }
@@ -304,7 +304,7 @@ pub(crate) fn bar(ui: &mut Ui, scene: &Scene) {
             let name = RichText::new(format!("{name}{mark}")).color(theme::weak(ui.visuals().dark_mode));
             let label = ui.add(Label::new(name).truncate());
             if let Some(path) = path {
-                label.on_hover_text(path.display().to_string());
+                label.help(path.display().to_string());
             }
         });
     });
@@ -322,8 +322,11 @@ fn rows(ctx: &Context) -> Vec<(String, &'static str)> {
     all.map(|(keys, words)| (shortcut(ctx, keys), words)).collect()
 }
 
-/// Width of the help sheet with keys and mouse beside each other, points.
+/// Width of the help sheet with two columns, points.
 const SHEET_WIDTH: f32 = 1140.0;
+
+/// Places in [`MOUSE`] that stand below the keys of each of two columns.
+const BELOW_KEYS: [&[usize]; 2] = [&[1], &[0, 2]];
 
 pub(crate) fn sheet(ctx: &Context, open: &mut bool) {
     let grid = |ui: &mut Ui, name: &str, rows: &[(&str, &str)]| {
@@ -338,33 +341,44 @@ pub(crate) fn sheet(ctx: &Context, open: &mut bool) {
             },
         );
     };
+    let all = rows(ctx);
+    let keys: Vec<(&str, &str)> = all.iter().map(|(keys, words)| (keys.as_str(), *words)).collect();
     let room = ctx.content_rect().size() - vec2(60.0, 90.0);
-    // Beside each other where there is room, else below each other.
-    let (layout, width) = match room.x > SHEET_WIDTH {
+    // Two columns of like lengths where there is room, else one.
+    let is_wide = room.x > SHEET_WIDTH;
+    let rows_below = |places: &[usize]| places.iter().map(|place| MOUSE[*place].1.len() + 1).sum::<usize>();
+    let [left, right] = BELOW_KEYS.map(rows_below);
+    let first = if is_wide { (keys.len() + right).saturating_sub(left).div_ceil(2) } else { keys.len() };
+    let column = |ui: &mut Ui, keys: &[(&str, &str)], places: &[usize]| {
+        ui.vertical(|ui| {
+            keys.first().inspect(|(key, _)| grid(ui, key, keys));
+            for (place, rows) in places.iter().map(|place| MOUSE[*place]) {
+                ui.add_space(4.0);
+                ui.strong(place);
+                grid(ui, place, rows);
+            }
+        });
+    };
+    let (layout, width) = match is_wide {
         true => (Layout::left_to_right(egui::Align::Min), SHEET_WIDTH),
         false => (Layout::top_down(egui::Align::Min), 0.55 * SHEET_WIDTH),
     };
-    Window::new("Keys and mouse").open(open).resizable(true).default_size([room.x.min(width), room.y]).show(
-        ctx,
-        |ui| {
-            ScrollArea::both().max_height(room.y).max_width(room.x).show(ui, |ui| {
-                ui.with_layout(layout, |ui| {
-                    let all = rows(ctx);
-                    let keys: Vec<(&str, &str)> =
-                        all.iter().map(|(keys, words)| (keys.as_str(), *words)).collect();
-                    ui.vertical(|ui| grid(ui, "keys", &keys));
-                    ui.add_space(12.0);
-                    ui.vertical(|ui| {
-                        for (place, rows) in MOUSE {
-                            ui.strong(*place);
-                            grid(ui, place, rows);
-                            ui.add_space(4.0);
-                        }
-                    });
-                });
+    let window = Window::new("Keys and mouse").open(open).resizable(true);
+    window.default_size([room.x.min(width), room.y]).show(ctx, |ui| {
+        ScrollArea::both().max_height(room.y).max_width(room.x).show(ui, |ui| {
+            ui.with_layout(layout, |ui| {
+                let (before, after) = keys.split_at(first.min(keys.len()));
+                match is_wide {
+                    true => {
+                        column(ui, before, BELOW_KEYS[0]);
+                        ui.add_space(12.0);
+                        column(ui, after, BELOW_KEYS[1]);
+                    }
+                    false => column(ui, before, &[0, 1, 2]),
+                }
             });
-        },
-    );
+        });
+    });
 }
 
 /// Name of the file that a hand holds over the window.
@@ -384,6 +398,11 @@ pub(crate) struct GestureTracker {
 }
 
 impl GestureTracker {
+    /// A gesture of its own.
+    pub fn begin(&mut self) -> Gesture {
+        Gesture(self.next())
+    }
+
     fn next(&mut self) -> u64 {
         self.last += 1;
         self.last

@@ -25,7 +25,10 @@ mod parameters;
 mod picture;
 mod plugins;
 mod probes;
+mod recovery;
 mod requests;
+mod rescale;
+mod rescale_edits;
 mod scene;
 mod section;
 mod selection;
@@ -40,6 +43,7 @@ mod transfer;
 #[cfg(test)]
 mod ui_tests;
 pub mod view;
+mod ways_out;
 mod window;
 pub mod worker;
 

@@ -79,7 +79,7 @@ impl Editor {
             Some(OpeningResult::BeyondMemory(make)) => {
                 let need = need.get().copied().unwrap_or_default();
                 // Another message is none of this.
-                self.message = self.message.take().filter(|(text, _)| !text.starts_with(&words));
+                self.message = self.message.take().filter(|message| !message.text.starts_with(&words));
                 self.large = Some(LargeData { path, need, make, dialog });
             }
             None => self.ask_again(dialog),
@@ -87,7 +87,7 @@ impl Editor {
     }
 
     fn says(&self, words: &str) -> bool {
-        self.message.as_ref().is_some_and(|(text, _)| text == words)
+        self.message.as_ref().is_some_and(|message| message.text == words)
     }
 
     /// Asks about data that need more memory than is free.

@@ -2,6 +2,7 @@
 
 use crate::files::{FileDialog, size};
 use crate::jobs::Job;
+use crate::theme::Help;
 use eframe::egui::{Button, ProgressBar, Ui};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
@@ -80,7 +81,7 @@ impl Need {
 pub(crate) fn show_making(made: &Making, ui: &mut Ui) -> String {
     let is_stopping = made.job.is_cancelled();
     let stop = Button::new(if is_stopping { "stopping …" } else { "Stop" }).small();
-    if ui.add_enabled(!is_stopping, stop).on_hover_text("what is shown now stays").clicked() {
+    if ui.add_enabled(!is_stopping, stop).help("what is shown now stays").clicked() {
         made.job.cancel();
     }
     let (stage, fraction) = made.job.progress();

@@ -3,10 +3,10 @@
 
 use crate::blocks::block_tree;
 use crate::expression::ExpressionField;
-use crate::fields::{choice, color, number_field, numbers};
+use crate::fields::{channels, choice, color, number, number_field, numbers, texts};
 use crate::jobs::reads;
 use crate::scene::{Action, FilePurpose, Scene, error_text};
-use crate::theme::{self, button};
+use crate::theme::{self, Help, button};
 use eframe::egui::collapsing_header::CollapsingState;
 use eframe::egui::{
     CollapsingHeader, Color32, ComboBox, FocusDirection, Grid, Label, Response, RichText, ScrollArea, Sense,
@@ -19,12 +19,15 @@ use voltet_core::expression::Expression;
 use voltet_document::panel::{Control, Row, default_value, to_text, typed};
 use voltet_document::{Edit, Path};
 use voltet_graph::{
-    DefaultValue, LocatedValue, NodeEntry, ParameterType, ParameterValue, Range, SourceSpan, VariantSchema,
+    DefaultValue, NodeEntry, ParameterType, ParameterValue, Range, SourceSpan, VariantSchema,
 };
 use voltet_io::formats::Association;
 
 /// Width of the panel below which names stand above their values, points.
 const NARROW_WIDTH: f32 = 480.0;
+
+/// Width of the column of names beside their values, points.
+const NAMES_WIDTH: f32 = 150.0;
 
 /// Width of what is said below a field, points.
 const REASON: f32 = 280.0;
@@ -138,6 +141,8 @@ pub(crate) struct ParameterPanel {
     added: Option<(String, u64)>,
     /// True if names stand above their values.
     is_narrow: bool,
+    /// Place where values begin, beside their names, points.
+    values_at: f32,
     /// True if the first value is to get the focus.
     pub begins: bool,
     /// True if the field before the first value has it, from which it goes on.
@@ -182,6 +187,7 @@ impl ParameterPanel {
         let Some(entry) = scene.entry(name) else { return };
         self.move_focus(ui, entry);
         self.is_narrow = ui.available_width() < NARROW_WIDTH;
+        self.values_at = ui.cursor().left() + NAMES_WIDTH;
         self.typing.width = (ui.available_width() - 90.0).max(80.0);
         self.head(ui, scene, entry);
         let rows = scene.document.rows(scene.registry, name);
@@ -211,7 +217,7 @@ impl ParameterPanel {
     fn title(&mut self, ui: &mut Ui, scene: &Scene) {
         let now = scene.document.pipeline().title.clone().unwrap_or_default();
         ui.horizontal(|ui| {
-            ui.label("title").on_hover_text("of the pipeline; its pictures carry it");
+            ui.label("title").help("of the pipeline; its pictures carry it");
             if let Some(title) = self.typing.line(ui, "title of the pipeline", &now, 320.0, "none") {
                 scene.actions.edit(Edit::Title(Some(title).filter(|title| !title.is_empty())));
             }
@@ -232,7 +238,7 @@ impl ParameterPanel {
             ui.strong(entry.node_type.text().unwrap_or("no type"));
             let summary = scene.node_type(entry).map_or("a type that is not known", |node| node.summary);
             let label = Label::new(RichText::new(summary).color(theme::weak(dark))).truncate();
-            ui.add(label).on_hover_text(summary);
+            ui.add(label).help(summary);
         });
         let view = scene.document.view().nodes.get(&entry.name);
         let now = view.and_then(|view| view.remark.clone()).unwrap_or_default();
@@ -289,7 +295,14 @@ impl ParameterPanel {
         let unit = if parameter.unit.is_empty() { String::new() } else { format!(", {}", parameter.unit) };
         let what = parameter.parameter_type.describe();
         let help = format!("{}\n{what}{unit}\nstandard: {}", parameter.help, row.default_text());
-        ui.label(RichText::new(parameter.name).color(color)).on_hover_text(&help);
+        ui.horizontal(|ui| {
+            // Values of all tables stand below each other, however far their names are indented.
+            if !self.is_narrow {
+                ui.set_min_width((self.values_at - ui.cursor().left()).max(0.0));
+            }
+            let name = ui.label(RichText::new(parameter.name).color(color));
+            name.help(&help);
+        });
     }
 
     /// The value of a row with its unit.
@@ -302,7 +315,7 @@ impl ParameterPanel {
                     (&row.set_value, row.begin(), parameter.default)
                 {
                     // A number that is not there is no number.
-                    if ui.small_button("set").on_hover_text("states a value to begin with").clicked() {
+                    if ui.small_button("set").help("states a value to begin with").clicked() {
                         of.set(row, first);
                     }
                     ui.label(RichText::new(meaning).small().color(theme::weak(dark)));
@@ -347,10 +360,10 @@ impl ParameterPanel {
         let (node, list, count) = (|| of.node.to_string(), &row.path, row.entries.len());
         ui.add_space(4.0);
         ui.horizontal(|ui| {
-            ui.strong(row.parameter.name).on_hover_text(row.parameter.help);
+            ui.strong(row.parameter.name).help(row.parameter.help);
             ui.menu_button("add", |ui| {
                 for kind in kinds {
-                    if ui.button(kind.name).on_hover_text(kind.summary).clicked() {
+                    if ui.button(kind.name).help(kind.summary).clicked() {
                         let (list, entry) = (list.clone(), default_value(kind, &of.scene.data_extent()));
                         of.scene.actions.edit(Edit::Insert { node: node(), list, place: count, entry });
                         let frame = ui.ctx().cumulative_frame_nr();
@@ -374,7 +387,7 @@ impl ParameterPanel {
                 ui.label(
                     name.map_or(format!("{} {kind}", place + 1), |name| format!("{} {name}", place + 1)),
                 )
-                .on_hover_text(kind);
+                .help(kind);
                 let name = |what: &str| format!("{what} {}", entry.path);
                 for (text, what, help, to) in [
                     ("⬆", "earlier", "before the one above", place.saturating_sub(1)),
@@ -413,7 +426,7 @@ impl ParameterPanel {
                 of.unset(&row.path);
             }
         });
-        shown.header_response.on_hover_text(parameter.help);
+        shown.header_response.help(parameter.help);
     }
 
     /// Shows a value; gives another one where a hand made it.
@@ -582,18 +595,4 @@ fn browse(of: Of, row: &Row) -> Action {
     };
     let (node, writes) = (of.node.to_string(), matches!(row.control, Control::OutputFile));
     Action::ChooseFile(FilePurpose::Parameter { node, path: row.path.clone(), writes }, at)
-}
-
-fn channels(datum: &ParameterValue) -> Option<[f64; 3]> {
-    LocatedValue::from(datum.clone()).color()
-}
-
-fn number(datum: &ParameterValue) -> Option<f64> {
-    LocatedValue::from(datum.clone()).number()
-}
-
-fn texts(datum: &ParameterValue) -> Vec<String> {
-    let value = LocatedValue::from(datum.clone());
-    let parts = value.list().unwrap_or(std::slice::from_ref(&value));
-    parts.iter().filter_map(|part| part.text().map(str::to_string)).collect()
 }

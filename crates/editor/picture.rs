@@ -6,10 +6,11 @@ use crate::handles::Handles;
 use crate::hit_marks;
 use crate::outline::{Drawing, Outline, OutlineShape, enclosed};
 pub(crate) use crate::scene::milliseconds;
-use crate::scene::{Action, Command, EARLIER, FilePurpose, ProbePurpose, Scene, command_buttons};
+use crate::scene::{Action, Command, EARLIER, ProbePurpose, Scene, command_buttons};
 pub(crate) use crate::textures::{WHOLE, set_texture};
-use crate::theme::{self, button, switch};
+use crate::theme::{self, Help, button, switch};
 use crate::view::View;
+use crate::ways_out::{AGAIN, FEWER_PIXELS, ways_out};
 use eframe::egui::scroll_area::ScrollSource;
 use eframe::egui::{
     Align2, Button, Color32, ColorImage, ComboBox, CursorIcon, FontId, PointerButton, Pos2, Rect, Response,
@@ -18,13 +19,12 @@ use eframe::egui::{
 };
 use std::collections::HashMap;
 use std::f64::consts::PI;
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
-use voltet_core::Error;
-use voltet_document::panel::{Row, default_value};
+use voltet_core::error::ErrorKind;
+use voltet_document::panel::default_value;
 use voltet_document::{Edit, Path, links};
-use voltet_graph::{LocatedValue, NodeEntry, ParameterType, ParameterValue};
+use voltet_graph::{LocatedValue, NodeEntry, ParameterType};
 use voltet_nodes::drawing::CLIP;
 
 /// Radians that a drag over the height of the picture turns.
@@ -287,24 +287,47 @@ impl PicturePanel {
     /// Text over the picture: the reason for which there is none, or that it is being drawn.
     fn over(&self, ui: &mut Ui, scene: &Scene, rect: Rect) {
         let dark = true; // The ground is black.
-        let say = |ui: &Ui, text: &str, color: Color32| {
+        // `below`: height of what stands below the text.
+        let say = |ui: &Ui, text: &str, color: Color32, below: f32| {
             let galley =
                 ui.painter().layout(text.into(), FontId::proportional(14.0), color, rect.width() - 40.0);
-            let place = Align2::CENTER_CENTER.anchor_size(rect.center(), galley.size());
+            let middle = rect.center() - vec2(0.0, 0.5 * below);
+            let place = Align2::CENTER_CENTER.anchor_size(middle, galley.size());
+            let place = place.translate(vec2(0.0, (rect.top() + 8.0 - place.top()).max(0.0)));
             ui.painter().rect_filled(place.expand(8.0), 4.0, Color32::from_black_alpha(200));
             ui.painter().galley(place.min, galley, color);
             place
         };
         match (&scene.failure, scene.shown_node) {
             (_, None) => {
-                say(ui, "No node gives a picture yet: add a renderer (Space).", Color32::from_gray(200));
+                say(ui, "No node gives a picture yet: add a renderer (Space).", Color32::from_gray(200), 0.0);
             }
             (Some(failure), Some(_)) => {
-                let place = say(ui, &scene.reason("picture", failure), theme::wrong(dark));
-                ways_out(ui, scene, failure, place.center_bottom(), rect);
+                let mut ways = ways_out(scene, failure);
+                // The window draws no more pixels than it has room for, however many the camera asks for.
+                let room = ui.ctx().pixels_per_point() * rect.size();
+                let fits = |size: [u32; 2]| size[0] as f32 <= room.x && size[1] as f32 <= room.y;
+                ways.retain(|(text, _)| text != FEWER_PIXELS || scene.picture_size.is_some_and(fits));
+                // What a parameter has wrong is so once more.
+                let is_of_file = ways.iter().any(|(_, action)| matches!(action, Action::ChooseFile(..)));
+                if failure.kind != ErrorKind::Usage || is_of_file || scene.is_of_other_file(failure) {
+                    ways.push((AGAIN.into(), Action::Do(Command::ReadAgain)));
+                }
+                let [size, step] = steps_of_buttons(ways.len(), rect.width());
+                let whole = size + ways.len().saturating_sub(1) as f32 * step;
+                let text = scene.reason("picture", failure);
+                let place = say(ui, &text, theme::wrong(dark), whole.y + BELOW_TEXT);
+                let first = place.center_bottom() + vec2(-0.5 * whole.x, BELOW_TEXT);
+                let first = first.min(rect.max - whole).max(rect.min);
+                for (place, (text, action)) in ways.into_iter().enumerate() {
+                    let at = Rect::from_min_size(first + place as f32 * step, size);
+                    if ui.put(at, Button::new(text).truncate()).clicked() {
+                        scene.actions.push(action);
+                    }
+                }
             }
             (None, Some(_)) if scene.pixels.is_none() => {
-                say(ui, scene.running.as_deref().unwrap_or("drawing …"), Color32::from_gray(200));
+                say(ui, scene.running.as_deref().unwrap_or("drawing …"), Color32::from_gray(200), 0.0);
             }
             (None, Some(_)) => {}
         }
@@ -420,7 +443,7 @@ fn cut_menu(ui: &mut Ui, scene: &Scene) {
     let place = node.setting(CLIP.name).and_then(LocatedValue::list).map_or(0, |list| list.len());
     let menu = ui.menu_button("cut", |ui| {
         for kind in kinds {
-            if ui.button(kind.name).on_hover_text(kind.summary).clicked() {
+            if ui.button(kind.name).help(kind.summary).clicked() {
                 let entry = default_value(kind, &scene.data_extent());
                 let (node, list) = (node.name.clone(), Path::from(CLIP.name));
                 scene.actions.push(Action::Select([node.clone()].into()));
@@ -429,58 +452,18 @@ fn cut_menu(ui: &mut Ui, scene: &Scene) {
             }
         }
     });
-    menu.response.on_hover_text("cuts the volume through its middle, a box from there to the highest corner; grips in the picture move the cut");
+    menu.response.help("cuts the volume through its middle, a box from there to the highest corner; grips in the picture move the cut");
 }
 
-/// The parameter of a node that names the file that an error is about, else its `path`; and that file.
-fn file_of(scene: &Scene, node: &str, error: &Error) -> Option<(Path, PathBuf)> {
-    fn collect(rows: &[Row], files: &mut Vec<(Path, String)>) {
-        for row in rows {
-            if let Some(ParameterValue::Text(text)) = &row.set_value
-                && row.parameter.parameter_type.is_input_path(text)
-            {
-                files.push((row.path.clone(), text.clone()));
-            }
-            collect(&row.rows, files);
-            row.entries.iter().for_each(|entry| collect(&entry.rows, files));
-        }
-    }
-    let mut files = Vec::new();
-    collect(&scene.document.rows(scene.registry, node), &mut files);
-    let in_folder = |(path, text)| (path, scene.document.folder().join::<String>(text));
-    let mut files = files.into_iter().map(in_folder).collect::<Vec<_>>();
-    let named = error.location.file.as_deref();
-    let is_named = |(_, file): &(Path, PathBuf)| named == Some(&*file.to_string_lossy());
-    let place = files.iter().position(is_named);
-    let place = place.or_else(|| files.iter().position(|(path, _)| *path == "path".into()));
-    place.map(|place| files.swap_remove(place))
-}
+/// Distance of buttons from the text above them, points.
+const BELOW_TEXT: f32 = 16.0;
 
-/// Buttons below what is wrong with a node: to its parameters where it is not selected, and to another file where it reads one.
-/// Side by side where `within` has room for that, else one below the other.
-fn ways_out(ui: &mut Ui, scene: &Scene, failure: &Error, below: Pos2, within: Rect) {
-    let Some(entry) = failure.location.node.as_deref().and_then(|node| scene.entry(node)) else { return };
-    let name = entry.name.clone();
-    let file = file_of(scene, &name, failure).map(|(path, file)| {
-        let purpose = FilePurpose::Parameter { node: name.clone(), path, writes: false };
-        ("Choose a file …".to_string(), Action::ChooseFile(purpose, Some(file)))
-    });
-    let shows =
-        (!scene.selection.contains(&name)).then(|| (format!("Show '{name}'"), Action::Select([name].into())));
-    let ways: Vec<(String, Action)> = shows.into_iter().chain(file).collect();
-    let (size, others) = (vec2(170.0f32.min(within.width()), 28.0), ways.len().saturating_sub(1) as f32);
-    let across = vec2(size.x + 8.0, 0.0);
-    let is_row = (size + others * across).x <= within.width();
-    let step = if is_row { across } else { vec2(0.0, size.y + 8.0) };
-    let whole = size + others * step;
-    let first = below + vec2(-0.5 * whole.x, 16.0);
-    let first = first.min(within.max - whole).max(within.min);
-    for (place, (text, action)) in ways.iter().enumerate() {
-        let at = Rect::from_min_size(first + place as f32 * step, size);
-        if ui.put(at, Button::new(text).truncate()).clicked() {
-            scene.actions.push(action.clone());
-        }
-    }
+/// Size of so many buttons, and the step from one to the next: side by side where there is room for that, else one below the other.
+fn steps_of_buttons(count: usize, width: f32) -> [Vec2; 2] {
+    let size = vec2(170.0f32.min(width), 28.0);
+    let across = size.x + 8.0;
+    let is_row = size.x + count.saturating_sub(1) as f32 * across <= width;
+    [size, if is_row { vec2(across, 0.0) } else { vec2(0.0, size.y + 8.0) }]
 }
 
 /// Time for which the pointer rests before what is under it is asked for, seconds: none while it only passes.

@@ -37,6 +37,8 @@ pub(crate) struct Scene<'a> {
     pub earlier: BTreeSet<&'a str>,
     /// True if a question must be answered first, and other input is blocked.
     pub asks: bool,
+    /// True if a text was typed in the last frame: the keys of this one may be the end of it.
+    pub was_typing: bool,
     pub nodes: BTreeMap<String, NodeStatus>,
     /// For each output what runs through it, and the box of its points.
     pub values: Arc<BTreeMap<String, String>>,
@@ -96,6 +98,18 @@ impl Scene<'_> {
             (Some(_), Some(node)) => format!("no {what}: '{node}' has a fault"),
             _ => error_text(error, self.document),
         }
+    }
+
+    /// Line of the document's text that an error is about, from 1.
+    pub fn line_of(&self, error: &Error) -> Option<usize> {
+        let own = self.document.locate(Error::usage("")).location.file;
+        error.location.line_column.filter(|_| error.location.file == own).map(|(line, _)| line)
+    }
+
+    /// True if an error is about another file than the document's.
+    pub fn is_of_other_file(&self, error: &Error) -> bool {
+        let file = &error.location.file;
+        file.is_some() && *file != self.document.locate(Error::usage("")).location.file
     }
 
     /// Name of an entry of a node: the one that the file states, else its comment; `None` without both.
@@ -183,6 +197,12 @@ impl<'a> Scene<'a> {
         (name, output.or(given.map(|port| port.name)).unwrap_or_default(), given)
     }
 
+    /// The node and the output that a source names.
+    pub fn output_of(&self, text: &str) -> (String, String) {
+        let (node, output, _) = self.giving(text);
+        (node.to_string(), output.to_string())
+    }
+
     pub fn is_empty(&self) -> bool {
         self.document.pipeline().nodes.is_empty() && self.document.is_toml()
     }
@@ -238,6 +258,8 @@ pub enum Action {
     Estimate,
     Do(Command),
     Say(String),
+    /// The text of the pipeline is shown, at a line.
+    ShowText(usize),
     /// A pipeline file is opened, or one that is made for a file that is none, after a question about unsaved work.
     Begin(PathBuf),
     /// A pipeline of a template is made for a data file that is asked for, after a question about unsaved work.

@@ -4,7 +4,7 @@ use crate::fields::gradient;
 use crate::outline::{Drawing, Outline, OutlineShape, enclosed};
 use crate::picture::{WHOLE, set_texture};
 use crate::scene::{Action, EARLIER, Scene};
-use crate::theme;
+use crate::theme::{self, Help};
 use crate::view::View;
 use crate::worker::{PixelProbe, Section, short, short_by};
 use eframe::egui::{
@@ -70,12 +70,11 @@ impl SectionPanel {
                         (Some(1), "y", "across the y axis"),
                         (Some(2), "z", "across the z axis"),
                     ] {
-                        ui.selectable_value(&mut self.across, across, text).on_hover_text(help);
+                        ui.selectable_value(&mut self.across, across, text).help(help);
                     }
-                    ui.add(Slider::new(&mut self.offset, -1.0..=1.0).show_value(false)).on_hover_text(
-                        "how far from the centre that was picked (double click in the picture)",
-                    );
-                    if ui.small_button("0").on_hover_text("through the centre that was picked").clicked() {
+                    ui.add(Slider::new(&mut self.offset, -1.0..=1.0).show_value(false))
+                        .help("how far from the centre that was picked (double click in the picture)");
+                    if ui.small_button("0").help("through the centre that was picked").clicked() {
                         self.offset = 0.0;
                     }
                     let help = "a drag takes the values in the outline that it draws, not in a box";

@@ -2,8 +2,9 @@
 
 use crate::jobs::Job;
 use crate::picture::milliseconds;
-use crate::scene::{Action, EARLIER, Scene};
-use crate::theme;
+use crate::scene::{Action, EARLIER, Scene, error_text};
+use crate::theme::{self, Help};
+use crate::ways_out::{buttons, ways_out};
 use eframe::egui::{Context, Grid, ProgressBar, RichText, ScrollArea, Ui, Window};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -59,7 +60,7 @@ pub(crate) struct StudyPanel {
     /// Function that makes studies, where the program has one.
     pub make: Option<Study>,
     made: Option<Job<Studied>>,
-    pub found: Option<std::result::Result<Studied, String>>,
+    pub found: Option<Result<Studied>>,
 }
 
 impl StudyPanel {
@@ -77,7 +78,16 @@ impl StudyPanel {
             ui.separator();
             match &self.found {
                 Some(Ok(studied)) => results(ui, studied),
-                Some(Err(error)) => drop(ui.colored_label(theme::wrong(ui.visuals().dark_mode), error)),
+                Some(Err(error)) => {
+                    let text = match error.kind {
+                        ErrorKind::Cancelled => "stopped".into(),
+                        _ => error_text(error, scene.document),
+                    };
+                    ui.colored_label(theme::wrong(ui.visuals().dark_mode), text);
+                    // The button above tries it again.
+                    let clicked = ui.horizontal_wrapped(|ui| buttons(ui, &ways_out(scene, error))).inner;
+                    clicked.into_iter().for_each(|action| scene.actions.push(action));
+                }
                 None => {
                     ui.label(
                         "Draws the picture with every integrator and setting on every engine, and compares each with the \
@@ -93,10 +103,7 @@ impl StudyPanel {
     pub fn take_found(&mut self) {
         let Some(found) = self.made.as_ref().and_then(Job::result) else { return };
         self.made = None;
-        self.found = match found {
-            Err(error) if error.kind == ErrorKind::Cancelled => Some(Err("stopped".into())),
-            found => Some(found.map_err(|error| error.to_string())),
-        };
+        self.found = Some(found);
     }
 
     fn controls(&mut self, ui: &mut Ui, scene: &Scene) {
@@ -134,7 +141,7 @@ impl StudyPanel {
         let Some(make) = self.make.clone() else { return };
         match Job::start("study", ctx, move |observer| make(&of, observer)) {
             Ok(made) => (self.made, self.found) = (Some(made), None),
-            Err(error) => self.found = Some(Err(error.to_string())),
+            Err(error) => self.found = Some(Err(error)),
         }
     }
 
@@ -187,7 +194,7 @@ pub(crate) fn show_costs(ctx: &Context, open: &mut bool, scene: &Scene) {
             let earlier = if scene.is_earlier() { format!(", {EARLIER}") } else { String::new() };
             ui.strong(format!("the last full picture{earlier}: {}", milliseconds(report.seconds)));
             if let Some((engine, why)) = &report.engine {
-                ui.label(engine).on_hover_text(why);
+                ui.label(engine).help(why);
             }
         });
         estimate(ui, scene);
@@ -249,7 +256,7 @@ fn left_out(ui: &mut Ui, report: &RunReport) {
 fn estimate(ui: &mut Ui, scene: &Scene) {
     ui.horizontal_wrapped(|ui| {
         let help = "draws a few thousand pixels with the 64-bit reference, and compares";
-        if ui.button("Estimate the error").on_hover_text(help).clicked() {
+        if ui.button("Estimate the error").help(help).clicked() {
             scene.actions.push(Action::Estimate);
         }
         match &scene.estimate {
@@ -262,7 +269,7 @@ fn estimate(ui: &mut Ui, scene: &Scene) {
                 ui.label(error.to_string());
             }
         }
-        if ui.button("Study …").on_hover_text("error against time of every integrator (U)").clicked() {
+        if ui.button("Study …").help("error against time of every integrator (U)").clicked() {
             scene.actions.command(crate::scene::Command::Study);
         }
     });

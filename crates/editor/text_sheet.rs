@@ -1,7 +1,7 @@
-//! The text of a pipeline file that is no TOML: what is wrong with it, and a sheet in which it is mended.
+//! The text of a pipeline file in which something is wrong beside its nodes: what it is, and a sheet in which it is mended.
 
 use crate::scene::{Action, FilePurpose, Scene};
-use crate::theme;
+use crate::theme::{self, Help};
 use eframe::egui::text::{CCursor, CCursorRange};
 use eframe::egui::{Context, Frame, Id, Rect, RichText, ScrollArea, TextEdit, Ui, UiBuilder, Window, vec2};
 use voltet_core::Error;
@@ -15,6 +15,8 @@ pub(crate) struct TextSheet {
     typed: String,
     /// The text of the document that it began with.
     begun: String,
+    /// True once something was wrong beside the nodes while it was open.
+    is_wrong: bool,
     /// The line to go to, from 1.
     line: Option<usize>,
 }
@@ -30,14 +32,14 @@ impl TextSheet {
         let rect = Rect::from_min_size(place.min + vec2(12.0, 8.0), vec2(place.width() - 24.0, 120.0));
         ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
             Frame::NONE.fill(ui.visuals().window_fill).inner_margin(8.0).corner_radius(4).show(ui, |ui| {
-                for fault in scene.faults.iter().take(3) {
+                if let Some(fault) = scene.faults.first() {
                     ui.label(RichText::new(fault.to_string()).color(theme::wrong(dark)));
                 }
                 ui.horizontal(|ui| {
                     let line = scene.faults.first().and_then(line_of);
                     let place = line.map_or(String::new(), |line| format!(" at line {line}"));
                     if ui.button(format!("Mend the text{place} …")).clicked() {
-                        (self.is_open, self.line) = (true, line);
+                        self.open_at(line);
                     }
                     if ui.button("Open another file …").clicked() {
                         let path = scene.document.path().map(ToOwned::to_owned);
@@ -50,15 +52,25 @@ impl TextSheet {
         });
     }
 
+    /// Opens the sheet, at a line.
+    pub fn open_at(&mut self, line: Option<usize>) {
+        (self.is_open, self.line) = (true, line);
+    }
+
     /// Closes the sheet; true if it was open. What is typed stays.
     pub fn close(&mut self) -> bool {
         std::mem::take(&mut self.is_open)
     }
 
-    /// Shows the sheet where it is open; it closes once the text is right.
+    /// Shows the sheet where it is open; it closes once a text that was wrong is right.
     pub fn show(&mut self, ctx: &Context, scene: &Scene) {
         let now = scene.document.text();
-        if scene.document.is_toml() {
+        // What a node has wrong is mended there.
+        let is_of_node =
+            |fault: &Error| fault.location.node.as_ref().is_some_and(|node| scene.entry(node).is_some());
+        let is_right = scene.document.is_toml() && scene.faults.iter().all(is_of_node);
+        self.is_wrong |= !is_right;
+        if is_right && (self.is_wrong || !self.is_open) {
             *self = TextSheet::default();
         } else if self.typed == self.begun || self.typed == now {
             // Nothing is typed, or it is taken over.
@@ -73,14 +85,14 @@ impl TextSheet {
         let window = window.default_size(vec2(0.6 * room.x, 0.6 * room.y)).max_size(0.9 * room);
         window.show(ctx, |ui| {
             ui.horizontal_wrapped(|ui| {
-                is_taken = ui.button("Take over").on_hover_text("a step that can be undone").clicked();
+                is_taken = ui.button("Take over").help("a step that can be undone").clicked();
                 let said = scene.faults.first().map(Error::to_string).unwrap_or_default();
                 ui.label(RichText::new(said).color(theme::wrong(ui.visuals().dark_mode)));
             });
             if self.begun != now {
                 ui.horizontal_wrapped(|ui| {
                     let help = "what is typed here is dropped";
-                    if ui.button("Show the new text").on_hover_text(help).clicked() {
+                    if ui.button("Show the new text").help(help).clicked() {
                         self.begin(now);
                     }
                     ui.label(

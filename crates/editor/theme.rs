@@ -1,8 +1,9 @@
 //! Colours, light and dark, and the shapes of ports.
 
 use eframe::egui::{
-    Button, Color32, Context, FontId, Painter, PopupAnchor, Pos2, Rect, RectAlign, Response, Rgba, Shape,
-    Stroke, TextStyle, TextWrapMode, Theme, Tooltip, Ui, Visuals, WidgetInfo, WidgetText, WidgetType, vec2,
+    Button, Color32, Context, FontId, Order, Painter, PopupAnchor, Pos2, Rect, RectAlign, Response, Rgba,
+    Shape, Stroke, TextStyle, TextWrapMode, Theme, Tooltip, Ui, Visuals, WidgetInfo, WidgetText, WidgetType,
+    vec2,
 };
 use voltet_graph::PortType;
 
@@ -23,6 +24,8 @@ pub(crate) fn apply(ctx: &Context) {
             // A blinking cursor would keep an idle window busy.
             style.visuals.text_cursor.blink = false;
             style.spacing.slider_width = 130.0;
+            // What goes on beyond its end shows a bar.
+            style.spacing.scroll.dormant_handle_opacity = 0.5;
             // Words beside values are read as they are.
             style.text_styles.insert(TextStyle::Small, FontId::proportional(10.5));
         });
@@ -79,20 +82,47 @@ pub(crate) fn ground(dark: bool) -> Color32 {
 pub(crate) fn button(ui: &mut Ui, sign: &str, name: &str, help: &str) -> Response {
     let response = ui.small_button(sign);
     response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, name));
-    response.on_hover_text(help)
+    response.help(help)
 }
 
 /// A small button that is on or off, with help.
 pub(crate) fn switch(ui: &mut Ui, is_on: bool, text: &str, help: &str) -> Response {
-    ui.add(Button::new(text).small().selected(is_on)).on_hover_text(help)
+    ui.add(Button::new(text).small().selected(is_on)).help(help)
 }
 
-/// Shows help of a control at its right, where controls stand below each other. Returns the response.
-pub(crate) fn help_beside(response: Response, help: &str) -> Response {
+/// Shows help of a control at the right of a rectangle, or at its left where there is no room, level with the control. Returns the response.
+fn help_beside(response: Response, rect: Rect, help: &str) -> Response {
     let mut tooltip = Tooltip::for_enabled(&response);
-    tooltip.popup = tooltip.popup.align(RectAlign::RIGHT);
+    let beside = Rect::from_x_y_ranges(rect.x_range(), response.rect.y_range());
+    let aligns = &[RectAlign::LEFT, RectAlign::BOTTOM, RectAlign::TOP];
+    tooltip.popup = tooltip.popup.anchor(beside).align(RectAlign::RIGHT).align_alternatives(aligns);
     tooltip.show(|ui| ui.label(help));
     response
+}
+
+/// Help of controls, where the pointer rests on them.
+pub(crate) trait Help {
+    /// Shows help: of a control in a menu or sheet beside that, so that it covers none of the others; else below the control.
+    fn help(self, help: impl AsRef<str>) -> Self;
+
+    /// Shows help at the right, of controls that stand below each other.
+    fn help_at_right(self, help: impl AsRef<str>) -> Self;
+}
+
+impl Help for Response {
+    fn help(self, help: impl AsRef<str>) -> Response {
+        let id = self.layer_id.id;
+        let is_panes = self.layer_id.order == Order::Background;
+        match self.ctx.memory(|memory| memory.area_rect(id)).filter(|_| !is_panes) {
+            Some(sheet) => help_beside(self, sheet, help.as_ref()),
+            None => self.on_hover_text(help.as_ref()),
+        }
+    }
+
+    fn help_at_right(self, help: impl AsRef<str>) -> Response {
+        let rect = self.rect;
+        help_beside(self, rect, help.as_ref())
+    }
 }
 
 /// Width of words beside what is pointed at, and their distance from it, points.

@@ -9,6 +9,7 @@ use crate::view::View;
 use crate::worker::RenderRequest;
 use eframe::egui::Context;
 use std::time::{Duration, Instant};
+use voltet_core::Error;
 use voltet_document::series::{TIME, TIME_STEP};
 use voltet_document::{Document, Series, links};
 use voltet_graph::{NodeEntry, ParameterValue, Registry};
@@ -74,7 +75,8 @@ impl Editor {
                 if !edits.is_empty() {
                     self.edit("set the time step".into(), &edits);
                 }
-                self.message = Some((format!("frame {frame} cannot be drawn: it plays no further"), true));
+                let what = format!("frame {frame} cannot be drawn: it plays no further");
+                let _ = self.check::<()>(Err(Error::run(what)));
             }
             // It goes on once they are there.
             Some(_) if count > 1 && strip.counting.is_some() => {}

@@ -5,9 +5,10 @@
 
 use crate::film::FilmPanel;
 use crate::jobs::Job;
-use crate::scene::{Command, Scene, TimeMove, camera_of};
-use crate::theme::{self, button};
+use crate::scene::{Command, Scene, TimeMove, camera_of, error_text};
+use crate::theme::{self, Help, button};
 use crate::view::View;
+use crate::ways_out::{buttons, ways_out};
 use eframe::egui::{
     Context, DragValue, Label, Rect, RichText, Sense, Slider, Stroke, Ui, WidgetInfo, WidgetType, pos2, vec2,
 };
@@ -154,8 +155,10 @@ impl TimeStrip {
         let camera = scene.shown_node.and_then(|shown| camera_of(nodes, shown));
         let count = self.count(camera);
         if let (0..=1, Some(fault)) = (count, &self.fault) {
-            let text = RichText::new(fault.to_string()).color(theme::wrong(ui.visuals().dark_mode));
-            ui.label(text);
+            let text = error_text(fault, scene.document);
+            ui.label(RichText::new(text).color(theme::wrong(ui.visuals().dark_mode)));
+            let clicked = ui.horizontal_wrapped(|ui| buttons(ui, &ways_out(scene, fault))).inner;
+            clicked.into_iter().for_each(|action| scene.actions.push(action));
             return;
         }
         let frame = self.frame(nodes).min(count.saturating_sub(1));
@@ -185,13 +188,13 @@ impl TimeStrip {
                     }
                 }
             }
-            if ui.button("Film …").on_hover_text("a film of these frames (Shift+A)").clicked() {
+            if ui.button("Film …").help("a film of these frames (Shift+A)").clicked() {
                 self.film.is_open = true;
             }
             if self.series.is_none() {
                 let mut length = self.length.unwrap_or(LENGTH);
                 let field = DragValue::new(&mut length).range(2..=MAX_LENGTH).suffix(" frames");
-                if ui.add(field).on_hover_text("frames of the camera's way").changed() {
+                if ui.add(field).help("frames of the camera's way").changed() {
                     (self.length, self.at) = (Some(length), self.at.min(length - 1));
                 }
             }
@@ -324,9 +327,8 @@ impl TimeStrip {
                     ui.close();
                 }
             });
-            response.on_hover_text(
-                "a place that the camera passes: a drag moves it in time, a right click deletes it",
-            );
+            response
+                .help("a place that the camera passes: a drag moves it in time, a right click deletes it");
         }
     }
 }

@@ -13,6 +13,7 @@ mod hull;
 mod kinds;
 mod region;
 mod relative;
+mod rescale;
 mod support;
 
 pub use axis::{AxisScale, DECADES, off_axes, on_axes};
@@ -25,6 +26,7 @@ pub use kinds::{
 };
 pub use region::{Convex, HalfPlane, Region, Slab, SupportRadius};
 pub use relative::{DataStatistics, StatisticsRequest, resolved, statistics_request, with_placeholders};
+pub use rescale::rescaled;
 pub use support::Support;
 
 #[cfg(test)]

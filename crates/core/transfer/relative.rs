@@ -95,7 +95,7 @@ fn value(
 }
 
 /// The length of a quantity's range, above 0.
-fn length(quantity: &ArrayRef, scales: &dyn DataStatistics) -> Result<f64> {
+pub(super) fn length(quantity: &ArrayRef, scales: &dyn DataStatistics) -> Result<f64> {
     if let ArrayRef::Per(one, other) = quantity {
         return Ok(length(one, scales)? / length(other, scales)?);
     }

@@ -118,7 +118,8 @@ impl TileBins {
         if sum > u64::from(u32::MAX) {
             return Err(Error::run("the picture has too many cells in its tiles")
                 .got(sum)
-                .expected("at most 4 thousand million; draw a part of the grid or a smaller picture"));
+                .expected("at most 4 thousand million; draw a part of the grid or a smaller picture")
+                .with_fewer_pixels());
         }
         starts.push(sum as u32);
         entries.clear();

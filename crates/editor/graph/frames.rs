@@ -3,7 +3,7 @@
 
 use super::{Dragged, GraphView, Writing};
 use crate::scene::Scene;
-use crate::theme;
+use crate::theme::{self, Help};
 use eframe::egui::text::{CCursor, CCursorRange};
 use eframe::egui::{
     Align2, Area, Color32, CursorIcon, FontId, Galley, Key, Order, Rect, Response, Sense, Stroke, StrokeKind,
@@ -160,7 +160,7 @@ impl GraphView {
             }
             if thing.size.is_some() {
                 let mut color = thing.color.unwrap_or([0.5; 3]).map(|x| x as f32);
-                if ui.color_edit_button_rgb(&mut color).on_hover_text("colour").changed() {
+                if ui.color_edit_button_rgb(&mut color).help("colour").changed() {
                     // A screen has 256 levels of each.
                     let color = Some(color.map(|x| decimal(f64::from(x), 1e-3)));
                     scene.actions.edit(Edit::Annotate(id, Annotation { color, ..thing.clone() }));

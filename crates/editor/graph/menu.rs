@@ -6,7 +6,7 @@ use super::places::Places;
 use super::wire_list::wires_of;
 use crate::jobs::{Extent, reads};
 use crate::scene::Scene;
-use crate::theme;
+use crate::theme::{self, Help};
 use eframe::egui::{Area, Context, Frame, Key, Order, Pos2, Rect, RichText, ScrollArea, TextEdit, Ui, vec2};
 use voltet_document::{Edit, Fitting, Group, giving, search, taking};
 use voltet_graph::Node;
@@ -118,7 +118,7 @@ impl Menu {
                             ui.label(RichText::new(of.name()).small().color(theme::weak(dark)));
                         }
                         let row = ui.selectable_label(Some(i) == chosen, format!("  {}", entry.text));
-                        let row = row.on_hover_text(entry.help);
+                        let row = row.help(entry.help);
                         if let MenuAction::Add(node, _) = entry.choice
                             && (row.hovered() || Some(i) == chosen)
                             && needs_arrays(node)

@@ -4,7 +4,7 @@
 use crate::eyes::eye;
 use crate::picture::{WHOLE, milliseconds};
 use crate::scene::{EARLIER, Scene};
-use crate::theme;
+use crate::theme::{self, Help};
 use crate::worker::NodeState;
 use eframe::egui::epaint::EllipseShape;
 use eframe::egui::{
@@ -188,7 +188,7 @@ impl Face {
         let name = format!("eye of {}", self.name);
         response.widget_info(|| WidgetInfo::selected(WidgetType::Checkbox, true, is_open, &name));
         let help = if is_open { "take it out of this window's picture (E)" } else { "bring it back (E)" };
-        response.on_hover_text(help).clicked()
+        response.help(help).clicked()
     }
 
     pub fn description(&self) -> String {

@@ -6,7 +6,7 @@ mod space;
 
 use crate::eyes::eye;
 use crate::scene::Scene;
-use crate::theme;
+use crate::theme::{self, Help};
 use eframe::egui::{
     Color32, CursorIcon, EventFilter, Key, PointerButton, Rect, Response, Sense, Stroke, Ui, Vec2,
     WidgetInfo, WidgetType, vec2,
@@ -90,7 +90,7 @@ impl Handles {
                 let rect = Rect::from_center_size(at, Vec2::splat(GRIP));
                 let response = ui.interact(rect, ui.id().with(&name), Sense::click_and_drag());
                 response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, &name));
-                let response = response.on_hover_cursor(CursorIcon::Move).on_hover_text(&name);
+                let response = response.on_hover_cursor(CursorIcon::Move).help(&name);
                 self.hold(ui, scene, &object, &grip, &response, picture.height());
                 if !(response.drag_started_by(PointerButton::Primary) || is_dragged) {
                     below = below.union(response.clone());

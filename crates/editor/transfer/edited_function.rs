@@ -170,19 +170,35 @@ pub(crate) fn volume_of(scene: &Scene, look: &str) -> Option<String> {
 
 /// Output that gives the volume with which some nodes draw a transfer function.
 fn volume_among(scene: &Scene, look: &str, is_one: impl Fn(&NodeEntry) -> bool) -> Option<String> {
-    let nodes = &scene.document.pipeline().nodes;
-    let source = |node: &NodeEntry, port_type: PortType| {
-        let declared = scene.node_type(node)?;
-        let port = declared.all_inputs().find(|port| port.port_type == port_type)?;
-        node.inputs.iter().find(|link| link.port == port.name)?.source.text().map(str::to_string)
-    };
-    let draws = |node: &&NodeEntry| {
-        source(node, PortType::TransferFunction)
+    let mut drawn = drawing(scene, look).filter(|node| is_one(node));
+    let by_use = drawn.find_map(|node| source_of(scene, node, PortType::Volume));
+    by_use.or_else(|| source_of(scene, scene.entry(look)?, PortType::Volume))
+}
+
+/// Nodes that draw a transfer function.
+fn drawing<'a>(scene: &'a Scene, look: &'a str) -> impl Iterator<Item = &'a NodeEntry> {
+    let draws = move |node: &&NodeEntry| {
+        source_of(scene, node, PortType::TransferFunction)
             .is_some_and(|text| text == look || text.split('.').next() == Some(look))
     };
-    let mut drawn = nodes.iter().filter(draws).filter(|node| node.name != look && is_one(node));
-    let by_use = drawn.find_map(|node| source(node, PortType::Volume));
-    by_use.or_else(|| source(scene.entry(look)?, PortType::Volume))
+    scene.document.pipeline().nodes.iter().filter(draws).filter(move |node| node.name != look)
+}
+
+/// Source of the first input of a type.
+fn source_of(scene: &Scene, node: &NodeEntry, port_type: PortType) -> Option<String> {
+    let declared = scene.node_type(node)?;
+    let port = declared.all_inputs().find(|port| port.port_type == port_type)?;
+    node.inputs.iter().find(|link| link.port == port.name)?.source.text().map(str::to_string)
+}
+
+/// The outputs, each by node and port, whose volumes are drawn with a transfer function; that which is wired into it where none is.
+pub(crate) fn volumes_of(scene: &Scene, look: &str) -> BTreeSet<(String, String)> {
+    let volume = |node: &NodeEntry| source_of(scene, node, PortType::Volume);
+    let mut sources: Vec<String> = drawing(scene, look).filter_map(volume).collect();
+    if sources.is_empty() {
+        sources.extend(scene.entry(look).and_then(volume));
+    }
+    sources.iter().map(|text| scene.output_of(text)).collect()
 }
 
 /// An axis with what it is: s is the array that the reader reads for it, where one does.

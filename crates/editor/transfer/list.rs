@@ -9,7 +9,7 @@ use super::{TransferPanel, edit};
 use crate::fields::{by_hand, drag, edited_color};
 use crate::jobs::{Extent, reads};
 use crate::scene::Command;
-use crate::theme::{self, button};
+use crate::theme::{self, Help, button};
 use crate::worker::{short, widget_count};
 use eframe::egui::{
     Button, Key, Modifiers, RichText, ScrollArea, Sense, Stroke, StrokeKind, TextEdit, Ui, WidgetInfo,
@@ -149,7 +149,8 @@ impl TransferPanel {
             Some(_) => self.take_away(look),
             None => {}
         }
-        if ui.ctx().text_edit_focused() || look.scene.asks || !self.takes_keys() {
+        let is_typing = ui.ctx().text_edit_focused() || look.scene.was_typing;
+        if is_typing || look.scene.asks || !self.takes_keys() {
             return;
         }
         self.set_keys(ui, look);
@@ -247,7 +248,7 @@ impl TransferPanel {
                 look.is_of_s_and_g() || look.axes.iter().all(|axis| matches!(axis, ArrayRef::Array(_)));
             let peak = ui
                 .add_enabled(fits, peak)
-                .on_hover_text("a Gaussian where most of the volume is that no widget holds (P)")
+                .help("a Gaussian where most of the volume is that no widget holds (P)")
                 .on_disabled_hover_text("a widget is over s and g, or over arrays");
             if peak.clicked() {
                 self.add_at_peak(look);
@@ -257,9 +258,7 @@ impl TransferPanel {
             for (place, widget) in look.widgets.iter().enumerate() {
                 self.chip(ui, place, widget, look);
             }
-            if self.shown.is_some()
-                && ui.small_button("all").on_hover_text("all of the data into view").clicked()
-            {
+            if self.shown.is_some() && ui.small_button("all").help("all of the data into view").clicked() {
                 self.shown = None;
             }
             self.set_menu(ui, look);
@@ -293,7 +292,7 @@ impl TransferPanel {
             ("▶", (place + 1).min(count - 1), "later in the list (Shift+PageDown)"),
         ] {
             let button = Button::new(text).small();
-            if ui.add_enabled(to != place, button).on_hover_text(help).clicked() {
+            if ui.add_enabled(to != place, button).help(help).clicked() {
                 self.reorder(look, to);
             }
         }
@@ -331,7 +330,7 @@ impl TransferPanel {
                 text => Edit::Set { node, path, value: text.into() },
             });
         }
-        response.on_hover_text("name of the widget, such as \"bone\"; the file keeps it");
+        response.help("name of the widget, such as \"bone\"; the file keeps it");
     }
 
     /// Share of the data in the selected widget, and its contribution to the picture.
@@ -392,7 +391,7 @@ impl TransferPanel {
             }
             for (i, (text, help)) in texts.into_iter().enumerate() {
                 let text = if i > 0 { format!("· {text}") } else { text };
-                ui.label(weak(text)).on_hover_text(help);
+                ui.label(weak(text)).help(help);
             }
         });
     }
@@ -411,7 +410,7 @@ impl TransferPanel {
         let name = widget.name.as_ref().map_or(kind.clone(), |name| format!("{kind}: {name}"));
         let is_chosen = place == self.chosen;
         response.widget_info(|| WidgetInfo::selected(WidgetType::SelectableLabel, true, is_chosen, &name));
-        if response.on_hover_text(name).clicked() {
+        if response.help(name).clicked() {
             self.choose(place, look);
             self.is_last = true;
         }
@@ -472,7 +471,7 @@ impl TransferPanel {
             if by_hand(&response) && extinction != before {
                 set("extinction", ParameterValue::Number(extinction));
             }
-            response.on_hover_text("extinction, per unit_distance");
+            response.help("extinction, per unit_distance");
         }
     }
 
@@ -498,13 +497,13 @@ impl TransferPanel {
             }
         })
         .response
-        .on_hover_text("all widgets, kept in the file under a digit: Ctrl+0 … 9 stores, 0 … 9 recalls");
+        .help("all widgets, kept in the file under a digit: Ctrl+0 … 9 stores, 0 … 9 recalls");
     }
 
     pub(super) fn axes_menu(&mut self, ui: &mut Ui, look: &EditedFunction) {
         let [x, y] = look.axes.each_ref().map(axis_name);
         ui.menu_button(format!("axes {x}, {y}"), |ui| {
-            if ui.button("s, g").on_hover_text("the scalar and its gradient magnitude").clicked() {
+            if ui.button("s, g").help("the scalar and its gradient magnitude").clicked() {
                 self.set_axes(S_AND_G);
                 ui.close();
             }
@@ -521,12 +520,12 @@ impl TransferPanel {
             });
         })
         .response
-        .on_hover_text("the quantities that the plane is over; widgets of several fields lie on theirs");
+        .help("the quantities that the plane is over; widgets of several fields lie on theirs");
     }
 
     fn list_of_axis(&mut self, ui: &mut Ui, k: usize, choices: &[(ArrayRef, String)]) {
         let (mut axes, mut taken) = (self.axes(), None);
-        ScrollArea::vertical().id_salt(("axis", k)).max_height(HEIGHT).show(ui, |ui| {
+        list_area().id_salt(("axis", k)).show(ui, |ui| {
             for (axis, label) in choices {
                 if ui.selectable_label(axes[k] == *axis, label).clicked() {
                     taken = Some(axis.clone());
@@ -547,6 +546,11 @@ impl TransferPanel {
     }
 }
 
+/// Area of a list in a menu: as high as its entries, up to a height from which on it scrolls.
+fn list_area() -> ScrollArea {
+    ScrollArea::vertical().max_height(HEIGHT).min_scrolled_height(HEIGHT)
+}
+
 /// Choice of the array that is drawn as s: the reader's, where one feeds the plane.
 fn scalar_menu(ui: &mut Ui, look: &EditedFunction) {
     let scene = look.scene;
@@ -559,7 +563,7 @@ fn scalar_menu(ui: &mut Ui, look: &EditedFunction) {
     let menu = ui.menu_button(format!("s: {now}"), |ui| {
         ui.set_min_width(WIDTH);
         let arrays = scene.arrays.of_reader(ui.ctx(), scene.document, scene.registry, reader, Extent::Whole);
-        ScrollArea::vertical().max_height(HEIGHT).show(ui, |ui| {
+        list_area().show(ui, |ui| {
             for array in arrays.choices.iter().filter(|array| !array.name.is_empty()) {
                 if ui.selectable_label(array.name == now, &array.label).clicked() {
                     let mut edits = vec![Edit::set(&reader.name, ["scalar"], array.name.as_str().into())];
@@ -567,15 +571,12 @@ fn scalar_menu(ui: &mut Ui, look: &EditedFunction) {
                         edits.push(Edit::Unset { node: reader.name.clone(), path: ["association"].into() });
                     }
                     look.actions.edits(format!("draw '{}'", array.name), edits);
-                    let stay = "widgets stay at their numbers: \"+ at peak\" adds one for it";
-                    look.actions.say(format!("'{}' is drawn; {stay}", array.name));
                     ui.close();
                 }
             }
         });
     });
-    menu.response
-        .on_hover_text("the array that is drawn; widgets whose numbers are relative to the data follow");
+    menu.response.help("the array that is drawn; the widgets follow to the same shares of its range");
 }
 
 /// Choices for an axis, labelled with kind and range where the data have it.

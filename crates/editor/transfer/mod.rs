@@ -14,16 +14,19 @@ mod screen_widget;
 mod tests;
 
 use crate::scene::{Command, Scene};
-use crate::theme;
+use crate::theme::{self, Help};
 use crate::worker::{HISTOGRAM, short, short_by};
 use edited_function::{EditedFunction, axis_name, axis_title};
-pub(crate) use edited_function::{data_scope, drawn_with, edited_node, fields_of, scales, volume_of};
+pub(crate) use edited_function::{
+    data_scope, drawn_with, edited_node, fields_of, scales, volume_of, volumes_of,
+};
 use eframe::egui::{
     self, Align, Align2, Button, FontId, Layout, Rect, Sense, Stroke, StrokeKind, Ui, UiBuilder, WidgetInfo,
     WidgetType, pos2, vec2,
 };
 use images::Images;
-use plane::{Change, Counts, Handle, Plane, S_AND_G};
+pub(crate) use plane::S_AND_G;
+use plane::{Change, Counts, Handle, Plane};
 use relative::PlaneAxes;
 pub(crate) use relative::in_numbers;
 use screen_widget::{Drag, HeldVolume, ScreenWidget};
@@ -78,6 +81,11 @@ pub(crate) struct TransferPanel {
 impl TransferPanel {
     pub fn is_wanted(&self, scene: &Scene) -> bool {
         edited_node(scene).is_some()
+    }
+
+    /// All of the data into view.
+    pub fn show_all(&mut self) {
+        self.shown = None;
     }
 
     /// True if the widget in hand is what was selected last.
@@ -231,7 +239,7 @@ impl TransferPanel {
         ui.scope_builder(builder, |ui| {
             ui.label("Nothing to see yet: there are no widgets.");
             let button = ui.add_enabled(look.histogram().is_some(), Button::new("Add a widget at the peak"));
-            if button.on_hover_text("where most of the volume is (P)").clicked() {
+            if button.help("where most of the volume is (P)").clicked() {
                 self.add_at_peak(look);
             }
         });

@@ -303,7 +303,7 @@ pub(super) fn mark(ui: &Ui, plane: Plane, place: [f64; 2]) {
 }
 
 /// The plane of the scalar and its gradient magnitude.
-pub(super) const S_AND_G: [ArrayRef; 2] = [ArrayRef::Named("s"), ArrayRef::Named("g")];
+pub(crate) const S_AND_G: [ArrayRef; 2] = [ArrayRef::Named("s"), ArrayRef::Named("g")];
 
 /// The height in the plot of an extinction, 0 to 1: its cube root, so that small ones are told apart.
 pub(super) fn height_of(extinction: f64, peak: f64) -> f64 {

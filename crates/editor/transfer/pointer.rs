@@ -1,6 +1,6 @@
 //! Mouse in the plane: panning and zooming, dragging widgets, adding and removing points.
 
-use super::edited_function::EditedFunction;
+use super::edited_function::{EditedFunction, axis_name};
 use super::plane::{self, Handle, Plane, height_of};
 use super::screen_widget::{Drag, Grip, Region, ScreenWidget};
 use super::{TransferPanel, edit};
@@ -137,7 +137,19 @@ impl TransferPanel {
         self.hovered = at.and_then(|at| self.target(at, look));
         let Some((place, handle)) = self.hovered.filter(|_| !Popup::is_any_open(ui.ctx())) else { return };
         let of = format!("widget {}: {}", place + 1, look.widgets[place].title());
-        let words = handle.map_or(of.clone(), |handle| format!("{} of {of}", handle.name()));
+        let axis = |axis: usize| axis_name(&look.axes[axis]);
+        let words = match handle {
+            None => of,
+            Some(Handle::Side(k, is_upper)) => {
+                let [end, beyond] = if is_upper { ["upper", "above"] } else { ["lower", "below"] };
+                format!("{end} limit of the region of {of}\n{beyond} this {} the widget is 0", axis(k))
+            }
+            Some(handle @ Handle::Corner(_)) => {
+                format!("{} of the region of {of}\noutside of the region the widget is 0", handle.name())
+            }
+            Some(Handle::Width(k)) => format!("width along {} of {of}", axis(k)),
+            Some(handle) => format!("{} of {of}", handle.name()),
+        };
         theme::words_at_pointer(ui, "widget", words);
     }
 

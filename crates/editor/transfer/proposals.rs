@@ -4,6 +4,7 @@
 use super::TransferPanel;
 use super::edited_function::{EditedFunction, at_probe, range_at_probe};
 use super::screen_widget;
+use crate::theme::Help;
 use eframe::egui::Ui;
 use voltet_graph::ParameterValue;
 
@@ -44,7 +45,7 @@ impl TransferPanel {
                 true => self.proposed = Some(entry),
                 false => {}
             }
-            button.on_hover_text(help);
+            button.help(help);
         }
     }
 

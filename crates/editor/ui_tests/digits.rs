@@ -105,3 +105,26 @@ fn a_camera_at_map_coordinates_is_saved_bit_for_bit_and_follows_the_hand() {
     let bits = |view: &View| [view.eye, view.target, view.up].map(|v| v.to_array().map(f64::to_bits));
     assert_eq!((bits(&read), read.projection), (bits(&now), now.projection));
 }
+
+/// A slow frame holds the last digit and Enter, which ends the typing: the digit is none of the stored widgets.
+#[test]
+fn the_last_digit_of_a_number_recalls_no_widgets() {
+    let mut hand = Hand::new(TEXT);
+    hand.click(hand.named("widget 1 gaussian"));
+    let at = hand.texts("4.0").into_iter().max_by(|a, b| a.x.total_cmp(&b.x)).unwrap();
+    hand.click(at);
+    hand.frames(2);
+    assert!(hand.ctx.text_edit_focused());
+    hand.key(Key::A, Modifiers::COMMAND);
+    let key = |key| Event::Key {
+        key,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers: Modifiers::NONE,
+    };
+    hand.frame(vec![key(Key::Num7), Event::Text("7".into()), key(Key::Enter)], Modifiers::NONE);
+    hand.frames(3);
+    assert!(hand.text().contains("extinction = 7.0"), "{}", hand.text());
+    assert!(!hand.said().contains("stored"), "{}", hand.said());
+}

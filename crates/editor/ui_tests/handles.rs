@@ -335,3 +335,90 @@ fn a_slice_by_shares_of_a_series_has_no_grips() {
     let in_numbers = of_series.replace("[\"50 %\", 0.0, \"30 %\"]", "[0.0, 0.0, -4.0]");
     assert!(Hand::new(&in_numbers).sees("plane of cut: position"));
 }
+
+/// Places and lengths that are shares of the data stay shares, whichever grip is dragged.
+#[test]
+fn spheres_and_cylinders_by_shares_stay_shares_when_they_are_dragged() {
+    let sphere = "sphere\", centre = [\"50 %\", \"50 %\", \"50 %\"], radius = \"20 %\"";
+    let tube = "cylinder\", from = [\"50 %\", \"50 %\", \"20 %\"], to = [\"50 %\", \"50 %\", \"80 %\"], radius = \"10 %\"";
+    for (clip, grip, key, texts) in [
+        (sphere, "sphere of clip: centre", "centre", 3),
+        (sphere, "sphere of clip: radius", "radius", 1),
+        (tube, "cylinder of clip: end 1", "from", 3),
+        (tube, "cylinder of clip: end 2", "to", 3),
+        (tube, "cylinder of clip: radius", "radius", 1),
+    ] {
+        let mut hand = Hand::new(&with_clips(&format!("{{ kind = \"{clip} }}")));
+        let before = hand.text();
+        let from = hand.named(grip);
+        hand.drag(from, from + vec2(12.0, -7.0));
+        assert_eq!(shares_after(&hand, key), texts, "{grip}: {}", hand.text());
+        assert!(hand.text() != before && hand.steps() == 1, "{grip}");
+        hand.settle();
+        assert!(hand.editor.scene().failure.is_none(), "{grip}: {:?}", hand.editor.scene().failure);
+    }
+}
+
+/// Number of the shares that a parameter states.
+fn shares_after(hand: &Hand, key: &str) -> usize {
+    let text = hand.text();
+    // Not of the widget.
+    let text = &text[text.find("clip = ").or(text.find("[nodes.cut]")).unwrap()..];
+    let after = &text[text.find(&format!("{key} = ")).unwrap()..];
+    let end = if after.starts_with(&format!("{key} = [")) { ']' } else { '"' };
+    // A length is one text.
+    let length = after.match_indices(end).nth(usize::from(end == '"')).unwrap().0 + 1;
+    after[..length].matches(" %\"").count()
+}
+
+#[test]
+fn slices_on_spheres_and_cylinders_by_shares_stay_shares_when_they_are_dragged() {
+    for (shape, grip, key, texts) in [
+        ("sphere", "sphere of cut: centre", "origin", 2),
+        ("sphere", "sphere of cut: radius", "radius", 1),
+        ("cylinder", "cylinder of cut: position", "origin", 2),
+        ("cylinder", "cylinder of cut: radius", "radius", 1),
+    ] {
+        let of = format!("type = \"slice\"\nshape = \"{shape}\"\nradius = \"20 %\"");
+        let mut hand = Hand::new(&with_slice().replace("type = \"slice\"", &of));
+        let from = hand.named(grip);
+        hand.drag(from, from + vec2(12.0, -7.0));
+        assert_eq!(shares_after(&hand, key), texts, "{grip}: {}", hand.text());
+        assert_eq!(hand.steps(), 1, "{grip}");
+        hand.settle();
+        assert!(hand.editor.scene().failure.is_none(), "{grip}: {:?}", hand.editor.scene().failure);
+    }
+}
+
+#[test]
+fn the_menu_over_the_picture_cuts_the_volume_and_its_node_is_selected() {
+    for (kind, grip) in [
+        ("plane", "plane of clip: position"),
+        ("box", "box of clip: upper z face"),
+        ("sphere", "sphere of clip: radius"),
+        ("cylinder", "cylinder of clip: end 1"),
+    ] {
+        let mut hand = Hand::new(TEXT);
+        let opaque = |hand: &Hand| {
+            let picture = hand.editor.worker().shown(|shown| shown.pixels.clone().unwrap().picture);
+            picture.rgba.iter().map(|pixel| f64::from(pixel[3])).sum::<f64>()
+        };
+        let whole = opaque(&hand);
+        hand.click_on("cut");
+        hand.click_on(kind);
+        hand.settle();
+        assert!(hand.editor.selection.contains("picture") && hand.editor.selection.len() == 1);
+        assert!(hand.sees(grip), "{kind}: {}", hand.text());
+        assert!(opaque(&hand) < 0.95 * whole, "{kind}: {} of {whole}", opaque(&hand));
+        assert_eq!(hand.steps(), 1);
+        // Another cut beside the first.
+        hand.click_on("cut");
+        hand.click_on(kind);
+        hand.frames(3);
+        assert_eq!(hand.text().matches(&format!("kind = \"{kind}\"")).count(), 2, "{}", hand.text());
+        hand.key(Key::Z, Modifiers::COMMAND);
+        hand.key(Key::Z, Modifiers::COMMAND);
+        hand.settle();
+        assert_eq!(hand.text(), TEXT);
+    }
+}

@@ -14,6 +14,7 @@ mod handles;
 mod hits;
 mod keyboard;
 mod opening;
+mod other_array;
 mod parameters;
 mod picture;
 mod probe;
@@ -26,6 +27,7 @@ mod time;
 mod transfer;
 mod transfer_axes;
 mod transfer_more;
+mod ways_out;
 
 use crate::editor::Editor;
 use crate::panes::Layouts;
@@ -317,6 +319,6 @@ impl Hand {
     }
 
     fn said(&self) -> String {
-        self.editor.message.clone().map_or(String::new(), |(text, _)| text)
+        self.editor.message.clone().map_or(String::new(), |said| said.text)
     }
 }

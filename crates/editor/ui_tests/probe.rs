@@ -279,7 +279,10 @@ fn a_study_runs_beside_the_window_and_can_be_stopped() {
     hand.editor.panels.study.stop();
     until(&mut hand, "it does not stop", |hand| hand.editor.panels.study.found.as_ref().is_some());
     assert!(begun.elapsed() < Duration::from_secs(15));
-    assert_eq!(hand.editor.panels.study.found.as_ref().unwrap().as_ref().unwrap_err(), "stopped");
+    let stopped = hand.editor.panels.study.found.as_ref().unwrap().as_ref().unwrap_err();
+    assert_eq!(stopped.kind, voltet_core::error::ErrorKind::Cancelled);
+    hand.frames(1);
+    assert_eq!(hand.texts("stopped").len(), 1);
     hand.editor.panels.study.make = Some(Arc::new(|_: &StudyRequest, _: &dyn Observer| panic!("a mistake")));
     hand.editor.panels.study.begin(of, &ctx);
     until(&mut hand, "no end", |hand| hand.editor.panels.study.found.as_ref().is_some());
@@ -291,7 +294,7 @@ fn a_study_runs_beside_the_window_and_can_be_stopped() {
             .as_ref()
             .unwrap()
             .as_ref()
-            .is_err_and(|error| error.contains("panicked"))
+            .is_err_and(|error| error.what.contains("panicked"))
     );
     hand.frames(3);
 }

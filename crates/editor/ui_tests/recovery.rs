@@ -40,7 +40,7 @@ fn work_that_was_left_behind_is_offered_and_taken_up() {
     next.click_on("Open it");
     assert_eq!(next.text(), text);
     assert!(!next.editor.document().is_saved());
-    assert!(next.texts("Work that was not saved").is_empty(), "the question is gone");
+    assert!(next.shown_beginning("A window ended").is_empty(), "the offer is gone");
     // It is kept anew until it is saved; then nothing is left.
     assert_eq!(std::fs::read_dir(kept.path()).unwrap().count(), 2, "a text and its lock");
     next.key(Key::S, Modifiers::COMMAND);
@@ -120,4 +120,70 @@ fn work_that_cannot_be_kept_is_said_once_and_tried_again_later() {
     assert!(hand.editor.recover.failed.is_none());
     // Its lock went with the folder.
     assert_eq!(Recovery::in_folder(folder).left_behind()[0].text, hand.text());
+}
+
+/// All places for copies of that file are taken.
+#[test]
+fn work_that_cannot_be_kept_anew_stays_where_it_was_left_behind() {
+    let kept = tempfile::tempdir().unwrap();
+    let (text, _folder) = crashed(&kept);
+    let document = place(&kept).left_behind()[0].document();
+    let mut keepers = (0..1000).map_while(|_| place(&kept).keeper(&document).ok());
+    let held: Vec<_> = keepers.by_ref().map(|mut one| one.follow(&document).map(|()| one).unwrap()).collect();
+    assert!(held.len() < 1000);
+    let count = held.len() + 1;
+    let mut next = Hand::new("[pipeline]\nformat = 1\n");
+    next.editor.keep_in(place(&kept));
+    next.frames(2);
+    next.click_on("Open it");
+    next.frames(2);
+    assert_eq!(next.text(), text);
+    assert!(next.sees("Later") && next.said().contains("cannot be kept"), "{}", next.said());
+    drop((next, held));
+    let left: Vec<String> = place(&kept).left_behind().into_iter().map(|one| one.text).collect();
+    assert_eq!(left, vec![text; count]);
+}
+
+/// The offer takes a line of its own: what is below is seen, and works.
+#[test]
+fn the_offer_of_work_that_was_left_behind_covers_nothing_and_may_wait() {
+    let kept = tempfile::tempdir().unwrap();
+    let (text, _folder) = crashed(&kept);
+    let mut next = Hand::new(TEXT);
+    let before = next.editor.panels.picture.rect.unwrap();
+    next.editor.keep_in(place(&kept));
+    next.frames(4);
+    let offer = next.rect("Later");
+    let picture = next.editor.panels.picture.rect.unwrap();
+    assert!(offer.bottom() <= picture.top() && picture.height() > 0.8 * before.height(), "{offer} {picture}");
+    assert!(!next.editor.asks());
+    next.key(Key::Y, Modifiers::NONE);
+    assert_eq!(next.steps(), 1, "keys are for the pipeline");
+    // Own work is asked about before it goes.
+    next.click_on("Open it");
+    next.frames(2);
+    assert!(next.sees("Unsaved work") && next.text() != text);
+    // What is asked about cannot be put off meanwhile.
+    next.click_on("Later");
+    next.frames(2);
+    assert!(next.sees("Later"));
+    next.click_on("Discard");
+    next.frames(2);
+    assert_eq!(next.text(), text);
+    assert!(!next.sees("Later"));
+}
+
+#[test]
+fn an_empty_window_offers_ways_to_begin_beside_work_that_was_left_behind() {
+    let kept = tempfile::tempdir().unwrap();
+    let (_, _folder) = crashed(&kept);
+    let mut next = Hand::new("[pipeline]\nformat = 1\n");
+    next.editor.keep_in(place(&kept));
+    next.frames(4);
+    let (offer, begin) = (next.rect("Later"), next.rect("Begin with an example"));
+    assert!(!offer.intersects(begin) && begin.top() > offer.bottom(), "{offer} {begin}");
+    next.click_on("Begin with an example");
+    next.frames(2);
+    assert!(!next.editor.document().pipeline().nodes.is_empty());
+    assert!(next.sees("Open it"), "it is offered still");
 }

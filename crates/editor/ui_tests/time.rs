@@ -382,6 +382,7 @@ fn the_sheet_of_films_asks_for_what_is_chosen_and_can_be_stopped() {
             }
             if observer.cancelled() { Err(Error::cancelled()) } else { Ok("a film of 3 frames\n".into()) }
         }));
+    hand.editor.panels.time.film.path = Some("scene.mp4".into());
     hand.command(Command::Film);
     hand.frames(3);
     hand.click_on("Make the film");

@@ -131,7 +131,8 @@ impl Device {
         let validation = pollster::block_on(validation.pop());
         if pollster::block_on(memory.pop()).is_some() {
             return Err(Error::run(format!("{} has no memory left for {what}", self.name))
-                .expected("a smaller grid or picture, another adapter, or engine = \"cpu\""));
+                .expected("a smaller grid or picture, another adapter, or engine = \"cpu\"")
+                .with_fewer_pixels());
         }
         self.check(what)?;
         match internal.or(validation) {
@@ -159,7 +160,8 @@ impl Device {
             None => Ok(()),
             Some(why) => Err(Error::run(format!("{} was lost at {what}", self.name))
                 .got(why)
-                .expected("a smaller picture or fewer samples, another adapter, or engine = \"cpu\"")),
+                .expected("a smaller picture or fewer samples, another adapter, or engine = \"cpu\"")
+                .with_fewer_pixels()),
         }
     }
 

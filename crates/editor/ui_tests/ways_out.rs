@@ -1,0 +1,216 @@
+//! Every error has a way out, offered as a button.
+
+use super::*;
+use crate::film::FilmRequest;
+use voltet_core::progress::{Progress, refuse_beyond_memory};
+use voltet_document::Edit;
+use voltet_graph::Observer;
+
+/// Refuses all work that takes memory.
+struct Nothing;
+
+impl Progress for Nothing {
+    fn report(&self, _: &str, _: f64) {}
+
+    fn memory_left(&self) -> Option<u64> {
+        Some(0)
+    }
+}
+
+fn no_memory() -> Error {
+    refuse_beyond_memory(&Nothing, || "the picture".into(), 1).map_err(Error::with_fewer_pixels).unwrap_err()
+}
+
+#[test]
+fn a_run_that_fails_leads_to_its_node_to_another_file_and_is_tried_again() {
+    let mut hand = Hand::new(&TEXT.replace("picture.png", "missing/picture.png"));
+    hand.key(Key::R, Modifiers::COMMAND);
+    until(&mut hand, "the run does not fail", |hand| {
+        hand.editor.message.as_ref().is_some_and(|said| said.error.is_some())
+    });
+    hand.frames(2);
+    assert!(
+        hand.sees("Show 'file'") && hand.sees("Save elsewhere …") && hand.sees("Try again"),
+        "{}",
+        hand.said()
+    );
+    hand.click_on("Show 'file'");
+    assert!(hand.editor.selection.contains("file"));
+    std::fs::create_dir(hand.folder.path().join("missing")).unwrap();
+    hand.click_on("Try again");
+    until(&mut hand, "it is not written", |hand| hand.said().starts_with("written in"));
+    assert!(hand.folder.path().join("missing/picture.png").is_file() && !hand.sees("Try again"));
+}
+
+#[test]
+fn the_file_of_a_writer_that_fails_is_chosen_anew() {
+    let mut hand = Hand::new(&TEXT.replace("picture.png", "missing/picture.png"));
+    hand.key(Key::R, Modifiers::COMMAND);
+    until(&mut hand, "the run does not fail", |hand| hand.sees("Save elsewhere …"));
+    hand.click_on("Save elsewhere …");
+    hand.frames(2);
+    assert!(hand.sees("A file to write: file.path"));
+}
+
+#[test]
+fn what_cannot_be_saved_is_saved_elsewhere() {
+    let mut hand = Hand::new(TEXT);
+    hand.key(Key::X, Modifiers::NONE);
+    let path = hand.folder.path().join("missing/other.toml");
+    hand.editor.save_as(&path);
+    hand.frames(2);
+    assert!(!hand.sees("Try again"), "the file of the document is another");
+    hand.click_on("Save elsewhere …");
+    hand.frames(2);
+    assert!(hand.sees("Save as"));
+    let mut hand = Hand::new(TEXT);
+    hand.key(Key::X, Modifiers::NONE);
+    std::fs::remove_file(hand.path()).unwrap();
+    std::fs::create_dir(hand.path()).unwrap();
+    hand.editor.settle_with_disk(false);
+    hand.frames(2);
+    assert!(hand.sees("Save elsewhere …"), "{}", hand.said());
+}
+
+#[test]
+fn a_fault_in_the_status_line_leads_to_its_node() {
+    let mut hand = Hand::new(&TEXT.replace("extinction = 4.0", "extinction = -4.0"));
+    hand.editor.selection = ["view".to_string()].into();
+    hand.frames(3);
+    hand.click_on("Show 'look'");
+    assert!(hand.editor.selection.contains("look"));
+}
+
+#[test]
+fn a_fault_beside_the_nodes_leads_to_its_line() {
+    let text = TEXT.replace("format = 1", "format = 99");
+    let mut hand = Hand::new(&text);
+    let line = TEXT.lines().position(|line| line == "format = 1").unwrap() + 1;
+    hand.click_on(&format!("Show the text at line {line}"));
+    hand.frames(2);
+    assert!(hand.sees("Take over"), "the sheet stays open");
+    hand.editor.edit("mend".into(), &[Edit::Text(TEXT.into())]);
+    hand.frames(3);
+    assert!(!hand.sees("Take over"), "and closes once it is right");
+}
+
+#[test]
+fn of_a_text_that_is_no_toml_the_first_fault_is_said_alone() {
+    let hand =
+        Hand::new(&TEXT.replace("type = \"camera\"", "type = camera\"").replace("path = \"", "path = "));
+    assert_eq!(hand.editor.scene().faults.len(), 1);
+    assert_eq!(hand.shown_beginning("Mend the text at line").len(), 1);
+}
+
+#[test]
+fn a_picture_without_memory_is_drawn_with_fewer_pixels() {
+    let mut hand = Hand::new(TEXT);
+    let failed = no_memory().at_node("picture");
+    let message =
+        crate::ways_out::Message { text: failed.to_string(), error: Some(failed), again: Some(Command::Run) };
+    hand.editor.message = Some(message);
+    hand.frames(2);
+    hand.click_on("Fewer pixels");
+    assert_eq!(hand.numbers("view", "size"), [80.0, 60.0]);
+    hand.settle();
+    let drawn = hand.editor.worker().shown(|shown| shown.pixels.clone().unwrap().picture);
+    assert_eq!(drawn.rgba.len(), 80 * 60);
+    // A grid takes no less memory in a smaller picture.
+    let failed = Error { fewer_pixels: false, ..no_memory() }.at_node("grid");
+    hand.editor.message =
+        Some(crate::ways_out::Message { text: failed.to_string(), error: Some(failed), again: None });
+    hand.frames(2);
+    assert!(hand.sees("Show 'grid'") && !hand.sees("Fewer pixels"));
+}
+
+/// Neither another file nor another try helps.
+#[test]
+fn a_parameter_that_is_wrong_leads_to_its_node_alone() {
+    let text = TEXT.replace("path = \"picture.png\"", "path = \"picture.png\"\nbackground = \"nowhere\"");
+    let mut hand = Hand::new(&text);
+    hand.editor.selection = ["view".to_string()].into();
+    hand.frames(3);
+    assert!(hand.sees("Show 'file'") && !hand.sees("Save elsewhere …"), "{:?}", hand.editor.scene().faults);
+    let mut hand = Hand::new(&TEXT.replace("extinction = 4.0", "extinction = -4.0"));
+    hand.editor.selection = ["view".to_string()].into();
+    hand.settle();
+    assert!(hand.sees("Show 'look'") && !hand.sees("Try again"));
+}
+
+#[test]
+fn the_text_of_what_is_no_node_is_shown() {
+    let mut hand = Hand::new(&format!("{TEXT}\n[nodes]\nx = 5\n"));
+    hand.frames(2);
+    let at = hand.shown_beginning("Show the text at line")[0];
+    hand.click(at);
+    hand.frames(3);
+    assert!(hand.sees("Take over"), "the sheet stays open");
+}
+
+#[test]
+fn a_film_that_fails_is_made_with_fewer_pixels_elsewhere_or_once_more() {
+    let orbit = TEXT.replace("size = [160, 120]", "size = [160, 120]\norbit = 360.0");
+    let mut hand = Hand::new(&orbit);
+    let asked = Arc::new(std::sync::Mutex::new(Vec::<FilmRequest>::new()));
+    let known = asked.clone();
+    hand.editor.panels.time.film.make = Some(Arc::new(move |of: &FilmRequest, _: &dyn Observer| {
+        let mut known = known.lock().unwrap();
+        known.push(of.clone());
+        match known.len() {
+            1 => Err(no_memory()),
+            2 => Err(Error::run("it cannot be written").in_file(&of.film)),
+            _ => Ok("made".into()),
+        }
+    }));
+    hand.command(Command::Film);
+    hand.frames(4);
+    hand.click_on("Make the film");
+    until(&mut hand, "it does not fail", |hand| hand.sees("Fewer pixels"));
+    assert!(!hand.sees("Save elsewhere …"), "another file takes as much");
+    hand.click_on("Fewer pixels");
+    until(&mut hand, "it does not fail", |hand| hand.sees("Save elsewhere …"));
+    // What was mended since is what is made.
+    hand.editor.edit("mend".into(), &[Edit::set("view", ["orbit"], 180.0.into())]);
+    hand.frames(2);
+    hand.click_on("Try again");
+    until(&mut hand, "it is not made", |hand| hand.sees("made"));
+    let sizes: Vec<_> = asked.lock().unwrap().iter().map(|of| of.size).collect();
+    assert_eq!(sizes, [None, Some([80, 60]), Some([80, 60])]);
+    assert_eq!(asked.lock().unwrap()[2].text, hand.text());
+}
+
+#[test]
+fn a_camera_without_a_way_gets_one_from_the_sheet_of_films() {
+    let mut hand = Hand::new(TEXT);
+    hand.command(Command::Film);
+    hand.frames(4);
+    hand.click_on("Orbit about the data");
+    hand.frames(4);
+    assert!(hand.text().contains("orbit = 360.0") && hand.sees("Make the film"), "{}", hand.text());
+}
+
+/// In a small window, too, the buttons stand below what is wrong.
+#[test]
+fn ways_out_of_a_picture_cover_nothing_of_what_is_wrong() {
+    let text = TEXT.replace(
+        "type = \"wavelet\"\nresolution = [12, 12, 12] # coarse",
+        "type = \"reader\"\npath = \"gone.vtk\"",
+    );
+    let mut hand = Hand::before_window(&text, [700.0, 500.0], &|_| {});
+    hand.frames(4);
+    let wrong = |shape: &Shape| match shape {
+        Shape::Text(text) if text.galley.text().contains("gone.vtk") => Some(text.visual_bounding_rect()),
+        _ => None,
+    };
+    let picture = hand.rect("picture picture");
+    let texts: Vec<Rect> = hand.shapes().iter().filter_map(|clipped| wrong(&clipped.shape)).collect();
+    let text =
+        texts.into_iter().find(|text| picture.contains(text.center())).expect("it is said in the picture");
+    for button in ["Show 'grid'", "Choose a file …", "Try again"] {
+        let rect = hand.rect(button);
+        assert!(
+            rect.top() >= text.bottom() && rect.bottom() <= picture.bottom() + 1.0,
+            "{button} {rect} {text}"
+        );
+    }
+}

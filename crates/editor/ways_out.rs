@@ -1,0 +1,115 @@
+//! Ways out of an error, each a button: to the node that it is about, to another file, to the line of the text, to fewer pixels, and once more.
+
+use crate::scene::{Action, Command, FilePurpose, Scene, camera_of};
+use crate::worker::size_of;
+use eframe::egui::{Button, Ui};
+use std::path::PathBuf;
+use voltet_core::Error;
+use voltet_document::panel::{Control, Row};
+use voltet_document::{Edit, Path};
+use voltet_graph::ParameterValue;
+
+/// The words of a button, and what it does.
+pub(crate) type WayOut = (String, Action);
+
+/// Words of the button that tries the same once more.
+pub(crate) const AGAIN: &str = "Try again";
+
+/// Words of the button that makes pictures smaller.
+pub(crate) const FEWER_PIXELS: &str = "Fewer pixels";
+
+/// Words of the button that writes another file.
+pub(crate) const ELSEWHERE: &str = "Save elsewhere …";
+
+/// A line for the user.
+#[derive(Debug, Clone)]
+pub(crate) struct Message {
+    pub text: String,
+    /// The error that it says.
+    pub error: Option<Error>,
+    /// The command that failed by it, to be given once more.
+    pub again: Option<Command>,
+}
+
+impl Message {
+    /// Ways out of the error that it says.
+    pub fn ways_out(&self, scene: &Scene) -> Vec<WayOut> {
+        let Some(error) = &self.error else { return Vec::new() };
+        let mut ways = ways_out(scene, error);
+        let saves = matches!(self.again, Some(Command::Save | Command::SaveAs));
+        ways.extend(saves.then(|| (ELSEWHERE.to_string(), Action::Do(Command::SaveAs))));
+        let again = self.again.filter(|again| *again != Command::SaveAs);
+        ways.extend(again.map(|again| (AGAIN.to_string(), Action::Do(again))));
+        ways
+    }
+}
+
+/// The ways out of an error that it says itself.
+pub(crate) fn ways_out(scene: &Scene, error: &Error) -> Vec<WayOut> {
+    let mut ways = Vec::new();
+    match error.location.node.as_deref().filter(|node| scene.entry(node).is_some()) {
+        Some(node) => {
+            let shows = (!scene.selection.contains(node) || scene.selection.len() > 1)
+                .then(|| (format!("Show '{node}'"), Action::Select([node.to_string()].into())));
+            ways.extend(shows);
+            ways.extend(file_of(scene, node, error).map(|(path, file, writes)| {
+                let words = if writes { ELSEWHERE } else { "Choose a file …" };
+                let purpose = FilePurpose::Parameter { node: node.to_string(), path, writes };
+                (words.to_string(), Action::ChooseFile(purpose, Some(file)))
+            }));
+        }
+        None => ways.extend(
+            scene
+                .line_of(error)
+                .map(|line| (format!("Show the text at line {line}"), Action::ShowText(line))),
+        ),
+    }
+    let node = error.location.node.as_deref().filter(|node| scene.entry(node).is_some());
+    if error.fewer_pixels
+        && let Some((camera, size)) = node
+            .or(scene.shown_node)
+            .and_then(|node| camera_of(&scene.document.pipeline().nodes, node))
+            .and_then(|camera| Some((camera, size_of(camera)?)))
+    {
+        let size = size.map(|length| i64::from((length / 2).max(1)));
+        let edit = Edit::set(&camera.name, ["size"], size.map(ParameterValue::Integer).into_iter().collect());
+        ways.push((FEWER_PIXELS.to_string(), Action::Edit(FEWER_PIXELS.to_lowercase(), vec![edit])));
+    }
+    ways
+}
+
+/// Shows buttons; the action of the one that was clicked.
+pub(crate) fn buttons(ui: &mut Ui, ways: &[WayOut]) -> Option<Action> {
+    let clicked = ways.iter().filter(|(text, _)| ui.add(Button::new(text).small()).clicked());
+    // Every button is shown.
+    clicked.fold(None, |_, (_, action)| Some(action.clone()))
+}
+
+/// The parameter of a node that names the file that an error is about; `path`, where the error is of that parameter or of another file, as
+/// one of a series. With that file, and true if it is written.
+fn file_of(scene: &Scene, node: &str, error: &Error) -> Option<(Path, PathBuf, bool)> {
+    fn collect(rows: &[Row], files: &mut Vec<(Path, String, bool)>) {
+        for row in rows {
+            if let Some(ParameterValue::Text(text)) = &row.set_value {
+                let writes = matches!(row.control, Control::OutputFile);
+                if writes || row.parameter.parameter_type.is_input_path(text) {
+                    files.push((row.path.clone(), text.clone(), writes));
+                }
+            }
+            collect(&row.rows, files);
+            row.entries.iter().for_each(|entry| collect(&entry.rows, files));
+        }
+    }
+    let mut files = Vec::new();
+    collect(&scene.document.rows(scene.registry, node), &mut files);
+    let in_folder = |(path, text, writes)| (path, scene.document.folder().join::<String>(text), writes);
+    let mut files = files.into_iter().map(in_folder).collect::<Vec<_>>();
+    let named = error.location.file.as_deref();
+    let is_named = |(_, file, _): &(Path, PathBuf, bool)| named == Some(&*file.to_string_lossy());
+    let place = files.iter().position(is_named);
+    let is_of_path =
+        error.location.item.as_deref().is_none_or(|item| item == "path") || scene.is_of_other_file(error);
+    let usual = || files.iter().position(|(path, ..)| *path == "path".into()).filter(|_| is_of_path);
+    let place = place.or_else(usual);
+    place.map(|place| files.swap_remove(place))
+}
