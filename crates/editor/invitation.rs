@@ -55,7 +55,7 @@ pub(crate) fn invite(ui: &mut Ui, scene: &Scene, place: Rect, recent: &[&Path], 
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             let folder = path.parent().unwrap_or(Path::new("")).display().to_string();
             let entry = Button::new(format!("{name}   in {folder}")).frame(false).truncate();
-            if ui.add(entry).help_at_right(&path.display().to_string()).clicked() {
+            if ui.add(entry).help_at_right(path.display().to_string()).clicked() {
                 scene.actions.push(Action::Begin(path.to_path_buf()));
             }
         }

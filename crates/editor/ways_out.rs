@@ -3,11 +3,12 @@
 use crate::scene::{Action, Command, FilePurpose, Scene, camera_of};
 use crate::worker::size_of;
 use eframe::egui::{Button, Ui};
+use std::ops::Range;
 use std::path::PathBuf;
 use voltet_core::Error;
 use voltet_document::panel::{Control, Row};
 use voltet_document::{Edit, Path};
-use voltet_graph::ParameterValue;
+use voltet_graph::{ParameterValue, SourceSpan};
 
 /// The words of a button, and what it does.
 pub(crate) type WayOut = (String, Action);
@@ -107,8 +108,16 @@ fn file_of(scene: &Scene, node: &str, error: &Error) -> Option<(Path, PathBuf, b
     let named = error.location.file.as_deref();
     let is_named = |(_, file, _): &(Path, PathBuf, bool)| named == Some(&*file.to_string_lossy());
     let place = files.iter().position(is_named);
-    let is_of_path =
-        error.location.item.as_deref().is_none_or(|item| item == "path") || scene.is_of_other_file(error);
+    let stands = |span: &Range<usize>| {
+        let path = scene.entry(node).and_then(|entry| entry.setting("path"));
+        path.is_some_and(|path| matches!(&path.origin, SourceSpan::Span(all) if all.start <= span.start && span.end <= all.end))
+    };
+    let is_of_path = scene.is_of_other_file(error)
+        || match (&error.location.item, &error.location.span) {
+            (Some(item), _) => item == "path",
+            (None, Some(span)) => stands(span),
+            (None, None) => true,
+        };
     let usual = || files.iter().position(|(path, ..)| *path == "path".into()).filter(|_| is_of_path);
     let place = place.or_else(usual);
     place.map(|place| files.swap_remove(place))

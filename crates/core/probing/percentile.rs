@@ -68,7 +68,7 @@ impl Volumes {
             if stopped.load(Ordering::Relaxed) {
                 return None;
             }
-            if i % CELLS_PER_CHECK == 0 {
+            if i.is_multiple_of(CELLS_PER_CHECK) {
                 sorted.advance(CELLS_PER_CHECK.min(count - i));
                 stopped.fetch_or(progress.cancelled(), Ordering::Relaxed);
             }

@@ -232,7 +232,11 @@ mod tests {
     #[test]
     fn numbers_that_are_close_stay_apart() {
         let region = ParameterValue::Table(vec![field("s", numbers(&[5.0, 5.000_000_1]))]);
-        let own = [field("centre", 5.0), field("sigma", 0.1), field("region", region)];
+        let own = [
+            field("centre", numbers(&[5.0, 1.0])),
+            field("sigma", numbers(&[0.1, 0.1])),
+            field("region", region),
+        ];
         let found = after("gaussian", look().into_iter().chain(own).collect(), [&BEFORE, &AFTER]);
         let ParameterValue::Table(region) = found("region") else { panic!("no table") };
         let ends: Vec<f64> =

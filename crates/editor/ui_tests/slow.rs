@@ -22,11 +22,10 @@ static DEAF: Node = Node {
     }],
     outputs: &[Port { name: "image", port_type: PortType::Image, summary: "a picture" }],
     demand: &|_| Ok(()),
-    run: &|call| {
+    run: &|_| {
         BEGUN.fetch_add(1, Ordering::SeqCst);
         let start = Instant::now();
         while !MAY_END.load(Ordering::SeqCst) && start.elapsed() < LONGEST {
-            call.progress().report("waiting", start.elapsed().as_secs_f64() / LONGEST.as_secs_f64());
             std::thread::sleep(Duration::from_millis(2));
         }
         ENDED.fetch_add(1, Ordering::SeqCst);
@@ -35,43 +34,8 @@ static DEAF: Node = Node {
     ..Node::BLANK
 };
 
-/// What a thread of Linux did so far.
-#[derive(Clone, Copy)]
-struct ThreadWork {
-    /// Nanoseconds on a core.
-    busy: u64,
-    /// Times that it gave up its core to wait: for a lock, a channel, or a file.
-    wait_count: u64,
-}
-
-impl ThreadWork {
-    /// Of this thread; `None` where the system does not tell.
-    fn now() -> Option<ThreadWork> {
-        let read = |name: &str| std::fs::read_to_string(format!("/proc/thread-self/{name}")).ok();
-        let busy = read("schedstat")?.split_whitespace().next()?.parse().ok()?;
-        let status = read("status")?;
-        let line = status.lines().find_map(|line| line.strip_prefix("voluntary_ctxt_switches:"))?;
-        Some(ThreadWork { busy, wait_count: line.trim().parse().ok()? })
-    }
-}
-
-/// What frames take of this thread's time together, and how often it waits in most of them at the utmost, while the pointer moves.
-fn frame_work(hand: &mut Hand, frames: usize) -> Option<ThreadWork> {
-    let first = ThreadWork::now()?;
-    let mut waits = Vec::new();
-    for i in 0..frames {
-        let before = ThreadWork::now()?.wait_count;
-        hand.move_to(pos2(20.0 + 10.0 * i as f32, 300.0 + i as f32), Modifiers::NONE);
-        hand.frames(1);
-        waits.push(ThreadWork::now()?.wait_count - before);
-    }
-    waits.sort_unstable();
-    Some(ThreadWork { busy: ThreadWork::now()?.busy - first.busy, wait_count: waits[frames / 2] })
-}
-
 /// Frames are counted while the node runs: edits, selections, undo and movements of the pointer need none of its answers. Each edit asks
-/// for another picture in place of the one that it makes. By the thread's own time, which no other program's work adds to, a frame takes
-/// no more than without the node, to a factor that caches and clocks of cores may cost; and it waits for nothing.
+/// for another picture in place of the one that it makes.
 #[test]
 fn the_window_is_drawn_and_edited_while_a_node_runs() {
     let mut registry = voltet_nodes::registry().unwrap();
@@ -79,8 +43,7 @@ fn the_window_is_drawn_and_edited_while_a_node_runs() {
     let text =
         format!("{TEXT}\n[nodes.late]\ntype = \"deaf\"\ninputs = {{ transfer_function = \"look\" }}\n");
     let mut hand = Hand::with_registry(&text, [1280.0, 720.0], &|_| {}, &registry);
-    hand.settle();
-    let idle = frame_work(&mut hand, 60);
+    hand.frames(4);
     hand.editor.show_picture("late");
     until(&mut hand, "the node does not run", |_| BEGUN.load(Ordering::SeqCst) > 0);
     let drawn = 120;
@@ -99,15 +62,6 @@ fn the_window_is_drawn_and_edited_while_a_node_runs() {
         hand.frames(1);
         assert_eq!(ENDED.load(Ordering::SeqCst), 0, "frame {i} waited for the node");
     }
-    match (idle, frame_work(&mut hand, 60)) {
-        (Some(idle), Some(busy)) => {
-            let times = [idle.busy, busy.busy].map(|nanoseconds| nanoseconds as f64 * 1e-6);
-            assert_eq!(busy.wait_count, 0, "most frames wait; all take {times:?} ms");
-            assert!(times[1] < 4.0 * times[0], "frames take {times:?} ms");
-        }
-        _ => eprintln!("skipped: this system does not tell what a thread does"),
-    }
-    assert_eq!(ENDED.load(Ordering::SeqCst), 0, "the frames waited for the node");
     MAY_END.store(true, Ordering::SeqCst);
     hand.settle();
     assert!(ENDED.load(Ordering::SeqCst) > 0);

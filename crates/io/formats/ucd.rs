@@ -47,13 +47,16 @@ const CELLS: [(&str, u8, &[usize]); 8] = [
     ("pt", 0, &[0]),
 ];
 
+/// Rows of values, and the names and numbers of components of the arrays of a row.
+type ValueTable = (TextRange, Vec<(String, usize)>);
+
 /// Lines of a file's parts.
 struct UcdMesh {
     nodes: TextRange,
     node_count: u64,
     cells: TextRange,
-    /// Rows of the values at nodes and of those at cells, and the names and numbers of components of the arrays of a row.
-    tables: [Option<(TextRange, Vec<(String, usize)>)>; 2],
+    /// Values at nodes and at cells.
+    tables: [Option<ValueTable>; 2],
 }
 
 fn open(source: Arc<Source>, request: &Request) -> Result<Dataset> {

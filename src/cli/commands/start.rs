@@ -461,7 +461,7 @@ mod tests {
     #[test]
     fn it_is_stopped_in_each_stage_and_begins_no_other() {
         let data = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("data/heat_sink.vtu");
-        let arguments = Start { data, scalar: Some("temperature".into()), ..Start::default() };
+        let arguments = Start { data, scalar: Some("Temperature".into()), ..Start::default() };
         let registry = crate::nodes::registry().unwrap();
         let run = |stage| {
             let progress = StoppedIn { stage, seen: Mutex::default() };

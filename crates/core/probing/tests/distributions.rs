@@ -182,9 +182,8 @@ fn sums_stop_in_the_middle() {
     let axis = Axis { low: 0.0, high: 1.0, bins: 64 };
     let of_histogram = |progress: &Shares| histogram(&grid, [&x, &y], [axis; 2], progress).map(drop);
     let of_volumes = |progress: &Shares| Volumes::new(&grid, &x, progress).map(drop);
-    let both: [(&str, &dyn Fn(&Shares) -> crate::Result<()>); 2] =
-        [("histogram", &of_histogram), ("distribution", &of_volumes)];
-    for (stage, sums) in both {
+    type Sums<'a> = &'a dyn Fn(&Shares) -> crate::Result<()>;
+    for (stage, sums) in [("histogram", &of_histogram as Sums), ("distribution", &of_volumes)] {
         let whole = Shares::of(stage, f64::INFINITY);
         sums(&whole).unwrap();
         assert_eq!(whole.last(), 1.0, "{stage}");
