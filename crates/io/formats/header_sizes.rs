@@ -36,18 +36,15 @@ fn size(piece: &Piece) -> GridSize {
     };
     let by_points = points.saturating_mul(MAX_SPLIT).max(cells);
     let at_most = cells.saturating_mul(MAX_SPLIT).min(by_points);
-    let tetrahedra = match corners.filter(|_| cells > 0) {
-        Some(corners) => {
-            let mean = corners as f64 / cells as f64;
-            let mean = if has_streams { corners_of_stream(mean) } else { mean };
-            (cells as f64 * tetrahedra_by_corners(mean)) as u64
-        }
-        None => at_most,
-    };
+    let numbers = corners.filter(|_| cells > 0).map(|corners| corners as f64 / cells as f64);
+    let mean = numbers.map(|numbers| if has_streams { corners_of_stream(numbers) } else { numbers });
+    let tetrahedra = mean.map_or(at_most, |mean| (cells as f64 * tetrahedra_by_corners(mean)) as u64);
+    // The points of cells beside their streams.
+    let beside = mean.filter(|_| mean < numbers).map_or(0, |mean| (cells as f64 * mean) as u64);
     let is_plain = corners == cells.checked_mul(4) && faces == 0;
     // Connectivity in 32 bits, offsets in 64, types in 8.
-    let bytes =
-        corners.unwrap_or(0).saturating_add(faces).saturating_mul(4).saturating_add(cells.saturating_mul(9));
+    let stored = [corners.unwrap_or(0), faces, beside].into_iter().fold(0, u64::saturating_add);
+    let bytes = stored.saturating_mul(4).saturating_add(cells.saturating_mul(9));
     GridSize { points, tetrahedra, split: (!is_plain).then_some(bytes) }
 }
 
