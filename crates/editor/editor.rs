@@ -530,7 +530,7 @@ fn status(ui: &mut Ui, editor: &Editor, scene: &Scene, panels: &Panels) {
                     .map(|name| (format!("drop {name} here to take it up"), theme::accent(dark), Vec::new()));
                 if let Some((text, color, ways)) = held.or(said) {
                     // Before the words, which are cut where there is no room.
-                    buttons(ui, &ways).into_iter().for_each(|action| scene.actions.push(action));
+                    buttons(ui, scene, &ways);
                     let label = Label::new(RichText::new(&text).color(color)).truncate();
                     ui.add(label).help(making.map_or(text.clone(), |path| format!("{text}\n{path}")));
                 } else {

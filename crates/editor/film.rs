@@ -3,13 +3,12 @@
 use crate::jobs::Job;
 use crate::scene::{Action, FilePurpose, Scene, camera_of, error_text};
 use crate::theme::{self, Help};
-use crate::ways_out::{AGAIN, ELSEWHERE, FEWER_PIXELS, WayOut, buttons, ways_out};
+use crate::ways_out::{AGAIN, ELSEWHERE, FEWER_PIXELS, WayOut, buttons, ways_out, why_ended};
 use eframe::egui::{
     Button, Context, DragValue, Grid, ProgressBar, Rect, RichText, TextEdit, Ui, Widget, Window,
 };
 use std::path::PathBuf;
 use std::sync::Arc;
-use voltet_core::error::ErrorKind;
 use voltet_core::{Error, Result};
 use voltet_document::Edit;
 use voltet_graph::Observer;
@@ -134,15 +133,11 @@ impl FilmPanel {
             Some(Ok(line)) => return drop(ui.label(line.trim_end())),
             Some(Err(error)) => error.clone(),
         };
-        let text = match error.kind {
-            ErrorKind::Cancelled => "stopped".into(),
-            _ => error_text(&error, scene.document),
-        };
-        ui.label(RichText::new(text).color(theme::wrong(ui.visuals().dark_mode)));
+        ui.label(RichText::new(why_ended(scene, &error)).color(theme::wrong(ui.visuals().dark_mode)));
         ui.horizontal_wrapped(|ui| {
             let is_size = |(text, _): &WayOut| text == FEWER_PIXELS;
             let ways: Vec<WayOut> = ways_out(scene, &error).into_iter().filter(|way| !is_size(way)).collect();
-            buttons(ui, &ways).into_iter().for_each(|action| scene.actions.push(action));
+            buttons(ui, scene, &ways);
             let Some(again) = self.request(scene, steps, frames) else { return };
             if error.fewer_pixels && ui.small_button(FEWER_PIXELS).clicked() {
                 let own = again.size.or(scene.picture_size).unwrap_or(USUAL_SIZE);
@@ -167,7 +162,7 @@ impl FilmPanel {
                 || "there is no frame: no reader has time steps, and the camera has no way (orbit or keys)";
             ui.label(fault.map_or_else(|| none().to_string(), |fault| error_text(fault, scene.document)));
             let ways = fault.map_or(Vec::new(), |fault| ways_out(scene, fault));
-            buttons(ui, &ways).into_iter().for_each(|action| scene.actions.push(action));
+            buttons(ui, scene, &ways);
             let nodes = &scene.document.pipeline().nodes;
             let camera = scene.shown_node.and_then(|shown| camera_of(nodes, shown));
             if let Some(camera) = camera
@@ -178,8 +173,7 @@ impl FilmPanel {
             return;
         }
         let last = steps.saturating_sub(1);
-        let [mut from, mut to, mut by] = self.range.unwrap_or([0, last, 1]);
-        (from, to) = (from.min(last), to.min(last));
+        let [mut from, mut to, mut by] = self.steps(last);
         let own = scene.picture_size.unwrap_or(USUAL_SIZE);
         let mut size = self.size.unwrap_or(own);
         let path = self.path.get_or_insert_with(|| proposed(scene));
@@ -236,11 +230,16 @@ impl FilmPanel {
         }
     }
 
+    /// First and last step, and the way from one to the next, of those that there are.
+    fn steps(&self, last: usize) -> [usize; 3] {
+        let [from, to, by] = self.range.unwrap_or([0, last, 1]);
+        [from.min(last), to.min(last), by]
+    }
+
     /// The film of the document and the fields as they are now; `None` without a frame, and of a document without a file.
     fn request(&self, scene: &Scene, steps: usize, frames: usize) -> Option<FilmRequest> {
-        let (has_steps, last) = (steps > 1, steps.saturating_sub(1));
-        let [from, to, by] = self.range.unwrap_or([0, last, 1]);
-        let (from, to) = (from.min(last), to.min(last));
+        let has_steps = steps > 1;
+        let [from, to, by] = self.steps(steps.saturating_sub(1));
         let path = scene.document.path().filter(|_| has_steps || frames > 0)?;
         Some(FilmRequest {
             text: scene.document.text().to_string(),

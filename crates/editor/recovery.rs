@@ -15,7 +15,7 @@ impl Editor {
         self.recover = Recover::at(place);
     }
 
-    /// Keeps the work as it is now; true where there is more to keep a little later.
+    /// Keeps the work as it is now, or wakes the window to do so a little later.
     pub(crate) fn keep(&mut self, ctx: &Context) {
         let Some(place) = &self.recover.place else { return };
         if self.document.is_saved() {

@@ -2,13 +2,12 @@
 
 use crate::jobs::Job;
 use crate::picture::milliseconds;
-use crate::scene::{Action, EARLIER, Scene, error_text};
+use crate::scene::{Action, EARLIER, Scene};
 use crate::theme::{self, Help};
-use crate::ways_out::{buttons, ways_out};
+use crate::ways_out::{buttons, ways_out, why_ended};
 use eframe::egui::{Context, Grid, ProgressBar, RichText, ScrollArea, Ui, Window};
 use std::path::PathBuf;
 use std::sync::Arc;
-use voltet_core::error::ErrorKind;
 use voltet_core::{Result, with_commas};
 use voltet_graph::{Observer, RunReport};
 
@@ -79,14 +78,9 @@ impl StudyPanel {
             match &self.found {
                 Some(Ok(studied)) => results(ui, studied),
                 Some(Err(error)) => {
-                    let text = match error.kind {
-                        ErrorKind::Cancelled => "stopped".into(),
-                        _ => error_text(error, scene.document),
-                    };
-                    ui.colored_label(theme::wrong(ui.visuals().dark_mode), text);
+                    ui.colored_label(theme::wrong(ui.visuals().dark_mode), why_ended(scene, error));
                     // The button above tries it again.
-                    let clicked = ui.horizontal_wrapped(|ui| buttons(ui, &ways_out(scene, error))).inner;
-                    clicked.into_iter().for_each(|action| scene.actions.push(action));
+                    ui.horizontal_wrapped(|ui| buttons(ui, scene, &ways_out(scene, error)));
                 }
                 None => {
                     ui.label(

@@ -157,8 +157,7 @@ impl TimeStrip {
         if let (0..=1, Some(fault)) = (count, &self.fault) {
             let text = error_text(fault, scene.document);
             ui.label(RichText::new(text).color(theme::wrong(ui.visuals().dark_mode)));
-            let clicked = ui.horizontal_wrapped(|ui| buttons(ui, &ways_out(scene, fault))).inner;
-            clicked.into_iter().for_each(|action| scene.actions.push(action));
+            ui.horizontal_wrapped(|ui| buttons(ui, scene, &ways_out(scene, fault)));
             return;
         }
         let frame = self.frame(nodes).min(count.saturating_sub(1));

@@ -1,11 +1,12 @@
 //! Ways out of an error, each a button: to the node that it is about, to another file, to the line of the text, to fewer pixels, and once more.
 
-use crate::scene::{Action, Command, FilePurpose, Scene, camera_of};
+use crate::scene::{Action, Command, FilePurpose, Scene, camera_of, error_text};
 use crate::worker::size_of;
 use eframe::egui::{Button, Ui};
 use std::ops::Range;
 use std::path::PathBuf;
 use voltet_core::Error;
+use voltet_core::error::ErrorKind;
 use voltet_document::panel::{Control, Row};
 use voltet_document::{Edit, Path};
 use voltet_graph::{ParameterValue, SourceSpan};
@@ -48,7 +49,8 @@ impl Message {
 /// The ways out of an error that it says itself.
 pub(crate) fn ways_out(scene: &Scene, error: &Error) -> Vec<WayOut> {
     let mut ways = Vec::new();
-    match error.location.node.as_deref().filter(|node| scene.entry(node).is_some()) {
+    let node = error.location.node.as_deref().filter(|node| scene.entry(node).is_some());
+    match node {
         Some(node) => {
             let shows = (!scene.selection.contains(node) || scene.selection.len() > 1)
                 .then(|| (format!("Show '{node}'"), Action::Select([node.to_string()].into())));
@@ -65,7 +67,6 @@ pub(crate) fn ways_out(scene: &Scene, error: &Error) -> Vec<WayOut> {
                 .map(|line| (format!("Show the text at line {line}"), Action::ShowText(line))),
         ),
     }
-    let node = error.location.node.as_deref().filter(|node| scene.entry(node).is_some());
     if error.fewer_pixels
         && let Some((camera, size)) = node
             .or(scene.shown_node)
@@ -79,11 +80,21 @@ pub(crate) fn ways_out(scene: &Scene, error: &Error) -> Vec<WayOut> {
     ways
 }
 
-/// Shows buttons; the action of the one that was clicked.
-pub(crate) fn buttons(ui: &mut Ui, ways: &[WayOut]) -> Option<Action> {
-    let clicked = ways.iter().filter(|(text, _)| ui.add(Button::new(text).small()).clicked());
-    // Every button is shown.
-    clicked.fold(None, |_, (_, action)| Some(action.clone()))
+/// Words for the end of work in the background that has no result.
+pub(crate) fn why_ended(scene: &Scene, error: &Error) -> String {
+    match error.kind {
+        ErrorKind::Cancelled => "stopped".into(),
+        _ => error_text(error, scene.document),
+    }
+}
+
+/// Shows buttons, and asks for the action of the one that is clicked.
+pub(crate) fn buttons(ui: &mut Ui, scene: &Scene, ways: &[WayOut]) {
+    for (text, action) in ways {
+        if ui.add(Button::new(text).small()).clicked() {
+            scene.actions.push(action.clone());
+        }
+    }
 }
 
 /// The parameter of a node that names the file that an error is about; `path`, where the error is of that parameter or of another file, as

@@ -40,7 +40,7 @@ const SPLIT: [(u8, u64, u64); 7] = [
 ];
 
 /// Most corners of a cell that is no polyhedron, but for those of higher degrees.
-pub(crate) const MAX_CORNERS: f64 = 27.0;
+pub(crate) const MAX_CORNERS: f64 = SPLIT[SPLIT.len() - 1].1 as f64;
 
 /// About how many tetrahedra a cell of any type becomes, by its corners or by the mean of those of several cells: as many as cells of
 /// the types with so many do. A polyhedron that is split at one of its corners becomes about as many.

@@ -46,10 +46,22 @@ use std::time::Duration;
 use voltet_core::Error;
 use voltet_core::progress::Progress;
 use voltet_document::Document;
-use voltet_graph::Registry;
+use voltet_graph::{Node, Port, PortType, Registry};
 
 /// A pipeline with comments, drawn in one node.
 const TEXT: &str = include_str!("scene.toml");
+
+/// Ports of a node that draws with a transfer function.
+const DRAWING: Node = Node {
+    inputs: &[Port {
+        name: "transfer_function",
+        port_type: PortType::TransferFunction,
+        summary: "whose changes ask for another picture",
+    }],
+    outputs: &[Port { name: "image", port_type: PortType::Image, summary: "a picture" }],
+    demand: &|_| Ok(()),
+    ..Node::BLANK
+};
 
 /// Frames until it is so.
 fn until(hand: &mut Hand, what: &str, is_so: impl Fn(&Hand) -> bool) {

@@ -8,7 +8,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::channel;
 use voltet_core::picture::Picture;
-use voltet_graph::{Node, Port, PortType, Value};
+use voltet_graph::{Node, Value};
 
 /// A uniform grid of `cells`³ hexahedra. Its values are a hole in the file: nothing of them is stored or read.
 fn uniform_grid(folder: &Path, cells: u64) -> PathBuf {
@@ -163,13 +163,6 @@ static STOPPED: AtomicUsize = AtomicUsize::new(0);
 static ENDLESS: Node = Node {
     name: "endless",
     summary: "A picture that never comes; it is stopped.",
-    inputs: &[Port {
-        name: "transfer_function",
-        port_type: PortType::TransferFunction,
-        summary: "whose changes ask for another picture",
-    }],
-    outputs: &[Port { name: "image", port_type: PortType::Image, summary: "a picture" }],
-    demand: &|_| Ok(()),
     run: &|call| {
         BEGUN.fetch_add(1, Ordering::SeqCst);
         while !call.progress().cancelled() {
@@ -179,7 +172,7 @@ static ENDLESS: Node = Node {
         call.progress().check_cancelled()?;
         Ok(vec![Value::Image(Arc::new(Picture::transparent(2, 2)))])
     },
-    ..Node::BLANK
+    ..DRAWING
 };
 
 #[test]

@@ -2,7 +2,7 @@ use super::*;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
 use voltet_core::picture::Picture;
-use voltet_graph::{Node, Port, PortType, Value};
+use voltet_graph::{Node, Value};
 
 /// Numbers of starts and ends of the node, and true once it may end.
 static BEGUN: AtomicUsize = AtomicUsize::new(0);
@@ -15,13 +15,6 @@ const LONGEST: Duration = Duration::from_secs(600);
 static DEAF: Node = Node {
     name: "deaf",
     summary: "A picture that comes when it is released; it hears of no cancellation.",
-    inputs: &[Port {
-        name: "transfer_function",
-        port_type: PortType::TransferFunction,
-        summary: "whose changes ask for another picture",
-    }],
-    outputs: &[Port { name: "image", port_type: PortType::Image, summary: "a picture" }],
-    demand: &|_| Ok(()),
     run: &|_| {
         BEGUN.fetch_add(1, Ordering::SeqCst);
         let start = Instant::now();
@@ -31,7 +24,7 @@ static DEAF: Node = Node {
         ENDED.fetch_add(1, Ordering::SeqCst);
         Ok(vec![Value::Image(Arc::new(Picture::transparent(2, 2)))])
     },
-    ..Node::BLANK
+    ..DRAWING
 };
 
 /// Frames are counted while the node runs: edits, selections, undo and movements of the pointer need none of its answers. Each edit asks

@@ -340,6 +340,7 @@ mod tests {
         assert_eq!([spread.value_at(0.0), spread.value_at(1.0)], [0.0, 10.0]);
         assert!((spread.below(2.0) - 0.7).abs() < 1e-12);
     }
+
     struct Shares(Mutex<Vec<f64>>);
 
     impl Progress for Shares {
