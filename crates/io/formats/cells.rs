@@ -9,7 +9,7 @@ pub(super) fn load(piece: &Piece, meter: &Meter) -> Result<Cells> {
     match &piece.geometry {
         Geometry::Unstructured { cells, .. } => match &**cells {
             StoredCells::Offsets { connectivity, offsets, types, faces } => {
-                let count = types.count_if_all(meter, |_, _, own: &[u8]| all_tetrahedra(own))?;
+                let count = types.count_if_all(meter, &|_, _, own: &[u8]| all_tetrahedra(own))?;
                 if let Some(count) = count.filter(|&count| count > 0)
                     && let Some(own) = tetrahedra(connectivity, offsets, count, meter)?
                 {
@@ -99,7 +99,7 @@ fn tetrahedra(
     count: usize,
     meter: &Meter,
 ) -> Result<Option<Vec<[u32; 4]>>> {
-    let is_regular = offsets.count_if_all(meter, |begin, found, own: &[u64]| {
+    let is_regular = offsets.count_if_all(meter, &|begin, found, own: &[u64]| {
         // The first bound, 0, may be left out.
         let first = (count + 1).wrapping_sub(found);
         let bounds = own.iter().zip(begin.wrapping_add(first)..);

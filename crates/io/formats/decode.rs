@@ -20,6 +20,9 @@ use voltet_core::{Error, Result, counted};
 /// Values that one task decodes from data that is not cut into blocks: what they take is in the cache until they are converted.
 const PART: usize = 1 << 15;
 
+/// What is done to each part of the values while it is in the cache.
+type Change<'a, T> = dyn Fn(&mut [T]) + Sync + 'a;
+
 impl Stored {
     /// Reads all values. Allocates once their number is known to lie in the file.
     pub fn load<T: Target>(&self, meter: &Meter) -> Result<Vec<T>> {
@@ -37,7 +40,7 @@ impl Stored {
     pub fn count_if_all<T: Target>(
         &self,
         meter: &Meter,
-        is_good: impl Fn(usize, usize, &[T]) -> bool + Sync,
+        is_good: &(dyn Fn(usize, usize, &[T]) -> bool + Sync),
     ) -> Result<Option<usize>> {
         let counted = || {
             let found = self.find(meter)?;
@@ -79,12 +82,7 @@ impl Stored {
         })
     }
 
-    fn load_found<T: Target>(
-        &self,
-        found: Decodable,
-        meter: &Meter,
-        change: &(impl Fn(&mut [T]) + Sync),
-    ) -> Result<Vec<T>> {
+    fn load_found<T: Target>(&self, found: Decodable, meter: &Meter, change: &Change<T>) -> Result<Vec<T>> {
         let promised = self.promised()?;
         if let Some((count, part_len)) = self.parts(&found)? {
             let mut values = zeros(count);

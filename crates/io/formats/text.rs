@@ -73,6 +73,9 @@ pub(super) struct TextPiece<'a> {
 /// Errors: the place of the wrong one among those shown.
 pub(super) type Consumption = std::result::Result<Option<usize>, (usize, Error)>;
 
+/// True if a cut follows the first of some bytes.
+type IsEnd<'a> = dyn Fn(&[u8]) -> bool + Sync + 'a;
+
 impl TextPiece<'_> {
     /// The lines with their ends cut off.
     pub fn lines(&self) -> impl Iterator<Item = &[u8]> {
@@ -144,12 +147,22 @@ impl TextRange {
         parse: impl Fn(&TextPiece) -> Result<R> + Sync,
         mut take: impl FnMut(R) -> Result<bool>,
     ) -> Result<()> {
+        self.each_piece_of(&is_end, &parse, &mut take)
+    }
+
+    /// As [`TextRange::each_piece`], compiled once for all that parse to the same.
+    fn each_piece_of<R: Send>(
+        &self,
+        is_end: &IsEnd,
+        parse: &(dyn Fn(&TextPiece) -> Result<R> + Sync),
+        take: &mut dyn FnMut(R) -> Result<bool>,
+    ) -> Result<()> {
         let count = self.len().div_ceil(PIECE) as usize;
         let step = rayon::current_num_threads().max(1) * PIECES_OF_THREAD;
         let parsed = |first: usize| -> Vec<Result<R>> {
             let pieces = first..count.min(first.saturating_add(step));
             let of_piece = |buffer: &mut Vec<u8>, index| {
-                let (start, bytes) = self.piece(index, &is_end, buffer)?;
+                let (start, bytes) = self.piece(index, is_end, buffer)?;
                 parse(&TextPiece { range: self, start, bytes })
             };
             pieces.into_par_iter().map_init(Vec::new, of_piece).collect()
@@ -175,12 +188,7 @@ impl TextRange {
     }
 
     /// Place and bytes of a piece.
-    fn piece<'b>(
-        &self,
-        index: usize,
-        is_end: &impl Fn(&[u8]) -> bool,
-        buffer: &'b mut Vec<u8>,
-    ) -> Result<(u64, &'b [u8])> {
+    fn piece<'b>(&self, index: usize, is_end: &IsEnd, buffer: &'b mut Vec<u8>) -> Result<(u64, &'b [u8])> {
         let first = self.start + index as u64 * PIECE;
         let last = self.end.min(first + PIECE);
         // The byte before tells whether the first is a beginning.
@@ -203,13 +211,7 @@ impl TextRange {
     }
 
     /// Place behind the first cut in the buffer, which begins at `from` of the file, from a place on; more is read if there is none.
-    fn cut(
-        &self,
-        from: u64,
-        at: usize,
-        is_end: &impl Fn(&[u8]) -> bool,
-        buffer: &mut Vec<u8>,
-    ) -> Result<usize> {
+    fn cut(&self, from: u64, at: usize, is_end: &IsEnd, buffer: &mut Vec<u8>) -> Result<usize> {
         let (mut place, mut line) = (at, at);
         loop {
             if let Some(found) = (place..buffer.len()).find(|&place| is_end(&buffer[place..])) {
