@@ -82,7 +82,6 @@ fn pipeline_for(path: &Path, at: &Path, registry: &Registry, progress: &dyn Prog
         return Ok(Source::read(path)?.text);
     }
     let (data, output) = (path.to_path_buf(), Some(at.to_path_buf()));
-    // The editor has the plane of s and g beside the picture.
-    let arguments = Start { data, output, plain: true, ..Start::default() };
+    let arguments = Start { data, output, ..Start::default() };
     start::pipeline(&arguments, registry, at, progress).map(|(text, _)| text)
 }
