@@ -105,13 +105,15 @@ impl Editor {
 
     pub(crate) fn edit(&mut self, label: String, edits: &[Edit]) {
         self.message = None;
-        let pending = self.before_rescale(edits);
+        let (pending, looks) = (self.before_rescale(edits), self.before_scales(edits));
         let gesture = pending.as_ref().map(|pending| pending.gesture).or(self.gesture);
+        let gesture = gesture.or_else(|| (!looks.is_empty()).then(|| self.gestures.begin()));
         let outcome = self.document.edit_all(label, edits, gesture);
         if self.check(outcome).is_none() {
             return;
         }
         pending.into_iter().for_each(|pending| self.expect_ranges(pending));
+        self.follow_scales(looks, gesture);
         let mut added = BTreeSet::new();
         for edit in edits {
             match edit {
