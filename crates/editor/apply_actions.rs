@@ -7,7 +7,6 @@ use crate::files::{Disk, FileDialog, is_pipeline};
 use crate::jobs::{Arrays, Job};
 use crate::picture::milliseconds;
 use crate::scene::{Action, Command, FilePurpose, error_text};
-use crate::templates::begun;
 use crate::view::View;
 use crate::ways_out::Message;
 use crate::worker::size_of;
@@ -176,7 +175,8 @@ impl Editor {
             Command::New => self.unless_unsaved(ctx, Next::Take(Box::default())),
             Command::Example => {
                 let text = self.registry.find("wavelet").map(|node| node.example.to_string());
-                if let Some(document) = self.check(text.and_then(|text| begun(text, None))) {
+                if let Some(text) = self.check(text) {
+                    let document = Document::from_text(text, None);
                     self.unless_unsaved(ctx, Next::Take(Box::new(document)));
                 }
             }
@@ -427,7 +427,7 @@ impl Editor {
         }
         let start = self.start.clone();
         self.make(ctx, path, dialog, move |file, at, progress| {
-            begun(start(file, at, progress)?, Some(at.to_path_buf()))
+            Ok(Document::from_text(start(file, at, progress)?, Some(at.to_path_buf())))
         });
     }
 

@@ -300,7 +300,7 @@ pub(crate) fn bar(ui: &mut Ui, scene: &Scene) {
             let path = scene.document.path();
             let name =
                 path.and_then(Path::file_name).map_or("new pipeline".into(), |name| name.to_string_lossy());
-            let mark = if scene.document.is_saved() { "" } else { " • not saved" };
+            let mark = if scene.document.is_unwritten() { " • not saved" } else { "" };
             let name = RichText::new(format!("{name}{mark}")).color(theme::weak(ui.visuals().dark_mode));
             let label = ui.add(Label::new(name).truncate());
             if let Some(path) = path {
