@@ -160,6 +160,25 @@ fn work_that_cannot_be_kept_is_said_once_and_tried_again_later() {
     assert_eq!(Recovery::in_folder(folder).left_behind()[0].text, hand.text());
 }
 
+/// The system takes a while to end a window that is killed.
+#[test]
+fn work_of_a_window_that_has_not_ended_yet_is_offered_a_little_later() {
+    let kept = tempfile::tempdir().unwrap();
+    let mut ending = Hand::new(TEXT);
+    ending.editor.keep_in(place(&kept));
+    ending.key(Key::X, Modifiers::NONE);
+    ending.frames(2);
+    let mut next = Hand::new("[pipeline]\nformat = 1\n");
+    next.editor.keep_in(place(&kept));
+    next.frames(3);
+    assert!(!next.sees("Open it") && next.ctx.has_requested_repaint(), "it will look again");
+    let Hand { harness, folder: _folder, .. } = ending;
+    drop(harness);
+    next.editor.recover.looks_again = Some(std::time::Instant::now());
+    next.frames(2);
+    assert!(next.sees("Open it"));
+}
+
 /// All places for copies of that file are taken.
 #[test]
 fn work_that_cannot_be_kept_anew_stays_where_it_was_left_behind() {
