@@ -10,7 +10,7 @@ use crate::scene::{Action, Command, FilePurpose, error_text};
 use crate::view::View;
 use crate::ways_out::Message;
 use crate::worker::size_of;
-use eframe::egui::{Context, Event, ThemePreference};
+use eframe::egui::{Context, Event, ThemePreference, gui_zoom};
 use glam::DVec3;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -237,6 +237,9 @@ impl Editor {
                 let dark = ctx.global_style().visuals.dark_mode;
                 ctx.set_theme(if dark { ThemePreference::Light } else { ThemePreference::Dark });
             }
+            Command::Zoom(0) => ctx.set_zoom_factor(1.0),
+            Command::Zoom(by) if by > 0 => gui_zoom::zoom_in(ctx),
+            Command::Zoom(_) => gui_zoom::zoom_out(ctx),
             Command::Costs => self.panels.costs = !self.panels.costs,
             Command::Widgets => self.panels.transfer.switch_keys(),
             Command::Section => self.panels.section.open = !self.panels.section.open,
