@@ -1,6 +1,7 @@
 use super::*;
 use crate::film::FilmRequest;
 use crate::scene::ProbePurpose;
+use eframe::egui::OutputCommand;
 use std::sync::Mutex;
 use voltet_document::Edit;
 use voltet_graph::Observer;
@@ -343,8 +344,8 @@ fn keys_of_the_camera_are_added_moved_and_deleted_on_the_strip() {
     assert!(keys(&hand).len() == 2 && (second[1] + 28.0).abs() > 1.0, "{second:?}");
     // In the middle the camera is between them, at the distance of both.
     hand.settle();
-    let to_middle = hand.rect("frame").center();
     assert!(!hand.sees("Back to your view"), "it is a key now");
+    let to_middle = hand.rect("frame").center();
     hand.click(to_middle);
     hand.settle();
     let eye = hand.editor.view().unwrap().eye;
@@ -369,7 +370,6 @@ fn keys_of_the_camera_are_added_moved_and_deleted_on_the_strip() {
     assert_eq!(hand.text(), TEXT);
 }
 
-#[test]
 /// Another frame shows what the film will have; the view that a hand chose is not lost by it.
 #[test]
 fn a_view_that_is_left_for_another_frame_can_be_had_again_and_be_kept_there() {
@@ -407,6 +407,7 @@ fn a_view_that_is_left_for_another_frame_can_be_had_again_and_be_kept_there() {
     assert!(is_at(&hand, chosen), "{}", eye(&hand));
 }
 
+#[test]
 fn the_sheet_of_films_asks_for_what_is_chosen_and_can_be_stopped() {
     let mut hand = before_series(&text_of_series(), [900.0, 600.0]);
     let asked: Arc<Mutex<Vec<FilmRequest>>> = Arc::default();
@@ -436,9 +437,15 @@ fn the_sheet_of_films_asks_for_what_is_chosen_and_can_be_stopped() {
     }
     hand.click_on("Make the film");
     until(&mut hand, "the film is made", |hand| !hand.texts("a film of 3 frames").is_empty());
+    let at = hand.named("Copy path");
+    hand.move_to(at, Modifiers::NONE);
+    hand.button(true, PointerButton::Primary, Modifiers::NONE);
+    hand.button(false, PointerButton::Primary, Modifiers::NONE);
+    let copied = OutputCommand::CopyText(hand.folder.path().join("scene.mp4").display().to_string());
+    assert!(hand.harness.output().platform_output.commands.contains(&copied));
     let asked = asked.lock().unwrap();
     let [first, second] = &asked[..] else { panic!("{asked:?}") };
-    assert_eq!((first.steps.as_deref(), first.frames, first.rate), (Some("0:4:1"), None, 25.0));
+    assert_eq!((first.steps.as_deref(), first.frames, first.rate), (Some("0:4:1"), None, 2.0));
     assert_eq!((second.steps.as_deref(), second.size, second.rate), (Some("0:3:2"), None, 30.0));
     assert_eq!(
         (second.path.clone(), second.film.clone()),

@@ -196,6 +196,7 @@ fn a_film_that_fails_is_made_with_fewer_pixels_elsewhere_or_once_more() {
     until(&mut hand, "it is not made", |hand| hand.sees("made"));
     let sizes: Vec<_> = asked.lock().unwrap().iter().map(|of| of.size).collect();
     assert_eq!(sizes, [None, Some([80, 60]), Some([80, 60])]);
+    assert_eq!(asked.lock().unwrap()[0].rate, 25.0, "of many frames");
     assert_eq!(asked.lock().unwrap()[2].text, hand.text());
 }
 
