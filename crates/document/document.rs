@@ -33,7 +33,8 @@ impl Document {
         Self::from_text(format!("[pipeline]\nformat = {FORMAT}\n"), None)
     }
 
-    /// A document of a text that stands so in the file at `path`, if in one. Whatever the text: faults are asked for later.
+    /// A document that begins with a text, the floor of its steps; `path`: where it is, or would be saved. Whatever the text: faults are
+    /// asked for later.
     pub fn from_text(text: String, path: Option<PathBuf>) -> Document {
         let (text, syntax, survey) = read(&text);
         let mut document = Document {
@@ -157,9 +158,14 @@ impl Document {
         &self.history
     }
 
-    /// True if the text is as its file.
+    /// True if nothing would be lost with it: the text is as its file, or as it was begun.
     pub fn is_saved(&self) -> bool {
         self.history.is_saved()
+    }
+
+    /// True if saving would change its file: the text is another, or stands in no file yet.
+    pub fn is_unwritten(&self) -> bool {
+        !self.is_saved() || self.path.is_some() && self.stamp.is_none()
     }
 
     /// The place of a node in the view: what the file says, else where it was laid out when it was first seen.
@@ -245,7 +251,7 @@ pub struct History {
     steps: Vec<EditStep>,
     /// Number of steps done; later ones are undone.
     cursor: usize,
-    /// The cursor at which the text is as its file; none where no cursor leads there.
+    /// The cursor at which the text is as its file, or as it was begun; none where no cursor leads there.
     saved: Option<usize>,
 }
 
@@ -297,7 +303,12 @@ impl History {
         self.saved = Some(self.cursor);
     }
 
-    /// True if the text is as its file.
+    /// No step leads to what is saved any more.
+    pub(crate) fn forget_saved(&mut self) {
+        self.saved = None;
+    }
+
+    /// True if the text is as its file, or as it was begun.
     pub fn is_saved(&self) -> bool {
         self.saved == Some(self.cursor)
     }

@@ -280,10 +280,14 @@ impl OrphanedDraft {
         Some(OrphanedDraft { path, text: text.to_string(), written, slot })
     }
 
-    /// A document of its file with this text in it, not saved; call [`OrphanedDraft::give_up`] once the document is kept or saved.
+    /// A document of its file with this text in it, not saved; call [`OrphanedDraft::give_up`] once the document is kept or saved. Without
+    /// a file it begins with this text.
     pub fn document(&self) -> Document {
-        let opened = self.path.as_deref().and_then(|path| Document::open(path).ok());
-        let mut document = opened.unwrap_or_else(|| Document::from_text(String::new(), self.path.clone()));
+        let Some(mut document) = self.path.as_deref().and_then(|path| Document::open(path).ok()) else {
+            let mut document = Document::from_text(self.text.clone(), self.path.clone());
+            document.history.forget_saved();
+            return document;
+        };
         // A text can always be put in place of another.
         let edit = Edit::Text(self.text.clone());
         let _ = document.edit_all("take up unsaved work".into(), &[edit], None);

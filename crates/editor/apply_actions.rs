@@ -7,11 +7,10 @@ use crate::files::{Disk, FileDialog, is_pipeline};
 use crate::jobs::{Arrays, Job};
 use crate::picture::milliseconds;
 use crate::scene::{Action, Command, FilePurpose, error_text};
-use crate::templates::begun;
 use crate::view::View;
 use crate::ways_out::Message;
 use crate::worker::size_of;
-use eframe::egui::{Context, Event, ThemePreference};
+use eframe::egui::{Context, Event, ThemePreference, gui_zoom};
 use glam::DVec3;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -105,13 +104,15 @@ impl Editor {
 
     pub(crate) fn edit(&mut self, label: String, edits: &[Edit]) {
         self.message = None;
-        let pending = self.before_rescale(edits);
+        let (pending, looks) = (self.before_rescale(edits), self.before_scales(edits));
         let gesture = pending.as_ref().map(|pending| pending.gesture).or(self.gesture);
+        let gesture = gesture.or_else(|| (!looks.is_empty()).then(|| self.gestures.begin()));
         let outcome = self.document.edit_all(label, edits, gesture);
         if self.check(outcome).is_none() {
             return;
         }
         pending.into_iter().for_each(|pending| self.expect_ranges(pending));
+        self.follow_scales(looks, gesture);
         let mut added = BTreeSet::new();
         for edit in edits {
             match edit {
@@ -174,7 +175,8 @@ impl Editor {
             Command::New => self.unless_unsaved(ctx, Next::Take(Box::default())),
             Command::Example => {
                 let text = self.registry.find("wavelet").map(|node| node.example.to_string());
-                if let Some(document) = self.check(text.and_then(|text| begun(text, None))) {
+                if let Some(text) = self.check(text) {
+                    let document = Document::from_text(text, None);
                     self.unless_unsaved(ctx, Next::Take(Box::new(document)));
                 }
             }
@@ -235,6 +237,9 @@ impl Editor {
                 let dark = ctx.global_style().visuals.dark_mode;
                 ctx.set_theme(if dark { ThemePreference::Light } else { ThemePreference::Dark });
             }
+            Command::Zoom(0) => ctx.set_zoom_factor(1.0),
+            Command::Zoom(by) if by > 0 => gui_zoom::zoom_in(ctx),
+            Command::Zoom(_) => gui_zoom::zoom_out(ctx),
             Command::Costs => self.panels.costs = !self.panels.costs,
             Command::Widgets => self.panels.transfer.switch_keys(),
             Command::Section => self.panels.section.open = !self.panels.section.open,
@@ -425,7 +430,7 @@ impl Editor {
         }
         let start = self.start.clone();
         self.make(ctx, path, dialog, move |file, at, progress| {
-            begun(start(file, at, progress)?, Some(at.to_path_buf()))
+            Ok(Document::from_text(start(file, at, progress)?, Some(at.to_path_buf())))
         });
     }
 

@@ -144,12 +144,17 @@ impl Recent {
     }
 }
 
+/// Time for which a window that was killed may hold its work: until the system has taken its memory back.
+const ENDING: Duration = Duration::from_secs(5);
+
 /// Copy of this window's unsaved work, and copies left by crashed windows.
 #[derive(Default)]
 pub(crate) struct Recover {
     pub place: Option<Recovery>,
     pub keeper: Option<Autosave>,
     pub left: Vec<OrphanedDraft>,
+    /// Time at which what was left behind is looked for once more.
+    pub looks_again: Option<Instant>,
     /// Time when work was last kept, or could not be.
     pub kept: Option<Instant>,
     /// Revision of the work that could not be kept.
@@ -159,7 +164,20 @@ pub(crate) struct Recover {
 impl Recover {
     /// Keeps work in a place, and looks what was left behind there.
     pub fn at(place: Recovery) -> Recover {
-        Recover { left: place.left_behind(), place: Some(place), ..Recover::default() }
+        let (left, looks_again) = (place.left_behind(), Some(Instant::now() + ENDING));
+        Recover { left, looks_again, place: Some(place), ..Recover::default() }
+    }
+
+    /// Looks once more for what was left behind, when it is time; returns the time until then.
+    pub fn look_again(&mut self) -> Option<Duration> {
+        let left = self.looks_again?.saturating_duration_since(Instant::now());
+        if !left.is_zero() {
+            return Some(left);
+        }
+        self.looks_again = None;
+        // Those of which it is known are held, and are not found again.
+        self.left.extend(self.place.iter().flat_map(Recovery::left_behind));
+        None
     }
 
     /// Another document is worked on: what was kept of the former one is not wanted any more.

@@ -38,6 +38,10 @@ pub type Film = Arc<dyn Fn(&FilmRequest, &dyn Observer) -> Result<String> + Send
 /// Most frames a second.
 const MAX_RATE: f64 = 1000.0;
 
+/// Frames a second where a hand gives none, at most, and how long a film lasts where it takes fewer, seconds.
+const USUAL_RATE: f64 = 25.0;
+const SHORTEST: f64 = 3.0;
+
 /// Size of a film of a camera that states none.
 const USUAL_SIZE: [u32; 2] = [1024, 768];
 
@@ -51,11 +55,13 @@ pub(crate) struct FilmPanel {
     /// Place of the slider of the frames in the window.
     pub rail: Rect,
     made: Option<Job<String>>,
-    /// Outcome of the film that was asked for last.
+    /// Outcome of the film that was asked for last, and its file.
     found: Option<Result<String>>,
+    file: PathBuf,
     /// First and last frame, and the way from one to the next; `None`: all of them.
     range: Option<[usize; 3]>,
-    rate: f64,
+    /// Frames a second; `None`: as many as are usual.
+    rate: Option<f64>,
     size: Option<[u32; 2]>,
     /// Path of the file, as typed.
     pub path: Option<String>,
@@ -69,8 +75,9 @@ impl Default for FilmPanel {
             rail: Rect::NOTHING,
             made: None,
             found: None,
+            file: PathBuf::new(),
             range: None,
-            rate: 25.0,
+            rate: None,
             size: None,
             path: None,
         }
@@ -130,7 +137,15 @@ impl FilmPanel {
     fn outcome(&mut self, ui: &mut Ui, scene: &Scene, steps: usize, frames: usize) {
         let error = match &self.found {
             None => return,
-            Some(Ok(line)) => return drop(ui.label(line.trim_end())),
+            Some(Ok(line)) => {
+                ui.label(line.trim_end());
+                let path = self.file.display().to_string();
+                let help = format!("{path}\nfor the program that shows the film");
+                if ui.button("Copy path").help(help).clicked() {
+                    ui.ctx().copy_text(path);
+                }
+                return;
+            }
             Some(Err(error)) => error.clone(),
         };
         ui.label(RichText::new(why_ended(scene, &error)).color(theme::wrong(ui.visuals().dark_mode)));
@@ -176,6 +191,8 @@ impl FilmPanel {
         let [mut from, mut to, mut by] = self.steps(last);
         let own = scene.picture_size.unwrap_or(USUAL_SIZE);
         let mut size = self.size.unwrap_or(own);
+        let usual_rate = self.usual_rate(steps, frames);
+        let mut rate = self.rate.unwrap_or(usual_rate);
         let path = self.path.get_or_insert_with(|| proposed(scene));
         Grid::new("film").num_columns(2).show(ui, |ui| {
             if has_steps {
@@ -193,8 +210,8 @@ impl FilmPanel {
             }
             ui.end_row();
             ui.label("rate");
-            let rate = DragValue::new(&mut self.rate).range(0.1..=MAX_RATE).suffix(" frames a second");
-            named(ui, "frames a second", rate);
+            let field = DragValue::new(&mut rate).range(0.1..=MAX_RATE).suffix(" frames a second");
+            named(ui, "frames a second", field);
             ui.end_row();
             ui.label("size");
             ui.horizontal(|ui| {
@@ -220,6 +237,7 @@ impl FilmPanel {
             self.range = Some([from, to, by]).filter(|range| *range != [0, last, 1]);
         }
         self.size = Some(size).filter(|size| *size != own);
+        self.rate = Some(rate).filter(|rate| *rate != usual_rate);
         let can = self.make.is_some() && scene.document.path().is_some();
         let begins = ui.add_enabled(can, Button::new("Make the film"));
         let begins = begins
@@ -236,6 +254,13 @@ impl FilmPanel {
         [from.min(last), to.min(last), by]
     }
 
+    /// Frames a second where a hand gives none: a short film lasts long enough to be seen.
+    fn usual_rate(&self, steps: usize, frames: usize) -> f64 {
+        let [from, to, by] = self.steps(steps.saturating_sub(1));
+        let count = if steps > 1 { to.saturating_sub(from) / by.max(1) + 1 } else { frames };
+        (count as f64 / SHORTEST).round().clamp(1.0, USUAL_RATE)
+    }
+
     /// The film of the document and the fields as they are now; `None` without a frame, and of a document without a file.
     fn request(&self, scene: &Scene, steps: usize, frames: usize) -> Option<FilmRequest> {
         let has_steps = steps > 1;
@@ -246,7 +271,7 @@ impl FilmPanel {
             path: path.to_path_buf(),
             steps: has_steps.then(|| format!("{from}:{to}:{by}")),
             frames: (!has_steps).then_some(frames),
-            rate: self.rate,
+            rate: self.rate.unwrap_or_else(|| self.usual_rate(steps, frames)),
             size: self.size,
             film: scene.document.folder().join(self.path.as_deref()?),
         })
@@ -254,6 +279,7 @@ impl FilmPanel {
 
     fn begin(&mut self, of: FilmRequest, ctx: &Context) {
         let Some(make) = self.make.clone() else { return };
+        self.file = of.film.clone();
         match Job::start("film", ctx, move |observer| make(&of, observer)) {
             Ok(made) => (self.made, self.found) = (Some(made), None),
             Err(error) => self.found = Some(Err(error)),

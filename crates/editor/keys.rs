@@ -141,6 +141,15 @@ const COMMANDS: &[Binding] = {
         ("", Time(TimeMove::First), "", &[(NONE, Key::Home)], "first time step"),
         ("", Time(TimeMove::Last), "", &[(NONE, Key::End)], "last time step"),
         ("View", Theme, "Light or dark", &[(NONE, Key::T)], "light or dark"),
+        (
+            "View",
+            Zoom(1),
+            "Larger",
+            &[(CTRL, Key::Plus), (CTRL, Key::Equals)],
+            "everything in the window larger",
+        ),
+        ("View", Zoom(-1), "Smaller", &[(CTRL, Key::Minus)], "everything in the window smaller"),
+        ("View", Zoom(0), "Usual size", &[(CTRL, Key::Num0)], "everything in the window at its usual size"),
         ("View", Help, "Keys and mouse", &[(NONE, Key::F1)], "this sheet"),
     ]
 };
@@ -191,7 +200,7 @@ const MOUSE: &[(&str, &[(&str, &str)])] = &[
             ("PageUp, PageDown", "choose another widget; with Shift: its place in the list"),
             ("P, Ctrl+D, Delete", "add at the peak, duplicate, take away"),
             ("V, S", "hide, show alone"),
-            ("Ctrl+0 … 9, 0 … 9", "store (in the file) and recall the widgets"),
+            ("Ctrl+1 … 9, 1 … 9", "store (in the file) and recall the widgets"),
         ],
     ),
 ];
@@ -300,7 +309,7 @@ pub(crate) fn bar(ui: &mut Ui, scene: &Scene) {
             let path = scene.document.path();
             let name =
                 path.and_then(Path::file_name).map_or("new pipeline".into(), |name| name.to_string_lossy());
-            let mark = if scene.document.is_saved() { "" } else { " • not saved" };
+            let mark = if scene.document.is_unwritten() { " • not saved" } else { "" };
             let name = RichText::new(format!("{name}{mark}")).color(theme::weak(ui.visuals().dark_mode));
             let label = ui.add(Label::new(name).truncate());
             if let Some(path) = path {

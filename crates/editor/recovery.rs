@@ -17,6 +17,7 @@ impl Editor {
 
     /// Keeps the work as it is now, or wakes the window to do so a little later.
     pub(crate) fn keep(&mut self, ctx: &Context) {
+        self.recover.look_again().into_iter().for_each(|left| ctx.request_repaint_after(left));
         let Some(place) = &self.recover.place else { return };
         if self.document.is_saved() {
             // What is saved is not offered again, however the window ends.
@@ -73,7 +74,7 @@ impl Editor {
         match answer {
             Some("Open it") => self.unless_unsaved(ui.ctx(), Next::Recover),
             Some("Discard it") => _ = self.recover.left.remove(0).give_up(),
-            Some(_) => self.recover.left.clear(),
+            Some(_) => (self.recover.left, self.recover.looks_again) = (Vec::new(), None),
             None => {}
         }
     }

@@ -1,18 +1,22 @@
 //! Widgets where a reader is to draw another array: their numbers become the same shares of its ranges once those are known, in the step
-//! that chose the array.
+//! that chose the array. And widgets whose axes get other scales: they reach to the same values, in the step that chose the scale.
 
 use crate::editor::Editor;
 use crate::jobs::reads;
-use crate::rescale_edits::{PendingRescale, edits, is_absolute};
+use crate::rescale_edits::{PendingRescale, edits, edits_of_scales, is_absolute};
 use crate::transfer;
 use crate::worker::DataScales;
-use voltet_core::Result;
-use voltet_document::Edit;
+use std::collections::BTreeSet;
+use voltet_core::{Result, counted};
 use voltet_document::links::upstream;
+use voltet_document::{Edit, Gesture};
 use voltet_graph::{LocatedValue, NodeEntry};
 
 /// Parameters of a reader that choose the array.
 const CHOICE: [&str; 2] = ["scalar", "association"];
+
+/// Parameters of a transfer function that are of the scales of its axes.
+const SCALES: [&str; 4] = ["s_scale", "s_linear_below", "g_scale", "g_linear_below"];
 
 impl Editor {
     /// The widgets and ranges before edits by which a reader draws another array; `None` of other edits.
@@ -103,6 +107,56 @@ impl Editor {
                 false => format!("; {}", said_of_left(&pending.left)),
             };
             self.say(format!("{scalar} is drawn; the widgets stand at the same shares of its range{left}"));
+        }
+    }
+
+    /// The transfer functions whose axes edits may give other scales, with what is known of their data.
+    pub(crate) fn before_scales(&self, edits: &[Edit]) -> Vec<(NodeEntry, Option<DataScales>)> {
+        let names: BTreeSet<&String> = edits
+            .iter()
+            .filter_map(|edit| match edit {
+                Edit::Set { node, path, .. } | Edit::Unset { node, path } => {
+                    SCALES.iter().any(|name| *path == (*name).into()).then_some(node)
+                }
+                _ => None,
+            })
+            .collect();
+        let looks = names.into_iter().filter_map(|name| self.node(name));
+        let looks = looks.filter(|look| look.node_type.text() == Some("transfer-function"));
+        let known = |look: &NodeEntry| {
+            let output = transfer::volume_of(&self.scene(), &look.name)?;
+            self.known_of(&output)?.ok()
+        };
+        looks.map(|look| (look.clone(), known(look))).collect()
+    }
+
+    /// The edits were carried out: widgets whose axes have other scales now reach to the values that they reached to before.
+    pub(crate) fn follow_scales(
+        &mut self,
+        looks: Vec<(NodeEntry, Option<DataScales>)>,
+        gesture: Option<Gesture>,
+    ) {
+        for (look, known) in looks {
+            let scales = |look: &NodeEntry| transfer::scales(look, &transfer::S_AND_G);
+            let after = self.node(&look.name).map_or_else(Default::default, scales);
+            if after == scales(&look) {
+                continue;
+            }
+            self.panels.transfer.show_all();
+            let (edits, left) = edits_of_scales(&look, known.as_ref(), &after);
+            if !edits.is_empty() {
+                let outcome = self.document.edit_all("another scale".into(), &edits, gesture);
+                self.check(outcome);
+            }
+            if !left.is_empty() {
+                let numbers: Vec<String> = left.iter().map(usize::to_string).collect();
+                self.say(format!(
+                    "the widths of {} of '{}' ({}) stay as they are: the middle has no place on one of the scales, or the data are not known yet",
+                    counted(left.len(), "widget"),
+                    look.name,
+                    numbers.join(", ")
+                ));
+            }
         }
     }
 

@@ -5,7 +5,7 @@ use crate::worker::DataScales;
 use voltet_core::Result;
 use voltet_core::arithmetic::decimal;
 use voltet_core::parameters::{ArrayRef, Parameters};
-use voltet_core::transfer::{AxisScale, DataStatistics, WIDGET_KINDS, rescaled};
+use voltet_core::transfer::{AxisScale, DataStatistics, WIDGET_KINDS, on_other_scales, rescaled};
 use voltet_document::{Edit, Gesture, Path};
 use voltet_graph::{LocatedValue, NodeEntry, ParameterValue, SourceSpan, find_setting};
 
@@ -76,12 +76,26 @@ pub(crate) fn edits(look: &NodeEntry, before: &DataScales, after: &DataScales) -
             edits.push(Edit::set(&look.name, [&*format!("{name}_linear_below")], linear_below.into()));
         }
     }
-    edits.extend(of_widgets(
-        look,
-        &Axes { known: before, scales },
-        &Axes { known: after, scales: scales_after },
-    ));
+    let [before, after] =
+        [(before, scales), (after, scales_after)].map(|(known, scales)| Axes { known, scales });
+    edits.extend(of_widgets(look, &mut |_, widget| rescaled(widget, &before, &after)));
     edits
+}
+
+/// Edits by which the widgets of a transfer function reach to the same values on axes of other scales; and the numbers, from 1, of widgets
+/// that cannot. `known`: what is known of its data.
+pub(crate) fn edits_of_scales(
+    look: &NodeEntry,
+    known: Option<&DataScales>,
+    after: &[AxisScale; 2],
+) -> (Vec<Edit>, Vec<usize>) {
+    let axes = transfer::scales(look, &transfer::S_AND_G);
+    let before = DataScales { axes, ..known.cloned().unwrap_or_default() };
+    let mut left = Vec::new();
+    let edits = of_widgets(look, &mut |place, widget| {
+        on_other_scales(widget, &before, after).inspect_err(|_| left.push(place + 1))
+    });
+    (edits, left)
 }
 
 /// Data whose quantities reach from 0 to a number.
@@ -100,10 +114,14 @@ impl DataStatistics for Span {
 /// True if numbers of a transfer function's widgets, or of its axes, are those of its data, and not all relative to them.
 pub(crate) fn is_absolute(look: &NodeEntry) -> bool {
     let is_of_axis = ["s_linear_below", "g_linear_below"].iter().any(|name| look.setting(name).is_some());
-    is_of_axis || !of_widgets(look, &Span(1.0), &Span(2.0)).is_empty()
+    is_of_axis || !of_widgets(look, &mut |_, widget| rescaled(widget, &Span(1.0), &Span(2.0))).is_empty()
 }
 
-fn of_widgets(look: &NodeEntry, before: &dyn DataStatistics, after: &dyn DataStatistics) -> Vec<Edit> {
+/// Edits that make of each widget, by its place and parameters, what a function gives; where it gives an error, the widget stays.
+fn of_widgets(
+    look: &NodeEntry,
+    replace: &mut dyn FnMut(usize, &Parameters) -> Result<Parameters>,
+) -> Vec<Edit> {
     let mut edits = Vec::new();
     let widgets = look.setting("widgets").and_then(LocatedValue::list).unwrap_or_default();
     for (place, widget) in widgets.iter().enumerate() {
@@ -113,7 +131,7 @@ fn of_widgets(look: &NodeEntry, before: &dyn DataStatistics, after: &dyn DataSta
         // What is wrong with a widget is said elsewhere.
         let found =
             Parameters::survey(kind.parameters, fields, &SourceSpan::Nowhere, &["kind"], &mut |_, _| {});
-        let Ok(found) = rescaled(&found, before, after) else { continue };
+        let Ok(found) = replace(place, &found) else { continue };
         let path = Path::from("widgets").with(place);
         for (parameter, setting, _) in found.iter() {
             let Some(new) = setting else { continue };

@@ -339,6 +339,8 @@ pub enum Command {
     /// To the left, or to the right.
     Roll(bool),
     Theme,
+    /// Everything in the window: larger (1), smaller (−1), as large as usual (0).
+    Zoom(i8),
     Costs,
     Widgets,
     Section,

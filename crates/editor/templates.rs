@@ -1,7 +1,7 @@
-//! Documents that are begun: of a text; of a template, an example of a node type that fits any data, with a data file in place of its own.
+//! Templates: examples of node types that fit any data, with a data file in place of their own.
 
 use crate::jobs::reads;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result};
 use voltet_document::panel::{Control, Row};
@@ -10,13 +10,6 @@ use voltet_graph::{AxisRef, Field, NodeEntry, ParameterType, ParameterValue, Por
 use voltet_io::formats::{Association, inspect};
 use voltet_nodes::external_formats::request_of;
 use voltet_nodes::files::{folder, relative_to};
-
-/// A document that is not saved yet, of a text whose paths are relative to where it would be; without a place, saving asks for one.
-pub(crate) fn begun(text: String, at: Option<PathBuf>) -> Result<Document> {
-    let mut document = Document::from_text(String::new(), at);
-    document.edit(&Edit::Text(text))?;
-    Ok(document)
-}
 
 /// A pipeline that fits any data.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -158,7 +151,7 @@ impl Template {
             };
             document.edit(&Edit::set(&writer.name, ["path"], name.into()))?;
         }
-        begun(document.text().to_string(), Some(at.to_path_buf()))
+        Ok(Document::from_text(document.text().to_string(), Some(at.to_path_buf())))
     }
 }
 

@@ -65,7 +65,9 @@ impl Editor {
         if !lags {
             strip.count_no_more();
         }
-        strip.free.take_if(|(former, _)| camera != Some(former));
+        if strip.free.as_ref().is_some_and(|(former, _)| camera != Some(former)) {
+            strip.leave_view();
+        }
         let count = strip.count(camera);
         strip.is_drawn = is_drawn && is_whole && !has_failed && strip.frame(nodes) == strip.requested;
         match strip.playing {

@@ -59,6 +59,8 @@ pub(crate) struct TimeStrip {
     pub revision: u64,
     /// View of a camera whose way is by keys, until it becomes one of them; the camera as it was then.
     pub free: Option<(NodeEntry, View)>,
+    /// The last such view that was left for the camera's way, and the camera's name: it can be had again.
+    left: Option<(String, View)>,
 }
 
 impl TimeStrip {
@@ -107,9 +109,17 @@ impl TimeStrip {
         }
     }
 
+    /// Puts the camera back on its way; the view that it leaves is kept.
+    pub fn leave_view(&mut self) {
+        if let Some((camera, view)) = self.free.take() {
+            self.left = Some((camera.name, view));
+        }
+    }
+
     /// Edits that let the document state a frame.
     fn settled(&mut self, nodes: &[NodeEntry], frame: usize) -> Vec<Edit> {
-        (self.playing, self.is_dragged, self.free) = (None, false, None);
+        (self.playing, self.is_dragged) = (None, false);
+        self.leave_view();
         if self.series.is_none() {
             self.at = frame;
             return Vec::new();
@@ -129,7 +139,8 @@ impl TimeStrip {
 
     /// Shows another frame, and leaves the document as it is.
     pub fn move_to(&mut self, frame: usize) {
-        (self.moved, self.at, self.free) = (Some(frame), frame, None);
+        (self.moved, self.at) = (Some(frame), frame);
+        self.leave_view();
     }
 
     /// Changes of nodes that make a frame of their picture.
@@ -185,6 +196,15 @@ impl TimeStrip {
                         }
                         Err(why) => scene.actions.say(why),
                     }
+                }
+                let is_left = self.left.as_ref().is_some_and(|(name, _)| *name == camera.name);
+                let help = "the view that you left for the camera's way";
+                if is_left
+                    && self.free.is_none()
+                    && camera.setting("keys").is_some()
+                    && ui.button("Back to your view").help(help).clicked()
+                {
+                    self.free = self.left.take().map(|(_, view)| (camera.clone(), view));
                 }
             }
             if ui.button("Film …").help("a film of these frames (Shift+A)").clicked() {

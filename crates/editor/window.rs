@@ -182,7 +182,7 @@ impl App for Window {
         let document = self.editor.document();
         let name =
             document.path().and_then(|path| path.file_name()).map(|name| name.to_string_lossy().into_owned());
-        let mark = if document.is_saved() { "" } else { " •" };
+        let mark = if document.is_unwritten() { " •" } else { "" };
         let title = format!("{}{mark} – voltet", name.as_deref().unwrap_or("new pipeline"));
         if title != self.title {
             ctx.send_viewport_cmd(ViewportCommand::Title(title.clone()));

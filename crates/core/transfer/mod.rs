@@ -26,7 +26,7 @@ pub use kinds::{
 };
 pub use region::{Convex, HalfPlane, Region, Slab, SupportRadius};
 pub use relative::{DataStatistics, StatisticsRequest, resolved, statistics_request, with_placeholders};
-pub use rescale::rescaled;
+pub use rescale::{on_other_scales, rescaled};
 pub use support::Support;
 
 #[cfg(test)]

@@ -213,7 +213,7 @@ impl TransferPanel {
     }
 
     fn set_keys(&mut self, ui: &Ui, look: &EditedFunction) {
-        for digit in 0..10u8 {
+        for digit in 1..10u8 {
             let Some(key) = Key::from_name(&digit.to_string()) else { continue };
             let (store, recall) = ui.input_mut(|input| {
                 (input.consume_key(Modifiers::COMMAND, key), input.consume_key(Modifiers::NONE, key))
@@ -478,16 +478,16 @@ impl TransferPanel {
     pub(super) fn set_menu(&mut self, ui: &mut Ui, look: &EditedFunction) {
         ui.menu_button("sets", |ui| {
             ui.set_min_width(210.0);
-            for digit in 0..10 {
-                if let Some(list) = look.sets().get(&digit) {
-                    let text = format!("recall {digit}: {}", widget_count(list.len()));
-                    if ui.add(Button::new(text).shortcut_text(digit.to_string())).clicked() {
-                        self.recall(digit, look);
-                        ui.close();
-                    }
+            for (&digit, list) in look.sets() {
+                let text = format!("recall {digit}: {}", widget_count(list.len()));
+                // Ctrl+0 is the window's; a file may have a set 0 all the same.
+                let key = Some(digit).filter(|digit| *digit > 0).map_or(String::new(), |key| key.to_string());
+                if ui.add(Button::new(text).shortcut_text(key)).clicked() {
+                    self.recall(digit, look);
+                    ui.close();
                 }
             }
-            let free = (1..10).chain([0]).find(|digit| !look.sets().contains_key(digit));
+            let free = (1..10).find(|digit| !look.sets().contains_key(digit));
             if let Some(digit) = free {
                 let store = Button::new(format!("store as {digit}")).shortcut_text(format!("Ctrl+{digit}"));
                 if ui.add(store).clicked() {
@@ -497,7 +497,7 @@ impl TransferPanel {
             }
         })
         .response
-        .help("all widgets, kept in the file under a digit: Ctrl+0 … 9 stores, 0 … 9 recalls");
+        .help("all widgets, kept in the file under a digit: Ctrl+1 … 9 stores, 1 … 9 recalls");
     }
 
     pub(super) fn axes_menu(&mut self, ui: &mut Ui, look: &EditedFunction) {

@@ -49,6 +49,44 @@ fn work_that_was_left_behind_is_offered_and_taken_up() {
     assert_eq!(place(&kept).left_behind().len(), 0);
 }
 
+/// Opens data that are none, for which a pipeline is made.
+fn open_data(hand: &mut Hand) {
+    hand.editor.start = Arc::new(|_: &Path, _: &Path, _: &dyn Progress| Ok(TEXT.into()));
+    let (ctx, data) = (hand.ctx.clone(), hand.folder.path().join("data.vtu"));
+    std::fs::write(&data, "").unwrap();
+    hand.editor.open_any(&ctx, &data);
+    until(hand, "no pipeline is made", |hand| hand.text() == TEXT);
+    hand.frames(4);
+}
+
+#[test]
+fn a_pipeline_as_it_was_made_for_data_is_no_work() {
+    let kept = tempfile::tempdir().unwrap();
+    let mut hand = Hand::new("[pipeline]\nformat = 1\n");
+    hand.editor.keep_in(place(&kept));
+    open_data(&mut hand);
+    let copies = || std::fs::read_dir(kept.path()).map_or(0, Iterator::count);
+    assert_eq!(copies(), 0);
+    hand.key(Key::X, Modifiers::NONE);
+    hand.frames(2);
+    assert_eq!(copies(), 2, "a text and its lock");
+    let edited = hand.text();
+    drop(hand.harness);
+    // Taken up, it begins with what was done: before it there was no file.
+    let mut next = Hand::new("[pipeline]\nformat = 1\n");
+    next.editor.keep_in(place(&kept));
+    open_data(&mut next);
+    next.click_on("Open it");
+    next.frames(2);
+    assert!(!next.sees("Unsaved work") && next.text() == edited, "{}", next.text());
+    assert_eq!((next.steps(), next.editor.document().is_saved()), (0, false));
+    next.key(Key::Z, Modifiers::COMMAND);
+    assert_eq!(next.text(), edited);
+    next.command(Command::Quit);
+    next.frames(2);
+    assert!(next.sees("Unsaved work"));
+}
+
 #[test]
 fn work_that_nobody_wants_is_thrown_away_and_what_is_put_off_is_offered_again() {
     let kept = tempfile::tempdir().unwrap();
@@ -120,6 +158,25 @@ fn work_that_cannot_be_kept_is_said_once_and_tried_again_later() {
     assert!(hand.editor.recover.failed.is_none());
     // Its lock went with the folder.
     assert_eq!(Recovery::in_folder(folder).left_behind()[0].text, hand.text());
+}
+
+/// The system takes a while to end a window that is killed.
+#[test]
+fn work_of_a_window_that_has_not_ended_yet_is_offered_a_little_later() {
+    let kept = tempfile::tempdir().unwrap();
+    let mut ending = Hand::new(TEXT);
+    ending.editor.keep_in(place(&kept));
+    ending.key(Key::X, Modifiers::NONE);
+    ending.frames(2);
+    let mut next = Hand::new("[pipeline]\nformat = 1\n");
+    next.editor.keep_in(place(&kept));
+    next.frames(3);
+    assert!(!next.sees("Open it") && next.ctx.has_requested_repaint(), "it will look again");
+    let Hand { harness, folder: _folder, .. } = ending;
+    drop(harness);
+    next.editor.recover.looks_again = Some(std::time::Instant::now());
+    next.frames(2);
+    assert!(next.sees("Open it"));
 }
 
 /// All places for copies of that file are taken.

@@ -146,10 +146,20 @@ fn data_are_opened_with_a_pipeline_made_for_them() {
         std::thread::sleep(Duration::from_millis(5));
     }
     let document = hand.editor.document();
-    assert!(!document.is_saved() && !hand.folder.path().join("data.toml").exists(), "nothing is written yet");
+    assert!(
+        document.is_unwritten() && !hand.folder.path().join("data.toml").exists(),
+        "nothing is written yet"
+    );
     assert_eq!(document.path(), Some(hand.folder.path().join("data.toml").as_path()));
+    hand.frames(2);
+    assert!(hand.sees("data.toml • not saved"));
+    // There is nothing before it.
+    hand.key(Key::Z, Modifiers::COMMAND);
+    assert!(hand.text().contains("A data file") && hand.said() == "nothing to undo", "{}", hand.said());
     hand.key(Key::S, Modifiers::COMMAND);
+    hand.frames(2);
     assert!(hand.folder.path().join("data.toml").exists(), "{}", hand.said());
+    assert!(hand.sees("data.toml"));
 }
 
 #[test]

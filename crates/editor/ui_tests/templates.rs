@@ -52,7 +52,7 @@ fn each_template_draws_data_of_two_unlike_kinds() {
             let made =
                 template.filled(&file, &folder.path().join("scene.toml"), &registry, &NoProgress).unwrap();
             assert!(
-                !made.is_saved() && made.text().contains(&format!("scalar = \"{scalar}\"")),
+                made.is_unwritten() && made.text().contains(&format!("scalar = \"{scalar}\"")),
                 "{}",
                 made.text()
             );

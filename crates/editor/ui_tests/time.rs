@@ -1,6 +1,7 @@
 use super::*;
 use crate::film::FilmRequest;
 use crate::scene::ProbePurpose;
+use eframe::egui::OutputCommand;
 use std::sync::Mutex;
 use voltet_document::Edit;
 use voltet_graph::Observer;
@@ -343,6 +344,7 @@ fn keys_of_the_camera_are_added_moved_and_deleted_on_the_strip() {
     assert!(keys(&hand).len() == 2 && (second[1] + 28.0).abs() > 1.0, "{second:?}");
     // In the middle the camera is between them, at the distance of both.
     hand.settle();
+    assert!(!hand.sees("Back to your view"), "it is a key now");
     let to_middle = hand.rect("frame").center();
     hand.click(to_middle);
     hand.settle();
@@ -366,6 +368,43 @@ fn keys_of_the_camera_are_added_moved_and_deleted_on_the_strip() {
         hand.key(Key::Z, Modifiers::COMMAND);
     }
     assert_eq!(hand.text(), TEXT);
+}
+
+/// Another frame shows what the film will have; the view that a hand chose is not lost by it.
+#[test]
+fn a_view_that_is_left_for_another_frame_can_be_had_again_and_be_kept_there() {
+    let keys = "keys = [[0.0, -28.0, -38.0, 24.0, 0.0, 0.0, 0.0], [1.0, 28.0, -38.0, 24.0, 0.0, 0.0, 0.0]]";
+    let without = TEXT.replace("eye = [-28.0, -38.0, 24.0]\ntarget = [0.0, 0.0, 0.0]\n", "");
+    let text = without.replace("size = [160, 120]", &format!("{keys}\nsize = [160, 120]"));
+    let mut hand = Hand::new(&text);
+    hand.settle();
+    let at = hand.named("picture picture");
+    hand.drag(at, at + vec2(0.0, 60.0));
+    hand.settle();
+    let eye = |hand: &Hand| hand.editor.view().unwrap().eye;
+    let chosen = eye(&hand);
+    let is_at = |hand: &Hand, place: glam::DVec3| (eye(hand) - place).length() < 1e-3;
+    assert!(!is_at(&hand, [-28.0, -38.0, 24.0].into()) && !hand.sees("Back to your view"));
+    hand.key(Key::End, Modifiers::NONE);
+    hand.settle();
+    assert!(is_at(&hand, [28.0, -38.0, 24.0].into()), "{}", eye(&hand));
+    hand.click_on("Back to your view");
+    hand.settle();
+    assert!(is_at(&hand, chosen) && hand.text() == text, "{}", eye(&hand));
+    hand.click_on("add a camera key");
+    hand.settle();
+    assert!(is_at(&hand, chosen) && hand.steps() == 1, "{}", hand.text());
+    assert!(!hand.sees("Back to your view"), "it is a key");
+    // An edit of the camera does not lose it either.
+    hand.drag(at, at + vec2(40.0, 0.0));
+    hand.settle();
+    let chosen = eye(&hand);
+    hand.editor.edit("field of view".into(), &[Edit::set("view", ["fov_y"], 40.0.into())]);
+    hand.settle();
+    assert!(!is_at(&hand, chosen), "{}", eye(&hand));
+    hand.click_on("Back to your view");
+    hand.settle();
+    assert!(is_at(&hand, chosen), "{}", eye(&hand));
 }
 
 #[test]
@@ -398,9 +437,15 @@ fn the_sheet_of_films_asks_for_what_is_chosen_and_can_be_stopped() {
     }
     hand.click_on("Make the film");
     until(&mut hand, "the film is made", |hand| !hand.texts("a film of 3 frames").is_empty());
+    let at = hand.named("Copy path");
+    hand.move_to(at, Modifiers::NONE);
+    hand.button(true, PointerButton::Primary, Modifiers::NONE);
+    hand.button(false, PointerButton::Primary, Modifiers::NONE);
+    let copied = OutputCommand::CopyText(hand.folder.path().join("scene.mp4").display().to_string());
+    assert!(hand.harness.output().platform_output.commands.contains(&copied));
     let asked = asked.lock().unwrap();
     let [first, second] = &asked[..] else { panic!("{asked:?}") };
-    assert_eq!((first.steps.as_deref(), first.frames, first.rate), (Some("0:4:1"), None, 25.0));
+    assert_eq!((first.steps.as_deref(), first.frames, first.rate), (Some("0:4:1"), None, 2.0));
     assert_eq!((second.steps.as_deref(), second.size, second.rate), (Some("0:3:2"), None, 30.0));
     assert_eq!(
         (second.path.clone(), second.film.clone()),

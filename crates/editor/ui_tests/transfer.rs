@@ -82,6 +82,35 @@ fn the_wheel_zooms_one_axis_and_with_alt_the_other() {
     assert_eq!(hand.text(), TEXT, "looking changes nothing");
 }
 
+/// Wherever the pointer is: over the widgets digits are theirs.
+#[test]
+fn the_window_is_made_larger_and_smaller_by_keys_and_by_its_menu() {
+    let mut hand = Hand::new(TEXT);
+    with_distribution(&mut hand);
+    let over_widgets = hand.named("centre of widget 1");
+    for at in [hand.named("node view"), over_widgets] {
+        hand.move_to(at, Modifiers::NONE);
+        hand.frames(2);
+        for (key, factor) in [(Key::Num0, 1.0), (Key::Plus, 1.1), (Key::Num0, 1.0), (Key::Minus, 0.9)] {
+            hand.key(key, Modifiers::COMMAND);
+            hand.frames(2);
+            assert!((hand.ctx.zoom_factor() - factor).abs() < 1e-3, "{key:?} {}", hand.ctx.zoom_factor());
+        }
+        hand.key(Key::Num0, Modifiers::COMMAND);
+        hand.frames(2);
+    }
+    assert_eq!(hand.text(), TEXT, "no widgets are stored");
+    for (entry, factor) in [("Larger", 1.1), ("Smaller", 0.9), ("Usual size", 1.0)] {
+        hand.click_on("View");
+        let place = hand.texts(entry)[0];
+        hand.click(place);
+        hand.frames(2);
+        assert!((hand.ctx.zoom_factor() - factor).abs() < 1e-3, "{entry} {}", hand.ctx.zoom_factor());
+        hand.ctx.set_zoom_factor(1.0);
+        hand.frames(2);
+    }
+}
+
 #[test]
 fn digits_store_and_recall_the_widgets() {
     let mut hand = Hand::new(TEXT);

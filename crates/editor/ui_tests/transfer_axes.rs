@@ -3,6 +3,7 @@
 use super::transfer::with_distribution;
 use super::transfer_more::{CUBE, of, place, widgets};
 use super::*;
+use voltet_document::Edit;
 use voltet_graph::ArrayRef;
 
 /// A hand that presses and moves on within one slow frame.
@@ -166,4 +167,71 @@ fn a_widget_is_moved_along_a_logarithmic_axis() {
     hand.drag(place(&hand, [150f64.log10(), 20.0]), place(&hand, [200f64.log10(), 20.0]));
     let centre = of(&widgets(&hand)[0], "centre").numbers().unwrap();
     assert!((centre[0] - 200.0).abs() < 1.0 && (centre[1] - 20.0).abs() < 0.2, "{centre:?}");
+}
+
+/// Sets a parameter of the transfer function, as its row does.
+fn set(hand: &mut Hand, name: &str, value: impl Into<voltet_graph::ParameterValue>) {
+    hand.editor.actions.edit(Edit::set("look", [name], value.into()));
+    hand.frames(2);
+}
+
+#[test]
+fn on_another_scale_widgets_reach_to_the_same_values_in_the_step_that_chose_it() {
+    let text = TEXT.replace("sigma = [60.0, 40.0]", "sigma = [60.0, 40.0] # wide");
+    let mut hand = Hand::new(&text);
+    let sigma = |hand: &Hand| of(&widgets(hand)[0], "sigma").numbers().unwrap();
+    let is = |hand: &Hand, wanted: [f64; 2]| {
+        let found = sigma(hand);
+        assert!((0..2).all(|k| (found[k] / wanted[k] - 1.0).abs() < 1e-5), "{found:?} {wanted:?}");
+    };
+    set(&mut hand, "s_scale", "log");
+    is(&hand, [(210.0f64 / 150.0).log10(), 40.0]);
+    assert!(
+        hand.text().contains("# wide") && hand.text().contains("centre = [150.0, 20.0]"),
+        "{}",
+        hand.text()
+    );
+    assert_eq!((hand.steps(), hand.said().as_str()), (1, ""));
+    set(&mut hand, "g_scale", "log");
+    is(&hand, [(210.0f64 / 150.0).log10(), 3f64.log10()]);
+    (0..2).for_each(|_| hand.key(Key::Z, Modifiers::COMMAND));
+    assert_eq!(hand.text(), text);
+    // A symmetric logarithm is one once it has its linear part.
+    set(&mut hand, "s_scale", "symlog");
+    is(&hand, [60.0, 40.0]);
+    set(&mut hand, "s_linear_below", 1.0);
+    is(&hand, [(211.0f64 / 151.0).log10(), 40.0]);
+    set(&mut hand, "s_linear_below", 10.0);
+    is(&hand, [(220.0f64 / 160.0).log10(), 40.0]);
+    set(&mut hand, "s_scale", "linear");
+    is(&hand, [60.0, 40.0]);
+}
+
+#[test]
+fn a_width_that_another_scale_cannot_have_stays_and_the_window_says_so() {
+    let mut hand = Hand::new(&TEXT.replace("centre = [150.0, 20.0]", "centre = [-150.0, 20.0]"));
+    set(&mut hand, "s_scale", "log");
+    assert!(hand.text().contains("sigma = [60.0, 40.0]"), "{}", hand.text());
+    assert!(
+        hand.said().starts_with("the widths of 1 widget of 'look' (1) stay as they are"),
+        "{}",
+        hand.said()
+    );
+    set(&mut hand, "s_scale", "linear");
+    assert!(hand.text().contains("sigma = [60.0, 40.0]"), "{}", hand.text());
+    // A middle that is relative to the data is known with them.
+    let text = TEXT
+        .replace(
+            "type = \"transfer-function\"",
+            "type = \"transfer-function\"\ninputs = { volume = \"gradient\" }",
+        )
+        .replace("centre = [150.0, 20.0]", "centre = [\"50 %\", 20.0]");
+    let mut hand = Hand::new(&text);
+    with_distribution(&mut hand);
+    let [low, high] = hand.editor.scene().distribution.clone().unwrap().known.ranges[&ArrayRef::Named("s")];
+    let middle = 0.5 * (low + high);
+    set(&mut hand, "s_scale", "log");
+    let sigma = of(&widgets(&hand)[0], "sigma").numbers().unwrap();
+    assert!((sigma[0] / (1.0 + 60.0 / middle).log10() - 1.0).abs() < 1e-5, "{sigma:?}");
+    assert!(hand.text().contains("centre = [\"50 %\", 20.0]") && hand.steps() == 1, "{}", hand.text());
 }

@@ -138,6 +138,26 @@ fn a_parameter_that_is_wrong_leads_to_its_node_alone() {
 }
 
 #[test]
+fn an_input_that_is_wrong_or_not_wired_is_none_of_the_file_that_is_written() {
+    let input = "inputs = { image = \"picture\" }";
+    for wrong in
+        ["inputs = { image = \"picture\", imgae = \"picture\" }", "inputs = { image = \"view\" }", ""]
+    {
+        let mut hand = Hand::new(&TEXT.replace(input, wrong));
+        hand.editor.selection = ["view".to_string()].into();
+        hand.settle();
+        assert!(hand.sees("Show 'file'") && !hand.sees("Save elsewhere …"), "{wrong} {}", hand.said());
+        hand.editor.selection = ["file".to_string()].into();
+        hand.frames(2);
+        assert!(!hand.sees("Save elsewhere …"), "{wrong}");
+        hand.key(Key::R, Modifiers::COMMAND);
+        until(&mut hand, "nothing is said", |hand| !hand.said().is_empty());
+        hand.frames(2);
+        assert!(!hand.sees("Save elsewhere …"), "{wrong}: {}", hand.said());
+    }
+}
+
+#[test]
 fn the_text_of_what_is_no_node_is_shown() {
     let mut hand = Hand::new(&format!("{TEXT}\n[nodes]\nx = 5\n"));
     hand.frames(2);
@@ -176,6 +196,7 @@ fn a_film_that_fails_is_made_with_fewer_pixels_elsewhere_or_once_more() {
     until(&mut hand, "it is not made", |hand| hand.sees("made"));
     let sizes: Vec<_> = asked.lock().unwrap().iter().map(|of| of.size).collect();
     assert_eq!(sizes, [None, Some([80, 60]), Some([80, 60])]);
+    assert_eq!(asked.lock().unwrap()[0].rate, 25.0, "of many frames");
     assert_eq!(asked.lock().unwrap()[2].text, hand.text());
 }
 
