@@ -170,6 +170,24 @@ fn hundreds_of_nodes_are_all_brought_into_view() {
     }
 }
 
+/// Where a hand put them, far below each other.
+#[test]
+fn a_column_of_hundreds_of_nodes_is_brought_into_view() {
+    let names: Vec<String> = (0..400).map(|i| format!("more{i}")).collect();
+    let nodes: String = names.iter().map(|name| format!("[nodes.{name}]\ntype = \"wavelet\"\n\n")).collect();
+    let place = |(i, name): (usize, &String)| format!("{name} = [0, {}]\n", 240 * i);
+    let places: String = names.iter().enumerate().map(place).collect();
+    let text = format!("[pipeline]\nformat = 1\n\n{nodes}[editor.nodes]\n{places}");
+    let mut hand = Hand::before_window(&text, [700.0, 500.0], &|_| {});
+    hand.key(Key::F, Modifiers::NONE);
+    hand.frames(8);
+    let pane = hand.editor.panels.graph.pane();
+    for name in names {
+        let frame = hand.rect(&format!("node {name}"));
+        assert!(pane.contains_rect(frame), "{name}: {frame:?} in {pane:?}");
+    }
+}
+
 /// Points of the window a point at the usual scale.
 fn zoom(hand: &Hand, node: &str) -> f32 {
     hand.rect(&format!("node {node}")).width() / hand.editor.panels.graph.size_of(node)[0] as f32
