@@ -221,7 +221,8 @@ impl GraphView {
         if std::mem::take(&mut self.opens_menu) {
             let at =
                 ui.input(|input| input.pointer.hover_pos()).filter(|at| self.view.clip_rect.contains(*at));
-            self.menu = Some(Menu::new(at.unwrap_or(self.view.clip_rect.center()), None));
+            let middle = self.view.clip_rect.center();
+            self.menu = Some(at.map_or_else(|| Menu::in_middle(middle), |at| Menu::new(at, None)));
         }
         if let Some(node) = self.wires_of.take() {
             let frame = self.places.drawn.iter().find(|(name, _)| *name == node).map(|(_, frame)| frame.min);

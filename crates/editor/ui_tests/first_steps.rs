@@ -4,13 +4,13 @@ use super::*;
 use crate::scene::Command;
 use voltet_graph::{DefaultValue, Node, NodeEntry, Parameter, ParameterType, Port, PortType};
 
-fn node<'a>(hand: &'a Hand, name: &str) -> &'a NodeEntry {
+pub(super) fn node<'a>(hand: &'a Hand, name: &str) -> &'a NodeEntry {
     let nodes = &hand.editor.document().pipeline().nodes;
     nodes.iter().find(|node| node.name == name).unwrap_or_else(|| panic!("no {name}: {}", hand.text()))
 }
 
 /// Adds a node by the menu at the pointer.
-fn add(hand: &mut Hand, name: &str) {
+pub(super) fn add(hand: &mut Hand, name: &str) {
     hand.key(Key::Space, Modifiers::NONE);
     hand.typed(name);
     hand.frames(2);

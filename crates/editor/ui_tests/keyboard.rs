@@ -32,8 +32,6 @@ fn a_whole_round_is_done_by_the_keyboard_alone() {
     for name in ["wavelet", "gradient-magnitude", "transfer-function", "camera", "renderer"] {
         add(&mut hand, name);
     }
-    // Two nodes could give the volume: it is said which.
-    wire(&mut hand, "gradient_magnitude.volume renderer.volume");
     add(&mut hand, "image-writer");
     assert!(hand.editor.scene().faults.is_empty(), "{:?}\n{}", hand.editor.scene().faults, hand.text());
     hand.key(Key::W, Modifiers::NONE);
