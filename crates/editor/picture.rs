@@ -2,6 +2,7 @@
 
 use crate::compare::Compare;
 use crate::eyes::left_out;
+use crate::fields::follow_arrows;
 use crate::handles::Handles;
 use crate::hit_marks;
 use crate::outline::{Drawing, Outline, OutlineShape, enclosed};
@@ -189,11 +190,16 @@ impl PicturePanel {
             let room = ui.available_size_before_wrap().x;
             let (is_narrow, has_section) = (room < HEAD, room > SHORT_HEAD);
             ComboBox::from_id_salt("shown").selected_text(shown).width(90.0).show_ui(ui, |ui| {
+                let mut entries = Vec::new();
                 for name in pictures {
-                    if ui.selectable_label(scene.shown_node == Some(name), name).clicked() {
+                    let is_shown = scene.shown_node == Some(name);
+                    let entry = ui.selectable_label(is_shown, name);
+                    if entry.clicked() {
                         scene.actions.push(Action::Show(name.to_string()));
                     }
+                    entries.push((entry, is_shown));
                 }
+                follow_arrows(ui, &entries);
             });
             ui.add_enabled_ui(scene.view.is_some(), |ui| {
                 use crate::scene::Command::{Along, Home, Isometric, Roll, Section};

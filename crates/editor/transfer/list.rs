@@ -12,8 +12,8 @@ use crate::scene::Command;
 use crate::theme::{self, Help, button};
 use crate::worker::{short, widget_count};
 use eframe::egui::{
-    Button, Key, Modifiers, RichText, ScrollArea, Sense, Stroke, StrokeKind, TextEdit, Ui, WidgetInfo,
-    WidgetType, vec2,
+    Button, Key, Modifiers, Popup, RichText, Sense, Stroke, StrokeKind, TextEdit, Ui, WidgetInfo, WidgetType,
+    vec2,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use voltet_core::with_commas;
@@ -150,7 +150,8 @@ impl TransferPanel {
             None => {}
         }
         let is_typing = ui.ctx().text_edit_focused() || look.scene.was_typing;
-        if is_typing || look.scene.asks || !self.takes_keys() {
+        let is_choosing = Popup::is_any_open(ui.ctx());
+        if is_typing || is_choosing || look.scene.asks || !self.takes_keys() {
             return;
         }
         self.set_keys(ui, look);
