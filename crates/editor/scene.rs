@@ -173,6 +173,11 @@ impl<'a> Scene<'a> {
         self.shown_node.is_some_and(|node| self.earlier.contains(node))
     }
 
+    /// Name of the array that is s where the edited transfer function is drawn, once its data were looked at.
+    pub fn scalar(&self) -> Option<&str> {
+        self.distribution.as_ref().map(|found| found.scalar.as_str()).filter(|name| !name.is_empty())
+    }
+
     /// The data that are shown, as things that are added find them.
     pub fn data_extent(&self) -> DataExtent {
         let joined = |[low, high]: [DVec3; 2], [from, to]: [DVec3; 2]| [low.min(from), high.max(to)];

@@ -122,7 +122,8 @@ impl SectionPanel {
         let weak = theme::weak(ui.visuals().dark_mode);
         ui.horizontal(|ui| {
             let [low, high] = self.range.map(|s| short_by(s, 1e-2 * (self.range[1] - self.range[0])));
-            ui.label(RichText::new(format!("s from {low}")).small());
+            let name = scene.scalar().unwrap_or("s");
+            ui.label(RichText::new(format!("{name} from {low}")).small());
             Colormap::named("viridis").into_iter().for_each(|map| gradient(ui, map));
             ui.label(RichText::new(format!("to {high}")).small());
         });

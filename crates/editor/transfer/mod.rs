@@ -9,6 +9,7 @@ mod plane;
 mod pointer;
 mod proposals;
 mod relative;
+mod scalar;
 mod screen_widget;
 #[cfg(test)]
 mod tests;
