@@ -366,7 +366,7 @@ impl TransferPanel {
             Some(Ok(share)) => {
                 let cells = share.cells.map(|cells| {
                     let [own, all] = cells.map(with_commas);
-                    format!("in {own} of {all} cells, ")
+                    format!("in {own} of {all} tetrahedra, ")
                 });
                 let text = format!(
                     "{}{} % of the picture's opacity, {} % of its light",
