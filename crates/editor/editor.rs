@@ -284,6 +284,8 @@ impl Editor {
 
     pub(crate) fn estimate(&self) {
         if let Some(asked) = self.answers.asked.clone() {
+            // One that came to nothing is made once more.
+            self.worker.forget_query(|output| &mut output.estimate);
             self.worker.ask(|output| &mut output.estimate, Estimate(asked));
         }
     }

@@ -11,7 +11,7 @@ use crate::scene::{Action, Command, EARLIER, ProbePurpose, Scene, command_button
 pub(crate) use crate::textures::{WHOLE, set_texture};
 use crate::theme::{self, Help, button, switch};
 use crate::view::View;
-use crate::ways_out::{AGAIN, FEWER_PIXELS, ways_out};
+use crate::ways_out::{FEWER_PIXELS, ways_out_of_data};
 use eframe::egui::scroll_area::ScrollSource;
 use eframe::egui::{
     Align2, Button, Color32, ColorImage, ComboBox, CursorIcon, FontId, PointerButton, Pos2, Rect, Response,
@@ -22,7 +22,6 @@ use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Duration;
-use voltet_core::error::ErrorKind;
 use voltet_document::panel::default_value;
 use voltet_document::{Edit, Path, links};
 use voltet_graph::{LocatedValue, NodeEntry, ParameterType};
@@ -81,7 +80,7 @@ pub(crate) struct PicturePanel {
     is_own_size: bool,
     /// True if the middle of the picture is to be seen.
     is_to_centre: bool,
-    compare: Compare,
+    pub compare: Compare,
     /// The picture in the window.
     pub rect: Option<Rect>,
     /// Pixels that it can show.
@@ -196,6 +195,7 @@ impl PicturePanel {
                     let entry = ui.selectable_label(is_shown, name);
                     if entry.clicked() {
                         scene.actions.push(Action::Show(name.to_string()));
+                        ui.close();
                     }
                     entries.push((entry, is_shown));
                 }
@@ -309,16 +309,11 @@ impl PicturePanel {
                 say(ui, "No node gives a picture yet: add a renderer (Space).", Color32::from_gray(200), 0.0);
             }
             (Some(failure), Some(_)) => {
-                let mut ways = ways_out(scene, failure);
+                let mut ways = ways_out_of_data(scene, failure);
                 // The window draws no more pixels than it has room for, however many the camera asks for.
                 let room = ui.ctx().pixels_per_point() * rect.size();
                 let fits = |size: [u32; 2]| size[0] as f32 <= room.x && size[1] as f32 <= room.y;
                 ways.retain(|(text, _)| text != FEWER_PIXELS || scene.picture_size.is_some_and(fits));
-                // What a parameter has wrong is so once more.
-                let is_of_file = ways.iter().any(|(_, action)| matches!(action, Action::ChooseFile(..)));
-                if failure.kind != ErrorKind::Usage || is_of_file || scene.is_of_other_file(failure) {
-                    ways.push((AGAIN.into(), Action::Do(Command::ReadAgain)));
-                }
                 let [size, step] = steps_of_buttons(ways.len(), rect.width());
                 let whole = size + ways.len().saturating_sub(1) as f32 * step;
                 let text = scene.reason("picture", failure);

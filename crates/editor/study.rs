@@ -4,7 +4,8 @@ use crate::jobs::Job;
 use crate::picture::milliseconds;
 use crate::scene::{Action, EARLIER, Scene};
 use crate::theme::{self, Help};
-use crate::ways_out::{buttons, ways_out, why_ended};
+use crate::ways_out::{show_error, ways_out};
+use crate::worker::short;
 use eframe::egui::{Context, Grid, ProgressBar, RichText, ScrollArea, Ui, Window};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -77,11 +78,8 @@ impl StudyPanel {
             ui.separator();
             match &self.found {
                 Some(Ok(studied)) => results(ui, studied),
-                Some(Err(error)) => {
-                    ui.colored_label(theme::wrong(ui.visuals().dark_mode), why_ended(scene, error));
-                    // The button above tries it again.
-                    ui.horizontal_wrapped(|ui| buttons(ui, scene, &ways_out(scene, error)));
-                }
+                // The button above tries it again.
+                Some(Err(error)) => show_error(ui, scene, error, &ways_out(scene, error)),
                 None => {
                     ui.label(
                         "Draws the picture with every integrator and setting on every engine, and compares each with the \
@@ -262,9 +260,15 @@ fn estimate(ui: &mut Ui, scene: &Scene) {
             Some(Err(error)) => {
                 ui.label(error.to_string());
             }
+            // Said below.
+            Some(Err(_)) => {}
         }
         if ui.button("Study …").help("error against time of every integrator (U)").clicked() {
             scene.actions.command(crate::scene::Command::Study);
         }
     });
+    if let Some(Err(error)) = &scene.estimate {
+        // The button above tries it again.
+        show_error(ui, scene, error, &ways_out(scene, error));
+    }
 }

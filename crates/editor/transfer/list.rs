@@ -10,6 +10,7 @@ use super::{TransferPanel, edit};
 use crate::fields::{LIST_WIDTH, by_hand, drag, edited_color, list_area};
 use crate::scene::Command;
 use crate::theme::{self, Help, button};
+use crate::ways_out::{buttons, ways_out_of_data, why_ended};
 use crate::worker::{short, widget_count};
 use eframe::egui::{
     Button, Key, Modifiers, Popup, RichText, Sense, Stroke, StrokeKind, TextEdit, Ui, WidgetInfo, WidgetType,
@@ -359,10 +360,10 @@ impl TransferPanel {
             let text = format!("holds {} % of the volume", percent(held));
             texts.push((text, "where the widget is at half of its peak or more".into()));
         }
-        match &look.scene.share {
-            _ if self.hidden.contains(&self.chosen) => {}
+        let share = look.scene.share.as_ref().filter(|_| !self.hidden.contains(&self.chosen));
+        match share {
             None => {}
-            Some(Err(error)) => texts.push((error.to_string(), "its share of the picture".into())),
+            Some(Err(error)) => texts.push((why_ended(look.scene, error), "its share of the picture".into())),
             Some(Ok(share)) => {
                 let cells = share.cells.map(|cells| {
                     let [own, all] = cells.map(with_commas);
@@ -389,6 +390,9 @@ impl TransferPanel {
             for (i, (text, help)) in texts.into_iter().enumerate() {
                 let text = if i > 0 { format!("· {text}") } else { text };
                 ui.label(weak(text)).help(help);
+            }
+            if let Some(Err(error)) = share {
+                buttons(ui, look.scene, &ways_out_of_data(look.scene, error));
             }
         });
     }

@@ -16,6 +16,7 @@ mod tests;
 
 use crate::scene::{Command, Scene};
 use crate::theme::{self, Help};
+use crate::ways_out::{buttons, ways_out_of_data};
 use crate::worker::{HISTOGRAM, short, short_by};
 use edited_function::{EditedFunction, axis_name, axis_title};
 pub(crate) use edited_function::{
@@ -178,6 +179,7 @@ impl TransferPanel {
         if look.widgets.is_empty() {
             self.invite(ui, &look);
         }
+        self.offer_ways_out(ui, &look);
         self.keys(ui, &look);
         self.readout(ui, &response, &look);
     }
@@ -243,6 +245,22 @@ impl TransferPanel {
             if button.help("where most of the volume is (P)").clicked() {
                 self.add_at_peak(look);
             }
+        });
+    }
+
+    /// Buttons below the reason for which there is no histogram, unless that is said elsewhere.
+    fn offer_ways_out(&mut self, ui: &mut Ui, look: &EditedFunction) {
+        let fault = look.scene.distribution_fault.as_ref().filter(|fault| !look.scene.is_said(fault));
+        let Some(fault) = fault.filter(|_| look.scene.distribution.is_none()) else { return };
+        let room = look.plane.rect.shrink(8.0);
+        let builder = UiBuilder::new().max_rect(room).layout(Layout::bottom_up(Align::Center));
+        ui.scope_builder(builder, |ui| {
+            ui.horizontal_wrapped(|ui| {
+                buttons(ui, look.scene, &ways_out_of_data(look.scene, fault));
+                if !look.is_of_s_and_g() && ui.small_button("Axes s, g").clicked() {
+                    self.set_axes(S_AND_G);
+                }
+            });
         });
     }
 
