@@ -8,7 +8,7 @@ use crate::theme::{self, Help};
 use crate::ways_out::{AGAIN, buttons, ways_out};
 use crate::worker::{Pixels, difference, short};
 use eframe::egui::{
-    Align, Align2, Button, Color32, ColorImage, CursorIcon, FontId, Layout, Rect, Sense, Stroke,
+    Align, Align2, Button, Color32, ColorImage, CursorIcon, FontId, Layout, Pos2, Rect, Sense, Stroke,
     TextureHandle, TextureOptions, Ui, UiBuilder, WidgetInfo, WidgetType, pos2, vec2,
 };
 use std::sync::Arc;
@@ -160,6 +160,16 @@ impl Compare {
                 }
             }
         }
+        let line = match self.mode {
+            Mode::Swipe => Some(picture.left() + self.line * picture.width()),
+            Mode::Beside => Some(whole.center().x),
+            Mode::Difference => None,
+        };
+        for (text, align, aside) in
+            [("remembered", Align2::RIGHT_TOP, -10.0), ("present", Align2::LEFT_TOP, 10.0)]
+        {
+            line.into_iter().for_each(|x| words(ui, text, pos2(x + aside, whole.top() + 8.0), align));
+        }
         self.say(ui, scene, whole);
         self.modes(ui, scene, whole);
     }
@@ -191,6 +201,15 @@ impl Compare {
         let text = found.words(scene.pixels.as_ref().map(|now| &now.picture), [before, scene.seconds]);
         words(ui, &text, whole.right_bottom() - vec2(10.0, 38.0), Align2::RIGHT_BOTTOM);
     }
+}
+
+/// Words over the pictures, on a ground of their own.
+fn words(ui: &Ui, text: &str, at: Pos2, align: Align2) {
+    let (font, color) = (FontId::proportional(12.0), Color32::from_gray(230));
+    let galley = ui.painter().layout_no_wrap(text.into(), font, color);
+    let place = align.anchor_size(at, galley.size());
+    ui.painter().rect_filled(place.expand(4.0), 4.0, Color32::from_black_alpha(200));
+    ui.painter().galley(place.min, galley, color);
 }
 
 impl Remembered {
@@ -249,7 +268,7 @@ impl Difference {
 fn message(figures: [f64; 2]) -> String {
     match figures {
         [0.0, 0.0] => "no difference".into(),
-        [most, rms] => format!("largest difference {most:.1e}, root mean square {rms:.1e}"),
+        [most, rms] => format!("largest difference {}, root mean square {}", short(most), short(rms)),
     }
 }
 
@@ -284,6 +303,7 @@ mod tests {
         assert_eq!(image.pixels, [Color32::BLACK, Color32::from_rgb(0, 255, 79)]);
         assert!(differ(&before, &now, false).image.is_none());
         assert_eq!(message(differ(&now, &now, false).figures), "no difference");
+        assert_eq!(message([0.99, 3e-5]), "largest difference 0.99, root mean square 3e-5");
         for pixels in [[[f32::NAN; 4], [0.0; 4]], [[0.0; 4], [f32::NAN; 4]]] {
             let figures = differ(&before, &of(pixels.to_vec()), false).figures;
             assert_eq!(message(figures), "largest difference NaN, root mean square NaN");

@@ -167,8 +167,8 @@ fn results(ui: &mut Ui, studied: &Studied) {
                 let label = RichText::new(format!("{}{mark}", row.label));
                 ui.label(if row.on_front || row.of_file { label.strong() } else { label });
                 ui.label(milliseconds(row.seconds));
-                ui.label(format!("{:.1e}", row.max));
-                ui.label(format!("{:.1e}", row.rms));
+                ui.label(short(row.max));
+                ui.label(short(row.rms));
                 ui.end_row();
             }
         });
@@ -255,10 +255,8 @@ fn estimate(ui: &mut Ui, scene: &Scene) {
             None if scene.is_estimating => drop(ui.label("drawing the reference …")),
             None => {}
             Some(Ok([most, rms])) => {
-                ui.label(format!("largest error {most:.1e}, root mean square {rms:.1e} (1 is full scale)"));
-            }
-            Some(Err(error)) => {
-                ui.label(error.to_string());
+                let [most, rms] = [most, rms].map(|error| short(*error));
+                ui.label(format!("largest error {most}, root mean square {rms} (1 is full scale)"));
             }
             // Said below.
             Some(Err(_)) => {}

@@ -23,8 +23,8 @@ pub(crate) use edited_function::{
     data_scope, drawn_with, edited_node, fields_of, scales, volume_of, volumes_of,
 };
 use eframe::egui::{
-    self, Align, Align2, Button, FontId, Layout, Rect, Sense, Stroke, StrokeKind, Ui, UiBuilder, WidgetInfo,
-    WidgetType, pos2, vec2,
+    self, Align, Align2, Button, FontId, Layout, Rect, ScrollArea, Sense, Stroke, StrokeKind, Ui, UiBuilder,
+    WidgetInfo, WidgetType, pos2, vec2,
 };
 use images::Images;
 pub(crate) use plane::S_AND_G;
@@ -38,6 +38,9 @@ use voltet_graph::{ArrayRef, LocatedValue, ParameterValue, find_setting};
 
 /// Room for the numbers of the axes: left, below, and right where a curve has its own.
 const MARGIN: [f32; 3] = [52.0, 18.0, 44.0];
+
+/// Least share of the panel's height that the plane has; what stands above it scrolls where it needs more.
+const PLANE_SHARE: f32 = 0.6;
 
 /// The panel, with what a hand is doing in it.
 #[derive(Default)]
@@ -154,7 +157,10 @@ impl TransferPanel {
         }
         self.hidden.retain(|place| *place < look.widgets.len());
         ui.add_space(3.0);
-        self.head(ui, &look);
+        let most = (1.0 - PLANE_SHARE) * ui.available_height();
+        let head =
+            ScrollArea::vertical().auto_shrink([false, true]).max_height(most).min_scrolled_height(most);
+        head.show(ui, |ui| self.head(ui, &look));
         let (whole, response) =
             ui.allocate_exact_size(ui.available_size().max(vec2(60.0, 60.0)), Sense::click_and_drag());
         let in_hand = look.widgets.get(self.chosen);

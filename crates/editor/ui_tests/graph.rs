@@ -26,6 +26,8 @@ fn the_words_about_a_node_cover_neither_it_nor_others() {
         assert_eq!(words.len(), 1, "{name}");
         let covered = NAMES.iter().find(|other| hand.rect(&format!("node {other}")).contains(words[0]));
         assert_eq!(covered, None, "by the words about {name}");
+        let away = words[0].distance(node.center());
+        assert!(away < 260.0, "the words about {name} are {away} points away");
     }
 }
 
