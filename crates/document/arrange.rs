@@ -1,16 +1,17 @@
 //! Places for nodes: in layers from left to right, and in line with each other.
 
 use crate::links;
+use std::collections::BTreeSet;
 use voltet_graph::NodeEntry;
 
 /// Gap between two layers, and between two nodes of one (points).
 const GAP: [f64; 2] = [70.0, 40.0];
 /// The size of a node that nobody has drawn yet.
 pub const USUAL: [f64; 2] = [170.0, 100.0];
-/// Most nodes one above the other; where a layer has more, chains are grouped.
+/// Most nodes one above the other; where a layer has more, chains are grouped, and what is no chain stands in several columns.
 const MAX_ROWS: usize = 8;
-/// Nodes that a source feeds at least if it belongs to no chain.
-const SHARED: usize = 3;
+/// Nodes that a source feeds at least if it belongs to no chain; and those that another node does.
+const SHARED: [usize; 2] = [3, MAX_ROWS];
 /// Width of grouped chains over their height, about.
 const ASPECT: f64 = 1.5;
 /// Number of passes that order the layers by their neighbours.
@@ -51,7 +52,8 @@ pub enum Align {
 /// A place for each node: in the layer that the longest way from a source leads to, a source in the one before the first that it
 /// feeds; within the layers in the order of the mean place of their neighbours, swept back and forth (Sugiyama, Tagawa, Toda
 /// 1981), the best order kept. Where layers would be long, nodes that are wired to each other are laid out in groups, which stand beside
-/// each other in lines; sources that many chains share come first. Equal pipelines have equal places.
+/// each other in lines; nodes that many chains share come first, with all that feeds them. A layer that is long still has several
+/// columns. Equal pipelines have equal places.
 pub fn tidy(nodes: &[NodeEntry], size: &dyn Fn(&str) -> [f64; 2]) -> Vec<[f64; 2]> {
     let feeding = feeding(nodes);
     let laid_out: Vec<PlacedGroup> =
@@ -87,8 +89,15 @@ fn groups(feeding: &[Vec<usize>]) -> Vec<Vec<usize>> {
         return vec![(0..feeding.len()).collect()];
     }
     let fed = |i: usize| feeding.iter().filter(|from| from.contains(&i)).count();
-    let is_shared = |i: usize| feeding[i].is_empty() && fed(i) >= SHARED;
-    let shared: Vec<usize> = (0..feeding.len()).filter(|&i| is_shared(i)).collect();
+    let is_shared = |&i: &usize| fed(i) >= SHARED[usize::from(!feeding[i].is_empty())];
+    let mut open: Vec<usize> = (0..feeding.len()).filter(is_shared).collect();
+    let mut shared = BTreeSet::new();
+    while let Some(i) = open.pop() {
+        if shared.insert(i) {
+            open.extend(&feeding[i]);
+        }
+    }
+    let shared: Vec<usize> = shared.into_iter().collect();
     let mut groups: Vec<Vec<usize>> = vec![shared.clone()];
     for i in (0..feeding.len()).filter(|i| !shared.contains(i)) {
         let wired = |group: &Vec<usize>| {
@@ -131,8 +140,10 @@ fn layered(
         let heights = layer.iter().map(|&i| size(i)[1]);
         heights.sum::<f64>() + GAP[1] * (layer.len().max(1) - 1) as f64
     };
-    let tallest = layers.iter().map(|layer| heights(layer)).fold(0.0, f64::max);
-    for layer in &layers {
+    let columns: Vec<&[usize]> =
+        layers.iter().flat_map(|layer| layer.chunks(rows_of(layer, &size))).collect();
+    let tallest = columns.iter().map(|column| heights(column)).fold(0.0, f64::max);
+    for layer in columns {
         let mut top = ((tallest - heights(layer)) / 2.0).round();
         let mut width: f64 = 0.0;
         for &i in layer {
@@ -144,6 +155,17 @@ fn layered(
         left += width + GAP[0];
     }
     PlacedGroup { places, size: [left - GAP[0], tallest] }
+}
+
+/// Most nodes one above the other in the columns of a layer: all, or as many as give it its width over its height.
+fn rows_of(layer: &[usize], size: &dyn Fn(usize) -> [f64; 2]) -> usize {
+    if layer.len() <= MAX_ROWS {
+        return layer.len().max(1);
+    }
+    let mean =
+        |axis: usize| layer.iter().map(|&i| size(i)[axis] + GAP[axis]).sum::<f64>() / layer.len() as f64;
+    let rows = (layer.len() as f64 * mean(0) / (ASPECT * mean(1))).sqrt().ceil() as usize;
+    rows.clamp(MAX_ROWS, layer.len())
 }
 
 /// For each node those that feed it, by their numbers.

@@ -107,7 +107,13 @@ impl Editor {
         let (pending, looks) = (self.before_rescale(edits), self.before_scales(edits));
         let gesture = pending.as_ref().map(|pending| pending.gesture).or(self.gesture);
         let gesture = gesture.or_else(|| (!looks.is_empty()).then(|| self.gestures.begin()));
-        let outcome = self.document.edit_all(label, edits, gesture);
+        // Where nodes stand that the file gives no places follows from nodes and wires: of others they would stand elsewhere next time.
+        let is_laid_out_by = |edit: &Edit| {
+            matches!(edit, Edit::RemoveNodes(_) | Edit::Connect { .. } | Edit::Disconnect { .. })
+        };
+        let places = edits.iter().any(is_laid_out_by).then(|| Edit::MoveNodes(Vec::new()));
+        let all: Vec<Edit> = edits.iter().cloned().chain(places).collect();
+        let outcome = self.document.edit_all(label, &all, gesture);
         if self.check(outcome).is_none() {
             return;
         }

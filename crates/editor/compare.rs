@@ -5,12 +5,14 @@ use crate::jobs::Job;
 use crate::scene::{Scene, milliseconds};
 use crate::textures::{WHOLE, set_texture};
 use crate::theme::{self, Help};
-use crate::worker::{Pixels, difference};
+use crate::ways_out::{AGAIN, buttons, ways_out};
+use crate::worker::{Pixels, difference, short};
 use eframe::egui::{
-    Align, Align2, Button, Color32, ColorImage, CursorIcon, FontId, Layout, Rect, Sense, Stroke,
+    Align, Align2, Button, Color32, ColorImage, CursorIcon, FontId, Layout, Pos2, Rect, Sense, Stroke,
     TextureHandle, TextureOptions, Ui, UiBuilder, WidgetInfo, WidgetType, pos2, vec2,
 };
 use std::sync::Arc;
+use voltet_core::Error;
 use voltet_core::picture::Picture;
 
 /// Way of showing both.
@@ -54,6 +56,8 @@ struct Difference {
     texture: Option<TextureHandle>,
     /// Figures in words.
     text: String,
+    /// Reason why there are none.
+    error: Option<Error>,
 }
 
 /// Figures of the difference of two pictures of one size, and its image where that is shown.
@@ -92,7 +96,7 @@ impl Compare {
     }
 
     /// Ways of showing both, in the lower right corner of a place: there they leave the picture its size.
-    fn modes(&mut self, ui: &mut Ui, place: Rect) {
+    fn modes(&mut self, ui: &mut Ui, scene: &Scene, place: Rect) {
         let size = vec2(MODES_WIDTH.min(place.width()), 24.0);
         let corner = Align2::RIGHT_BOTTOM.anchor_size(place.right_bottom() - vec2(8.0, 6.0), size);
         let layout = Layout::right_to_left(Align::Center);
@@ -106,6 +110,12 @@ impl Compare {
                     self.mode = mode;
                 }
             }
+            if let Some(error) = self.found.as_ref().and_then(|found| found.error.as_ref()) {
+                buttons(ui, scene, &ways_out(scene, error));
+                if ui.small_button(AGAIN).clicked() {
+                    self.found = None;
+                }
+            }
         });
     }
 
@@ -115,6 +125,12 @@ impl Compare {
             true => whole.split_left_right_at_fraction(0.5).1,
             false => whole,
         }
+    }
+
+    /// Has the comparison fail.
+    #[cfg(test)]
+    pub fn fail(&mut self, error: Error) {
+        self.found = self.found.take().map(|found| found.failed(error));
     }
 
     /// Shows the remembered picture with the present one, which lies in `picture`, part of `room`.
@@ -144,8 +160,18 @@ impl Compare {
                 }
             }
         }
+        let line = match self.mode {
+            Mode::Swipe => Some(picture.left() + self.line * picture.width()),
+            Mode::Beside => Some(whole.center().x),
+            Mode::Difference => None,
+        };
+        for (text, align, aside) in
+            [("remembered", Align2::RIGHT_TOP, -10.0), ("present", Align2::LEFT_TOP, 10.0)]
+        {
+            line.into_iter().for_each(|x| words(ui, text, pos2(x + aside, whole.top() + 8.0), align));
+        }
         self.say(ui, scene, whole);
-        self.modes(ui, whole);
+        self.modes(ui, scene, whole);
     }
 
     fn swipe(&mut self, ui: &mut Ui, picture: Rect) {
@@ -173,11 +199,17 @@ impl Compare {
         let Some(found) = &self.found else { return };
         let before = self.remembered.as_ref().and_then(|remembered| remembered.seconds);
         let text = found.words(scene.pixels.as_ref().map(|now| &now.picture), [before, scene.seconds]);
-        let galley = ui.painter().layout_no_wrap(text, FontId::proportional(12.0), Color32::from_gray(230));
-        let place = Align2::RIGHT_BOTTOM.anchor_size(whole.right_bottom() - vec2(10.0, 38.0), galley.size());
-        ui.painter().rect_filled(place.expand(4.0), 4.0, Color32::from_black_alpha(200));
-        ui.painter().galley(place.min, galley, Color32::WHITE);
+        words(ui, &text, whole.right_bottom() - vec2(10.0, 38.0), Align2::RIGHT_BOTTOM);
     }
+}
+
+/// Words over the pictures, on a ground of their own.
+fn words(ui: &Ui, text: &str, at: Pos2, align: Align2) {
+    let (font, color) = (FontId::proportional(12.0), Color32::from_gray(230));
+    let galley = ui.painter().layout_no_wrap(text.into(), font, color);
+    let place = align.anchor_size(at, galley.size());
+    ui.painter().rect_filled(place.expand(4.0), 4.0, Color32::from_black_alpha(200));
+    ui.painter().galley(place.min, galley, color);
 }
 
 impl Remembered {
@@ -191,15 +223,20 @@ impl Remembered {
 
 impl Difference {
     fn begin(ui: &Ui, before: &Arc<Picture>, now: &Arc<Picture>, has_image: bool) -> Difference {
-        let known = |text: String, job| Difference { of: now.clone(), job, has_image, texture: None, text };
+        let text = "is being compared".to_string();
+        let begun = Difference { of: now.clone(), job: None, has_image, texture: None, text, error: None };
         if [before.width, before.height] != [now.width, now.height] {
-            return known("not compared, for the sizes differ".into(), None);
+            return Difference { text: "not compared, for the sizes differ".into(), ..begun };
         }
         let (a, b) = (before.clone(), now.clone());
         match Job::start("comparison", ui.ctx(), move |_| Ok(differ(&a, &b, has_image))) {
-            Ok(job) => known("is being compared".into(), Some(job)),
-            Err(error) => known(error.to_string(), None),
+            Ok(job) => Difference { job: Some(job), ..begun },
+            Err(error) => begun.failed(error),
         }
+    }
+
+    fn failed(self, error: Error) -> Difference {
+        Difference { text: error.to_string(), error: Some(error), ..self }
     }
 
     /// Figures with the seconds of both pictures; where another picture is shown than they are of, what is waited for.
@@ -222,7 +259,7 @@ impl Difference {
                     set_texture(&mut self.texture, ui, "difference", image, TextureOptions::LINEAR);
                 }
             }
-            Err(error) => self.text = error.to_string(),
+            Err(error) => (self.text, self.error) = (error.to_string(), Some(error)),
         }
     }
 }
@@ -231,7 +268,7 @@ impl Difference {
 fn message(figures: [f64; 2]) -> String {
     match figures {
         [0.0, 0.0] => "no difference".into(),
-        [most, rms] => format!("largest difference {most:.1e}, root mean square {rms:.1e}"),
+        [most, rms] => format!("largest difference {}, root mean square {}", short(most), short(rms)),
     }
 }
 
@@ -266,6 +303,7 @@ mod tests {
         assert_eq!(image.pixels, [Color32::BLACK, Color32::from_rgb(0, 255, 79)]);
         assert!(differ(&before, &now, false).image.is_none());
         assert_eq!(message(differ(&now, &now, false).figures), "no difference");
+        assert_eq!(message([0.99, 3e-5]), "largest difference 0.99, root mean square 3e-5");
         for pixels in [[[f32::NAN; 4], [0.0; 4]], [[0.0; 4], [f32::NAN; 4]]] {
             let figures = differ(&before, &of(pixels.to_vec()), false).figures;
             assert_eq!(message(figures), "largest difference NaN, root mean square NaN");
@@ -282,6 +320,7 @@ mod tests {
             has_image: false,
             texture: None,
             text: "no difference".into(),
+            error: None,
         };
         let seconds = [Some(0.2), Some(3.0)];
         assert_eq!(found.words(Some(&of), seconds), "no difference; 200 ms then, 3.0 s now");

@@ -284,6 +284,8 @@ impl Editor {
 
     pub(crate) fn estimate(&self) {
         if let Some(asked) = self.answers.asked.clone() {
+            // One that came to nothing is made once more.
+            self.worker.forget_query(|output| &mut output.estimate);
             self.worker.ask(|output| &mut output.estimate, Estimate(asked));
         }
     }
@@ -344,7 +346,8 @@ impl Editor {
         // A question has the keys for itself.
         let is_held = !self.panels.graph.has_focus() && ctx.egui_wants_keyboard_input();
         self.panels.transfer.has_arrows = !is_held;
-        if !self.asks() {
+        // So has a menu or a list that is open.
+        if !self.asks() && !Popup::is_any_open(ctx) {
             keys::read(ctx, of_widgets, is_held, &self.actions);
         }
         show(self, ui);

@@ -293,7 +293,10 @@ mod tests {
     use super::*;
 
     fn arrays(names: &[&str]) -> Vec<ArrayChoice> {
-        let choice = |name: &&str| ArrayChoice { name: name.to_string(), label: name.to_string(), at: None };
+        let choice = |name: &&str| {
+            let name = name.to_string();
+            ArrayChoice { label: name.clone(), name, at: None, maker: None }
+        };
         names.iter().map(choice).collect()
     }
 

@@ -1,11 +1,12 @@
 //! Fields for numbers, colours and words: what a hand makes of them, and why a number is another than was typed.
 
+use crate::jobs::ArrayChoice;
 use crate::theme::{self, Help};
 use eframe::egui::color_picker::{Alpha, color_picker_color32};
 use eframe::egui::text::{CCursor, CCursorRange};
 use eframe::egui::{
-    Button, Color32, ComboBox, DragValue, Popup, PopupCloseBehavior, Rect, Response, Rgba, RichText, Sense,
-    Slider, TextEdit, Ui, WidgetInfo, WidgetType, vec2,
+    Button, Color32, ComboBox, DragValue, FocusDirection, Key, Modifiers, Popup, PopupCloseBehavior, Rect,
+    Response, Rgba, RichText, ScrollArea, Sense, Slider, TextEdit, Ui, WidgetInfo, WidgetType, vec2,
 };
 use std::cell::RefCell;
 use voltet_core::arithmetic::decimal;
@@ -263,6 +264,37 @@ fn hex_field(ui: &mut Ui, color: Color32) -> Option<Color32> {
     typed.filter(|_| response.changed())
 }
 
+/// Width of a list in a menu, and the most of its height, points.
+pub(crate) const LIST_WIDTH: f32 = 230.0;
+const LIST_HEIGHT: f32 = 220.0;
+
+/// Area of a list in a menu: as high as its entries, up to a height from which on it scrolls.
+pub(crate) fn list_area() -> ScrollArea {
+    ScrollArea::vertical().max_height(LIST_HEIGHT).min_scrolled_height(LIST_HEIGHT)
+}
+
+/// Has the arrow keys go from entry to entry of an open list, from the chosen one (true) on; Enter takes the entry that has the focus.
+pub(crate) fn follow_arrows(ui: &Ui, entries: &[(Response, bool)]) {
+    let keys = [Key::ArrowUp, Key::ArrowDown, Key::ArrowLeft, Key::ArrowRight];
+    let pressed = keys.map(|key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key)));
+    if pressed.contains(&true) {
+        // egui's own way would go on to what lies behind the list.
+        ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
+    }
+    let focused = entries.iter().position(|(entry, _)| entry.has_focus());
+    let now = focused.or_else(|| entries.iter().position(|(_, is_chosen)| *is_chosen));
+    let next = match (pressed, now) {
+        ([true, ..], Some(place)) => place.saturating_sub(1),
+        ([_, true, ..], Some(place)) => place + 1,
+        ([true, ..] | [_, true, ..], None) => 0,
+        _ => return,
+    };
+    if let Some((entry, _)) = entries.get(next) {
+        entry.request_focus();
+        entry.scroll_to_me(None);
+    }
+}
+
 /// Choice of a word, with the gradients of colour maps; gives the word that is taken.
 pub(crate) fn choice(
     ui: &mut Ui,
@@ -273,18 +305,50 @@ pub(crate) fn choice(
     let now = now.map(to_text).unwrap_or_default();
     let mut taken = None;
     ComboBox::from_id_salt(("choice", key)).selected_text(&now).width(150.0).show_ui(ui, |ui| {
+        let mut entries = Vec::new();
         for (word, meaning) in words {
             ui.horizontal(|ui| {
                 if let Some(map) = Colormap::named(word) {
                     gradient(ui, map);
                 }
-                if ui.selectable_label(now == *word, *word).help(*meaning).clicked() {
+                let entry = ui.selectable_label(now == *word, *word).help(*meaning);
+                if entry.clicked() {
                     taken = Some((*word).into());
                     ui.close();
                 }
+                entries.push((entry, now == *word));
             });
         }
+        follow_arrows(ui, &entries);
     });
+    taken
+}
+
+/// List of arrays, of which one is taken, or several; gives the names that are.
+pub(crate) fn array_list(
+    ui: &mut Ui,
+    choices: &[&ArrayChoice],
+    names: &[String],
+    several: bool,
+) -> Option<ParameterValue> {
+    let (mut taken, mut entries) = (None, Vec::new());
+    for array in choices {
+        let mut is_taken = names.contains(&array.name);
+        let entry = match several {
+            true => ui.checkbox(&mut is_taken, &array.label),
+            false => ui.selectable_label(is_taken, &array.label),
+        };
+        if several && entry.changed() {
+            let others = names.iter().filter(|name| **name != array.name);
+            let all = others.chain(is_taken.then_some(&array.name));
+            taken = Some(all.map(String::as_str).collect());
+        } else if !several && entry.clicked() {
+            taken = Some(ParameterValue::Text(array.name.clone()));
+            ui.close();
+        }
+        entries.push((entry, is_taken));
+    }
+    follow_arrows(ui, &entries);
     taken
 }
 
@@ -367,13 +431,13 @@ mod tests {
             harness.input_mut().events.extend(events);
             harness.step();
         }
-        harness.key_press(eframe::egui::Key::Enter);
+        harness.key_press(Key::Enter);
         harness.run_steps(2);
         assert_eq!(held.get(), 0.5);
     }
 
     fn press(pos: eframe::egui::Pos2, pressed: bool) -> eframe::egui::Event {
-        let (button, modifiers) = (eframe::egui::PointerButton::Primary, eframe::egui::Modifiers::NONE);
+        let (button, modifiers) = (eframe::egui::PointerButton::Primary, Modifiers::NONE);
         eframe::egui::Event::PointerButton { pos, button, pressed, modifiers }
     }
 

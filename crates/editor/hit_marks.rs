@@ -69,11 +69,9 @@ impl MarkPainter<'_> {
         }
     }
 
-    /// The edges of the tetrahedron.
+    /// The edges of the cell.
     fn cell(&self, cell: &HitCell) {
-        for (a, b) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
-            self.line([cell.corners[a], cell.corners[b]], 1.2);
-        }
+        cell.edges.iter().for_each(|ends| self.line(*ends, 1.2));
     }
 
     fn length(&self, points: &[DVec3]) {

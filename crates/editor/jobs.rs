@@ -136,6 +136,8 @@ pub(crate) struct ArrayChoice {
     pub label: String,
     /// Place of its values; `None` where it is there at both.
     pub at: Option<Association>,
+    /// The node that makes it; `None` of an array of a file.
+    pub maker: Option<String>,
 }
 
 impl ArrayChoice {
@@ -239,14 +241,26 @@ impl Arrays {
         registry: &Registry,
         node: &str,
     ) -> UpstreamArrays {
+        let mut arrays = self.given_by(ctx, document, registry, node);
+        arrays.results.retain(|result| result.maker.as_deref() != Some(node));
+        arrays
+    }
+
+    /// The arrays that a node may give: those that feed it, and its own.
+    pub fn given_by(
+        &self,
+        ctx: &Context,
+        document: &Document,
+        registry: &Registry,
+        node: &str,
+    ) -> UpstreamArrays {
         let nodes = &document.pipeline().nodes;
         let feeding = upstream(nodes, node);
         let feeding = || nodes.iter().filter(|entry| feeding.contains(&entry.name));
         let reader = feeding().find(|entry| reads(entry, registry));
         let of_file =
             reader.map_or_else(Arc::default, |of| self.of_reader(ctx, document, registry, of, Extent::Whole));
-        let results = feeding().filter(|entry| entry.name != node);
-        UpstreamArrays { of_file, results: results.filter_map(|entry| result(entry, registry)).collect() }
+        UpstreamArrays { of_file, results: feeding().filter_map(|entry| result(entry, registry)).collect() }
     }
 
     /// The arrays of the file that a node reads, as far as that is asked for; empty while they are not known.
@@ -342,7 +356,8 @@ fn result(entry: &NodeEntry, registry: &Registry) -> Option<ArrayChoice> {
     let name = entry.setting(named_by.name).and_then(LocatedValue::text).or(usual)?.to_string();
     let is_of_cells = entry.setting("association").and_then(LocatedValue::text) == Some("cell");
     let at = if is_of_cells { None } else { Some(Association::Point) };
-    Some(ArrayChoice { label: format!("{name}  (computed by {})", entry.name), name, at })
+    let maker = Some(entry.name.clone());
+    Some(ArrayChoice { label: format!("{name}  (computed by {})", entry.name), name, at, maker })
 }
 
 fn choices(head: &FileArray, range: Option<[f64; 2]>, unit: Option<&str>) -> Vec<ArrayChoice> {
@@ -356,6 +371,7 @@ fn choices(head: &FileArray, range: Option<[f64; 2]>, unit: Option<&str>) -> Vec
         label: format!("{name}  ({place}{range})"),
         name,
         at: Some(head.association),
+        maker: None,
     };
     if head.component_count == 1 {
         return vec![choice(head.name.clone(), &range)];

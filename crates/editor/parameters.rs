@@ -3,7 +3,7 @@
 
 use crate::blocks::block_tree;
 use crate::expression::ExpressionField;
-use crate::fields::{channels, choice, color, number, number_field, numbers, texts};
+use crate::fields::{array_list, channels, choice, color, number, number_field, numbers, texts};
 use crate::jobs::reads;
 use crate::scene::{Action, FilePurpose, Scene, error_text};
 use crate::theme::{self, Help, button};
@@ -545,16 +545,7 @@ impl ParameterPanel {
         if !choices.is_empty() {
             let names = row.value().map(texts).unwrap_or_default();
             ComboBox::from_id_salt(("arrays", key)).selected_text("data").width(48.0).show_ui(ui, |ui| {
-                for array in choices {
-                    let mut is_taken = names.contains(&array.name);
-                    if several && ui.checkbox(&mut is_taken, &array.label).changed() {
-                        let others = names.iter().filter(|name| **name != array.name);
-                        let all = others.chain(is_taken.then_some(&array.name));
-                        taken = Some(all.map(String::as_str).collect());
-                    } else if !several && ui.selectable_label(is_taken, &array.label).clicked() {
-                        taken = Some(ParameterValue::Text(array.name.clone()));
-                    }
-                }
+                taken = array_list(ui, &choices, &names, several);
             });
         }
         let (width, hint) = if several { (260.0, "all that are named") } else { (160.0, "") };

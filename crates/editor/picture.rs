@@ -2,6 +2,7 @@
 
 use crate::compare::Compare;
 use crate::eyes::left_out;
+use crate::fields::follow_arrows;
 use crate::handles::Handles;
 use crate::hit_marks;
 use crate::outline::{Drawing, Outline, OutlineShape, enclosed};
@@ -10,7 +11,7 @@ use crate::scene::{Action, Command, EARLIER, ProbePurpose, Scene, command_button
 pub(crate) use crate::textures::{WHOLE, set_texture};
 use crate::theme::{self, Help, button, switch};
 use crate::view::View;
-use crate::ways_out::{AGAIN, FEWER_PIXELS, ways_out};
+use crate::ways_out::{FEWER_PIXELS, ways_out_of_data};
 use eframe::egui::scroll_area::ScrollSource;
 use eframe::egui::{
     Align2, Button, Color32, ColorImage, ComboBox, CursorIcon, FontId, PointerButton, Pos2, Rect, Response,
@@ -21,7 +22,6 @@ use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
 use std::time::Duration;
-use voltet_core::error::ErrorKind;
 use voltet_document::panel::default_value;
 use voltet_document::{Edit, Path, links};
 use voltet_graph::{LocatedValue, NodeEntry, ParameterType};
@@ -80,7 +80,7 @@ pub(crate) struct PicturePanel {
     is_own_size: bool,
     /// True if the middle of the picture is to be seen.
     is_to_centre: bool,
-    compare: Compare,
+    pub compare: Compare,
     /// The picture in the window.
     pub rect: Option<Rect>,
     /// Pixels that it can show.
@@ -189,11 +189,17 @@ impl PicturePanel {
             let room = ui.available_size_before_wrap().x;
             let (is_narrow, has_section) = (room < HEAD, room > SHORT_HEAD);
             ComboBox::from_id_salt("shown").selected_text(shown).width(90.0).show_ui(ui, |ui| {
+                let mut entries = Vec::new();
                 for name in pictures {
-                    if ui.selectable_label(scene.shown_node == Some(name), name).clicked() {
+                    let is_shown = scene.shown_node == Some(name);
+                    let entry = ui.selectable_label(is_shown, name);
+                    if entry.clicked() {
                         scene.actions.push(Action::Show(name.to_string()));
+                        ui.close();
                     }
+                    entries.push((entry, is_shown));
                 }
+                follow_arrows(ui, &entries);
             });
             ui.add_enabled_ui(scene.view.is_some(), |ui| {
                 use crate::scene::Command::{Along, Home, Isometric, Roll, Section};
@@ -303,16 +309,11 @@ impl PicturePanel {
                 say(ui, "No node gives a picture yet: add a renderer (Space).", Color32::from_gray(200), 0.0);
             }
             (Some(failure), Some(_)) => {
-                let mut ways = ways_out(scene, failure);
+                let mut ways = ways_out_of_data(scene, failure);
                 // The window draws no more pixels than it has room for, however many the camera asks for.
                 let room = ui.ctx().pixels_per_point() * rect.size();
                 let fits = |size: [u32; 2]| size[0] as f32 <= room.x && size[1] as f32 <= room.y;
                 ways.retain(|(text, _)| text != FEWER_PIXELS || scene.picture_size.is_some_and(fits));
-                // What a parameter has wrong is so once more.
-                let is_of_file = ways.iter().any(|(_, action)| matches!(action, Action::ChooseFile(..)));
-                if failure.kind != ErrorKind::Usage || is_of_file || scene.is_of_other_file(failure) {
-                    ways.push((AGAIN.into(), Action::Do(Command::ReadAgain)));
-                }
                 let [size, step] = steps_of_buttons(ways.len(), rect.width());
                 let whole = size + ways.len().saturating_sub(1) as f32 * step;
                 let text = scene.reason("picture", failure);

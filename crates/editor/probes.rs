@@ -7,7 +7,7 @@ use crate::transfer;
 use crate::worker::{PixelProbe, ProbeQuery, VolumeSource, short, short_by};
 use glam::DVec3;
 use std::sync::Arc;
-use voltet_core::with_commas;
+use voltet_core::{counted, with_commas};
 use voltet_document::links::{self, upstream};
 use voltet_graph::{NodeEntry, PortType};
 use voltet_nodes::drawing;
@@ -114,10 +114,13 @@ impl Editor {
         let cell = cell.map_or(String::new(), |cell| format!("cell {}; ", with_commas(cell.number)));
         let is_of_plane = self.edited().is_some_and(|(_, output)| output == source.output);
         let offer = if is_of_plane { "; \"+ at probe\" makes a widget of them" } else { "" };
+        let count = match found.rays {
+            1 => counted(found.cells, "cell"),
+            _ => counted(found.gathered().len(), "value"),
+        };
         let text = match found.moments() {
             Some(([s, g], [[ss, _], [_, gg]])) => format!(
-                "{cell}{} values {place}: s {} ± {}, g {} ± {}{offer}",
-                found.gathered().len(),
+                "{cell}{count} {place}: s {} ± {}, g {} ± {}{offer}",
                 short_by(s, 0.1 * ss.sqrt()),
                 short(ss.sqrt()),
                 short_by(g, 0.1 * gg.sqrt()),

@@ -1,8 +1,7 @@
-//! Widgets where a reader is to draw another array: their numbers become the same shares of its ranges once those are known, in the step
+//! Widgets where another array is to be drawn: their numbers become the same shares of its ranges once those are known, in the step
 //! that chose the array. And widgets whose axes get other scales: they reach to the same values, in the step that chose the scale.
 
 use crate::editor::Editor;
-use crate::jobs::reads;
 use crate::rescale_edits::{PendingRescale, edits, edits_of_scales, is_absolute};
 use crate::transfer;
 use crate::worker::DataScales;
@@ -10,16 +9,16 @@ use std::collections::BTreeSet;
 use voltet_core::{Result, counted};
 use voltet_document::links::upstream;
 use voltet_document::{Edit, Gesture};
-use voltet_graph::{LocatedValue, NodeEntry};
+use voltet_graph::NodeEntry;
 
-/// Parameters of a reader that choose the array.
+/// Parameters that choose the array: of a reader, or of a node that makes one.
 const CHOICE: [&str; 2] = ["scalar", "association"];
 
 /// Parameters of a transfer function that are of the scales of its axes.
 const SCALES: [&str; 4] = ["s_scale", "s_linear_below", "g_scale", "g_linear_below"];
 
 impl Editor {
-    /// The widgets and ranges before edits by which a reader draws another array; `None` of other edits.
+    /// The widgets and ranges before edits by which another array is drawn; `None` of other edits.
     pub(crate) fn before_rescale(&mut self, edits: &[Edit]) -> Option<PendingRescale> {
         let chooses = |edit: &&Edit| match edit {
             Edit::Set { path, .. } | Edit::Unset { path, .. } => {
@@ -30,11 +29,14 @@ impl Editor {
         let (Edit::Set { node, .. } | Edit::Unset { node, .. }) = edits.iter().find(chooses)? else {
             return None;
         };
-        let reader = self.node(node).filter(|entry| reads(entry, &self.registry))?.clone();
+        let has_scalar = |entry: &&NodeEntry| {
+            self.registry.node_type(entry).is_some_and(|of| of.parameter(CHOICE[0]).is_some())
+        };
+        let chooser = self.node(node).filter(has_scalar)?.clone();
         let pending = self.pending_rescale.as_ref();
-        if let Some(pending) = pending.filter(|one| one.reader.name == *node && self.is_as_left(one)) {
+        if let Some(pending) = pending.filter(|one| one.chooser.name == *node && self.is_as_left(one)) {
             // Still those of the array before that one, in one step with it.
-            return Some(PendingRescale { reader, ..pending.clone() });
+            return Some(PendingRescale { chooser, ..pending.clone() });
         }
         let output = self.edited().map(|(_, output)| output).unwrap_or_default();
         let before = self.known_of(&output).and_then(Result::ok);
@@ -45,8 +47,8 @@ impl Editor {
         let of_type = |entry: &&NodeEntry| entry.node_type.text() == Some("transfer-function");
         for look in nodes.iter().filter(of_type).filter(|look| is_absolute(look)) {
             let volumes = transfer::volumes_of(&scene, &look.name);
-            let is_of_reader = |(name, _): &(String, String)| upstream(nodes, name).contains(node);
-            if !volumes.iter().any(is_of_reader) {
+            let is_chosen = |(name, _): &(String, String)| upstream(nodes, name).contains(node);
+            if !volumes.iter().any(is_chosen) {
                 continue;
             }
             // One that is drawn with several volumes is right for all of them, or none.
@@ -58,21 +60,21 @@ impl Editor {
         }
         drop(scene);
         let gesture = self.gesture.unwrap_or_else(|| self.gestures.begin());
-        Some(PendingRescale { reader, looks, left, output, before, gesture })
+        Some(PendingRescale { chooser, looks, left, output, before, gesture })
     }
 
     /// The edits were carried out: the widgets are rescaled once the ranges of the other array are known.
     pub(crate) fn expect_ranges(&mut self, pending: PendingRescale) {
-        let Some(reader) = self.node(&pending.reader.name) else { return };
-        if CHOICE.iter().all(|name| reader.setting(name) == pending.reader.setting(name)) {
+        let Some(chooser) = self.node(&pending.chooser.name) else { return };
+        if CHOICE.iter().all(|name| chooser.setting(name) == pending.chooser.setting(name)) {
             return;
         }
-        let reader = reader.clone();
+        let chooser = chooser.clone();
         if !pending.left.is_empty() {
             self.say(said_of_left(&pending.left));
         }
         if !pending.looks.is_empty() {
-            self.pending_rescale = Some(PendingRescale { reader, ..pending });
+            self.pending_rescale = Some(PendingRescale { chooser, ..pending });
         }
     }
 
@@ -97,8 +99,7 @@ impl Editor {
         if edits.is_empty() {
             return;
         }
-        let scalar = pending.reader.setting("scalar").and_then(LocatedValue::text);
-        let scalar = scalar.map_or("another array".into(), |scalar| format!("'{scalar}'"));
+        let scalar = self.scene().scalar().map_or("another array".into(), |scalar| format!("'{scalar}'"));
         let outcome = self.document.edit_all(format!("draw {scalar}"), &edits, Some(pending.gesture));
         if self.check(outcome).is_some() {
             self.panels.transfer.show_all();
@@ -170,7 +171,7 @@ impl Editor {
             let now = self.node(&entry.name);
             now.is_some_and(|now| names.iter().all(|name| now.setting(name) == entry.setting(name)))
         };
-        stands(&pending.reader, &CHOICE) && pending.looks.iter().all(|look| stands(look, &["widgets"]))
+        stands(&pending.chooser, &CHOICE) && pending.looks.iter().all(|look| stands(look, &["widgets"]))
     }
 
     /// Ranges of the volume of an output; `None` while they are looked for.

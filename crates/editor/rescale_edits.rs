@@ -15,8 +15,8 @@ const NEARLY_ALL: f64 = 0.999;
 /// Widgets whose numbers are those of an array that is not drawn any more.
 #[derive(Clone)]
 pub(crate) struct PendingRescale {
-    /// Reader, as it chooses the other array.
-    pub reader: NodeEntry,
+    /// The node that chooses the other array, as it does.
+    pub chooser: NodeEntry,
     /// Transfer functions that are rescaled, as they stand.
     pub looks: Vec<NodeEntry>,
     /// Names of those that stay at their numbers, though the array is theirs.

@@ -92,12 +92,17 @@ fn beginning(comment: &str) -> String {
 impl Scene<'_> {
     /// Reason for which there is no picture or histogram: the error, or where it is said already.
     pub fn reason(&self, what: &str, error: &Error) -> String {
-        let is_same = |said: &&Error| said.location.node == error.location.node;
-        let of_picture = self.failure.iter().filter(|said| !std::ptr::eq(*said, error));
-        match (self.faults.iter().chain(of_picture).find(is_same), &error.location.node) {
-            (Some(_), Some(node)) => format!("no {what}: '{node}' has a fault"),
-            _ => error_text(error, self.document),
+        match error.location.node.as_ref().filter(|_| self.is_said(error)) {
+            Some(node) => format!("no {what}: '{node}' has a fault"),
+            None => error_text(error, self.document),
         }
+    }
+
+    /// True if an error of the same node is said elsewhere.
+    pub fn is_said(&self, error: &Error) -> bool {
+        let of_picture = self.failure.iter().filter(|said| !std::ptr::eq(*said, error));
+        let mut others = self.faults.iter().chain(of_picture);
+        error.location.node.is_some() && others.any(|said| said.location.node == error.location.node)
     }
 
     /// Line of the document's text that an error is about, from 1.
@@ -171,6 +176,11 @@ impl<'a> Scene<'a> {
     /// True if the large picture is of an earlier state.
     pub fn is_earlier(&self) -> bool {
         self.shown_node.is_some_and(|node| self.earlier.contains(node))
+    }
+
+    /// Name of the array that is s where the edited transfer function is drawn, once its data were looked at.
+    pub fn scalar(&self) -> Option<&str> {
+        self.distribution.as_ref().map(|found| found.scalar.as_str()).filter(|name| !name.is_empty())
     }
 
     /// The data that are shown, as things that are added find them.

@@ -6,6 +6,7 @@ use crate::picture::{WHOLE, set_texture};
 use crate::scene::{Action, EARLIER, Scene};
 use crate::theme::{self, Help};
 use crate::view::View;
+use crate::ways_out::{show_error, ways_out_of_data};
 use crate::worker::{PixelProbe, Section, short, short_by};
 use eframe::egui::{
     Color32, ColorImage, Context, Pos2, Rect, Rgba, RichText, Sense, Slider, TextureHandle, TextureOptions,
@@ -98,7 +99,7 @@ impl SectionPanel {
             Some(Ok(section)) => self.take(ui, scene, section),
             Some(Err(error)) => {
                 self.shown = None;
-                drop(ui.colored_label(theme::wrong(ui.visuals().dark_mode), error.to_string()))
+                show_error(ui, scene, error, &ways_out_of_data(scene, error));
             }
             None => {
                 self.shown = None;
@@ -122,7 +123,8 @@ impl SectionPanel {
         let weak = theme::weak(ui.visuals().dark_mode);
         ui.horizontal(|ui| {
             let [low, high] = self.range.map(|s| short_by(s, 1e-2 * (self.range[1] - self.range[0])));
-            ui.label(RichText::new(format!("s from {low}")).small());
+            let name = scene.scalar().unwrap_or("s");
+            ui.label(RichText::new(format!("{name} from {low}")).small());
             Colormap::named("viridis").into_iter().for_each(|map| gradient(ui, map));
             ui.label(RichText::new(format!("to {high}")).small());
         });

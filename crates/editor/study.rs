@@ -4,7 +4,8 @@ use crate::jobs::Job;
 use crate::picture::milliseconds;
 use crate::scene::{Action, EARLIER, Scene};
 use crate::theme::{self, Help};
-use crate::ways_out::{buttons, ways_out, why_ended};
+use crate::ways_out::{show_error, ways_out};
+use crate::worker::short;
 use eframe::egui::{Context, Grid, ProgressBar, RichText, ScrollArea, Ui, Window};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -77,11 +78,8 @@ impl StudyPanel {
             ui.separator();
             match &self.found {
                 Some(Ok(studied)) => results(ui, studied),
-                Some(Err(error)) => {
-                    ui.colored_label(theme::wrong(ui.visuals().dark_mode), why_ended(scene, error));
-                    // The button above tries it again.
-                    ui.horizontal_wrapped(|ui| buttons(ui, scene, &ways_out(scene, error)));
-                }
+                // The button above tries it again.
+                Some(Err(error)) => show_error(ui, scene, error, &ways_out(scene, error)),
                 None => {
                     ui.label(
                         "Draws the picture with every integrator and setting on every engine, and compares each with the \
@@ -169,8 +167,8 @@ fn results(ui: &mut Ui, studied: &Studied) {
                 let label = RichText::new(format!("{}{mark}", row.label));
                 ui.label(if row.on_front || row.of_file { label.strong() } else { label });
                 ui.label(milliseconds(row.seconds));
-                ui.label(format!("{:.1e}", row.max));
-                ui.label(format!("{:.1e}", row.rms));
+                ui.label(short(row.max));
+                ui.label(short(row.rms));
                 ui.end_row();
             }
         });
@@ -257,14 +255,18 @@ fn estimate(ui: &mut Ui, scene: &Scene) {
             None if scene.is_estimating => drop(ui.label("drawing the reference …")),
             None => {}
             Some(Ok([most, rms])) => {
-                ui.label(format!("largest error {most:.1e}, root mean square {rms:.1e} (1 is full scale)"));
+                let [most, rms] = [most, rms].map(|error| short(*error));
+                ui.label(format!("largest error {most}, root mean square {rms} (1 is full scale)"));
             }
-            Some(Err(error)) => {
-                ui.label(error.to_string());
-            }
+            // Said below.
+            Some(Err(_)) => {}
         }
         if ui.button("Study …").help("error against time of every integrator (U)").clicked() {
             scene.actions.command(crate::scene::Command::Study);
         }
     });
+    if let Some(Err(error)) = &scene.estimate {
+        // The button above tries it again.
+        show_error(ui, scene, error, &ways_out(scene, error));
+    }
 }

@@ -90,19 +90,48 @@ pub(crate) fn switch(ui: &mut Ui, is_on: bool, text: &str, help: &str) -> Respon
     ui.add(Button::new(text).small().selected(is_on)).help(help)
 }
 
-/// Shows help of a control at the right of a rectangle, or at its left where there is no room, level with the control. Returns the response.
-fn help_beside(response: Response, rect: Rect, help: &str) -> Response {
-    let mut tooltip = Tooltip::for_enabled(&response);
-    let beside = Rect::from_x_y_ranges(rect.x_range(), response.rect.y_range());
-    let aligns = &[RectAlign::LEFT, RectAlign::BOTTOM, RectAlign::TOP];
-    tooltip.popup = tooltip.popup.anchor(beside).align(RectAlign::RIGHT).align_alternatives(aligns);
-    tooltip.show(|ui| ui.label(help));
+/// Place of help: at the right of a rectangle, or at its left where there is no room; or below the control, near the pointer.
+enum HelpPlace {
+    Beside(Rect),
+    Below,
+}
+
+/// Width of controls up to which help below them begins where they do, points.
+const WIDE_WIDTH: f32 = 160.0;
+
+/// Shows help of a control while the pointer is over what is seen of it. Returns the response.
+fn with_help(response: Response, place: HelpPlace, help: &str) -> Response {
+    // egui keeps help open over all of the control, also where other things cover it.
+    let mut seen = response.clone();
+    seen.rect = response.interact_rect;
+    let Some(at) = response.ctx.pointer_hover_pos() else { return response };
+    if !response.ctx.rect_contains_pointer(response.layer_id, seen.rect) {
+        return response;
+    }
+    let mut tooltip = Tooltip::for_enabled(&seen);
+    match place {
+        HelpPlace::Beside(rect) => {
+            let beside = Rect::from_x_y_ranges(rect.x_range(), seen.rect.y_range());
+            let aligns = &[RectAlign::LEFT, RectAlign::BOTTOM, RectAlign::TOP];
+            tooltip.popup = tooltip.popup.anchor(beside).align(RectAlign::RIGHT).align_alternatives(aligns);
+        }
+        HelpPlace::Below if seen.rect.width() > WIDE_WIDTH => {
+            let near = Rect::from_x_y_ranges((at.x - GAP)..=(at.x + GAP), seen.rect.y_range());
+            tooltip.popup = tooltip.popup.anchor(near);
+        }
+        HelpPlace::Below => {}
+    }
+    tooltip.show(|ui| {
+        ui.set_max_width(ui.spacing().tooltip_width);
+        ui.label(help)
+    });
     response
 }
 
 /// Help of controls, where the pointer rests on them.
 pub(crate) trait Help {
-    /// Shows help: of a control in a menu or sheet beside that, so that it covers none of the others; else below the control.
+    /// Shows help: of a control near the right end of a menu or sheet beside that, so that it covers none of the others; else below the
+    /// control.
     fn help(self, help: impl AsRef<str>) -> Self;
 
     /// Shows help at the right, of controls that stand below each other.
@@ -113,15 +142,14 @@ impl Help for Response {
     fn help(self, help: impl AsRef<str>) -> Response {
         let id = self.layer_id.id;
         let is_panes = self.layer_id.order == Order::Background;
-        match self.ctx.memory(|memory| memory.area_rect(id)).filter(|_| !is_panes) {
-            Some(sheet) => help_beside(self, sheet, help.as_ref()),
-            None => self.on_hover_text(help.as_ref()),
-        }
+        let sheet = self.ctx.memory(|memory| memory.area_rect(id)).filter(|_| !is_panes);
+        let near = sheet.filter(|sheet| sheet.right() - self.rect.right() < WIDE_WIDTH);
+        with_help(self, near.map_or(HelpPlace::Below, HelpPlace::Beside), help.as_ref())
     }
 
     fn help_at_right(self, help: impl AsRef<str>) -> Response {
         let rect = self.rect;
-        help_beside(self, rect, help.as_ref())
+        with_help(self, HelpPlace::Beside(rect), help.as_ref())
     }
 }
 
@@ -137,13 +165,17 @@ pub(crate) fn words_at_pointer(ui: &Ui, name: &str, words: impl Into<WidgetText>
     tooltip.show(|ui| ui.label(words));
 }
 
-/// Shows words beside a rectangle of the window, where they cover least of others: next to it, else above or below all of them, or beside.
+/// Area of others, square points, that words cover rather than being a point further from the pointer.
+const AREA_PER_POINT: f32 = 40.0;
+
+/// Shows words beside a rectangle of the window, near the pointer, where they cover little of others: next to it, else above or below all of
+/// them, or beside.
 pub(crate) fn words_beside(ui: &Ui, name: &str, rect: Rect, others: &[Rect], words: impl Into<WidgetText>) {
     let words = words.into();
     let galley = words.clone().into_galley(ui, Some(TextWrapMode::Wrap), TOOLTIP_WIDTH, TextStyle::Body);
     let size = galley.size() + ui.spacing().menu_margin.sum();
     let (ctx, id) = (ui.ctx().clone(), ui.id().with(name));
-    let window = ctx.content_rect();
+    let (window, pointer) = (ctx.content_rect(), ctx.pointer_hover_pos());
     let common = |one: Rect, other: Rect| {
         let both = one.intersect(other);
         if both.is_positive() { both.area() } else { 0.0 }
@@ -157,7 +189,10 @@ pub(crate) fn words_beside(ui: &Ui, name: &str, rect: Rect, others: &[Rect], wor
         let own = align.align_rect(beside, size, GAP);
         // What does not fit into the window is pushed back over the rectangle itself.
         let outside = own.area() - common(own, window);
-        others.iter().map(|other| common(own, *other)).sum::<f32>() + 10.0 * outside
+        let distance = pointer.map_or(0.0, |at| own.distance_to_pos(at));
+        others.iter().map(|other| common(own, *other)).sum::<f32>()
+            + 10.0 * outside
+            + AREA_PER_POINT * distance
     };
     let best = places.min_by(|one, other| covered(one).total_cmp(&covered(other)));
     let (beside, align) = best.unwrap_or((rect, RectAlign::default()));
@@ -211,6 +246,39 @@ pub(crate) fn port(painter: &Painter, at: Pos2, radius: f32, port_type: PortType
 #[cfg(test)]
 mod tests {
     use super::*;
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable;
+
+    /// A control that is 700 points wide, of which a part is seen.
+    fn pointed_at(seen: f32) -> impl FnMut(f32) -> Option<Rect> {
+        let mut harness = Harness::builder().with_size([900.0, 200.0]).build_ui(move |ui| {
+            ui.set_clip_rect(Rect::from_min_size(Pos2::ZERO, vec2(seen, 200.0)));
+            ui.add_sized([700.0, 20.0], eframe::egui::Label::new("control")).help("words");
+        });
+        move |x: f32| {
+            harness.input_mut().events.push(eframe::egui::Event::PointerMoved(Pos2::new(x, 18.0)));
+            harness.run_steps(8);
+            harness.query_by_label("words").map(|words| words.rect())
+        }
+    }
+
+    #[test]
+    fn help_is_near_the_pointer_and_goes_with_it() {
+        let mut pointed_at = pointed_at(900.0);
+        for x in [60.0, 300.0, 640.0] {
+            let words = pointed_at(x).expect("it is shown");
+            assert!((words.left() - x).abs() < 30.0 && words.top() > 18.0, "{words} at {x}");
+        }
+        assert_eq!(pointed_at(850.0), None);
+    }
+
+    /// egui leaves it open over all of the control.
+    #[test]
+    fn help_is_gone_where_the_control_is_covered() {
+        let mut pointed_at = pointed_at(400.0);
+        assert!(pointed_at(300.0).is_some());
+        assert_eq!(pointed_at(500.0), None);
+    }
 
     #[test]
     fn colours_are_told_from_the_ground_and_others_stay_as_they_are() {

@@ -1,8 +1,9 @@
 //! Ways out of an error, each a button: to the node that it is about, to another file, to the line of the text, to fewer pixels, and once more.
 
 use crate::scene::{Action, Command, FilePurpose, Scene, camera_of, error_text};
+use crate::theme;
 use crate::worker::size_of;
-use eframe::egui::{Button, Ui};
+use eframe::egui::{Button, Label, RichText, Ui};
 use std::ops::Range;
 use std::path::PathBuf;
 use voltet_core::Error;
@@ -78,6 +79,24 @@ pub(crate) fn ways_out(scene: &Scene, error: &Error) -> Vec<WayOut> {
         ways.push((FEWER_PIXELS.to_string(), Action::Edit(FEWER_PIXELS.to_lowercase(), vec![edit])));
     }
     ways
+}
+
+/// The ways out of an error of what is computed of the data by itself, which a new reading computes once more.
+pub(crate) fn ways_out_of_data(scene: &Scene, error: &Error) -> Vec<WayOut> {
+    let mut ways = ways_out(scene, error);
+    // What a parameter has wrong is so once more.
+    let is_of_file = ways.iter().any(|(_, action)| matches!(action, Action::ChooseFile(..)));
+    if error.kind != ErrorKind::Usage || is_of_file || scene.is_of_other_file(error) {
+        ways.push((AGAIN.into(), Action::Do(Command::ReadAgain)));
+    }
+    ways
+}
+
+/// Shows an error in a sheet, and buttons of ways out below it.
+pub(crate) fn show_error(ui: &mut Ui, scene: &Scene, error: &Error, ways: &[WayOut]) {
+    let text = RichText::new(why_ended(scene, error)).color(theme::wrong(ui.visuals().dark_mode));
+    ui.add(Label::new(text).wrap());
+    ui.horizontal_wrapped(|ui| buttons(ui, scene, ways));
 }
 
 /// Words for the end of work in the background that has no result.

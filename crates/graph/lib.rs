@@ -39,7 +39,7 @@ pub use run::plan::{NodeReport, Plan, RunReport};
 pub use run::session::Session;
 pub use voltet_core::diagnostics::{DataFinding, Diagnostics, SavedWork, SkippedWork};
 pub use voltet_core::parameters::{
-    ArrayRef, AxisRef, DefaultValue, Field, LocatedValue, NamedPath, Parameter, ParameterType,
+    ArrayOrigin, ArrayRef, AxisRef, DefaultValue, Field, LocatedValue, NamedPath, Parameter, ParameterType,
     ParameterValue, Parameters, Range, Relative, RelativeNumber, RelativeNumberType, SourceSpan,
     StatisticKind, Variant, VariantSchema, find_setting, nearest, suggest,
 };

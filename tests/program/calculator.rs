@@ -221,7 +221,13 @@ fn mistakes_are_shown_in_the_expression() {
     for (keys, code, caret, said, is_seen_before) in [
         ("expression = \"sqrt(x*x\"", 2, 23, &["cannot be read", "its end", "')'"][..], true),
         ("expression = \"x + sqr(x)\"", 2, 19, &["'sqrt', the nearest name"], true),
-        ("expression = \"x * oness\"", 1, 19, &["no array 'oness'", "ones", "cube.vtu"], false),
+        (
+            "expression = \"x * oness\"",
+            1,
+            19,
+            &["no array 'oness'", "ones", "cube.vtu", "node 'result'"],
+            false,
+        ),
         ("expression = \"gradient:0 + gradient:7\"", 1, 28, &["no such component", "'7'"], false),
         (
             "expression = \"1 + gradient\"",

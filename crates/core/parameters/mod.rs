@@ -25,5 +25,6 @@ pub use named_paths::NamedPath;
 pub use nearest::{edit_distance, nearest, nearest_first, suggest};
 pub use relative::{ArrayRef, Relative, RelativeNumber};
 pub use setting::{
-    ENTRY_NAME, Field, LocatedValue, ParameterValue, SourceSpan, find_setting, key_text, replace_field,
+    ArrayOrigin, ENTRY_NAME, Field, LocatedValue, ParameterValue, SourceSpan, find_setting, key_text,
+    replace_field,
 };

@@ -31,6 +31,31 @@ impl SourceSpan {
     }
 }
 
+/// Node that names an array of another one, and where it does so, for errors about the array.
+#[derive(Debug, Clone, Default)]
+pub struct ArrayOrigin {
+    /// The node; `None` of a program.
+    pub node: Option<String>,
+    /// Location of the name, or else of the node.
+    pub span: SourceSpan,
+}
+
+impl ArrayOrigin {
+    /// Adds the node and the place to `error`, unless it has such already.
+    pub fn locate(&self, error: Error) -> Error {
+        self.span.locate(self.node.iter().fold(error, Error::at_node))
+    }
+}
+
+/// As of [`SourceSpan`]: who names an array changes nothing about it.
+impl PartialEq for ArrayOrigin {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl Eq for ArrayOrigin {}
+
 /// A value and where it was written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LocatedValue {

@@ -261,6 +261,47 @@ fn a_hundred_nodes_are_grouped_by_chains_side_by_side() {
     assert!((0.7..3.0).contains(&aspect), "{aspect}");
 }
 
+/// Pictures of one gradient, each with a transfer function and a writer; and surfaces of one picture.
+#[test]
+fn chains_of_one_node_and_nodes_of_one_layer_fill_a_rectangle() {
+    let chain = |i: usize| {
+        format!(
+            "[nodes.look{i}]\ntype = \"transfer-function\"\n[nodes.picture{i}]\ntype = \"renderer\"\n\
+             inputs = {{ volume = \"gradient\", transfer_function = \"look{i}\", camera = \"view\" }}\n\
+             [nodes.file{i}]\ntype = \"image-writer\"\ninputs = {{ image = \"picture{i}\" }}\n"
+        )
+    };
+    let head = "[nodes.view]\ntype = \"camera\"\n[nodes.grid]\ntype = \"wavelet\"\n[nodes.gradient]\n\
+                type = \"gradient-magnitude\"\ninputs = { grid = \"grid\" }\n";
+    let chains = head.to_string() + &(0..60).map(chain).collect::<String>();
+    let surface =
+        |i: usize| format!("[nodes.level{i}]\ntype = \"contour\"\ninputs = {{ volume = \"gradient\" }}\n");
+    let names: Vec<String> = (0..60).map(|i| format!("\"level{i}\"")).collect();
+    let layer = head.to_string()
+        + &(0..60).map(surface).collect::<String>()
+        + &format!(
+            "[nodes.picture]\ntype = \"renderer\"\ninputs = {{ surfaces = [{}] }}\n",
+            names.join(", ")
+        );
+    let size = [170.0, 130.0];
+    for (text, count) in [(chains, 183), (layer, 64)] {
+        let document = Document::from_text(text, None);
+        let nodes = &document.pipeline().nodes;
+        assert_eq!(nodes.len(), count);
+        let places = arrange::tidy(nodes, &|_| size);
+        for (i, a) in places.iter().enumerate() {
+            let is_apart = |b: &[f64; 2]| (0..2).any(|k| (a[k] - b[k]).abs() >= size[k]);
+            assert!(places[..i].iter().all(is_apart), "'{}' lies on another", nodes[i].name);
+        }
+        let length = |k: usize| {
+            let along = || places.iter().map(|at| at[k]);
+            along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min) + size[k]
+        };
+        let aspect = length(0) / length(1);
+        assert!((0.7..3.0).contains(&aspect), "{count}: {} by {}", length(0), length(1));
+    }
+}
+
 #[test]
 fn nodes_are_brought_in_line() {
     use arrange::{Align, PlacedNode, align};

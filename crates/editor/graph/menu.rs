@@ -43,13 +43,21 @@ pub(super) struct Menu {
     typed: String,
     /// The entry that Enter takes; none where a wire would go that was not chosen.
     chosen: Option<usize>,
+    /// True if a pointer chose its place.
+    is_at_pointer: bool,
     is_new: bool,
 }
 
 impl Menu {
-    /// Menu of node types.
+    /// Menu of node types at the pointer.
     pub fn new(at: Pos2, wire: Option<Port>) -> Menu {
-        Menu { at, offers: Offers::Nodes(wire), typed: String::new(), chosen: Some(0), is_new: true }
+        let (typed, chosen) = (String::new(), Some(0));
+        Menu { at, offers: Offers::Nodes(wire), typed, chosen, is_at_pointer: true, is_new: true }
+    }
+
+    /// Menu of node types where no pointer is.
+    pub fn in_middle(at: Pos2) -> Menu {
+        Menu { is_at_pointer: false, ..Menu::new(at, None) }
     }
 
     /// Menu of one wire, which can be taken off.
@@ -148,7 +156,8 @@ impl Menu {
         match taken {
             Some(MenuAction::Add(node, fitting)) => {
                 let wire = if let Offers::Nodes(wire) = &self.offers { wire.as_ref() } else { None };
-                match adding(ui.ctx(), scene, places, node, at, wire.zip(fitting)) {
+                let near = (at, self.is_at_pointer);
+                match adding(ui.ctx(), scene, places, node, near, wire.zip(fitting)) {
                     Ok(edits) => scene.actions.edits(edits[0].label(), edits),
                     Err(error) => scene.actions.say(error),
                 }

@@ -32,11 +32,11 @@ use voltet_graph::NodeEntry;
 /// Frames until nodes have the sizes that they are fitted by.
 const FRAMES_TO_FIT: u32 = 3;
 
-/// Least and largest scale: the package draws no smaller in one step, and beyond the other nothing else is seen.
+/// Least and largest scale of the wheel: the package draws no smaller in one step, and beyond the other nothing else is seen.
 const ZOOM: [f32; 2] = [0.2, 2.0];
 
-/// Least scale at which all nodes are brought into view, in two steps of the package: some hundreds of them.
-const MIN_FIT: f32 = ZOOM[0] * ZOOM[0];
+/// Least scale at which all nodes are brought into view: a node is a fifth of a point wide.
+const MIN_FIT: f32 = 1e-3;
 
 /// Height of letters, points, below which they are left out; and that of the names which are drawn then.
 const FAR_LETTERS: f32 = 6.0;
@@ -221,7 +221,8 @@ impl GraphView {
         if std::mem::take(&mut self.opens_menu) {
             let at =
                 ui.input(|input| input.pointer.hover_pos()).filter(|at| self.view.clip_rect.contains(*at));
-            self.menu = Some(Menu::new(at.unwrap_or(self.view.clip_rect.center()), None));
+            let middle = self.view.clip_rect.center();
+            self.menu = Some(at.map_or_else(|| Menu::in_middle(middle), |at| Menu::new(at, None)));
         }
         if let Some(node) = self.wires_of.take() {
             let frame = self.places.drawn.iter().find(|(name, _)| *name == node).map(|(_, frame)| frame.min);
@@ -273,18 +274,20 @@ impl GraphView {
         }
     }
 
-    /// The package scales a copy of the style.
+    /// The package scales a copy of the style, by several steps where it goes no further in one.
     fn scale_style(&mut self, ui: &Ui) {
-        let (zoom, clip_rect) = (self.view.zoom, self.view.clip_rect);
-        let first = zoom.max(ZOOM[0]);
-        self.view.zoom = first;
-        self.view.zoom(clip_rect, ui.style(), 1.0);
-        if zoom < first {
-            let style = self.view.zoomed_style.clone();
-            self.view.zoom = zoom / first;
+        let (zoom, clip_rect, mut style) = (self.view.zoom, self.view.clip_rect, ui.style().clone());
+        let mut left = zoom;
+        loop {
+            let step = left.max(ZOOM[0]);
+            self.view.zoom = step;
             self.view.zoom(clip_rect, &style, 1.0);
-            self.view.zoom = zoom;
+            if step == left {
+                break;
+            }
+            (left, style) = (left / step, self.view.zoomed_style.clone());
         }
+        self.view.zoom = zoom;
     }
 
     /// True if the letters of nodes are too small to read; then nodes show their names alone, in letters of one size.

@@ -14,21 +14,25 @@ use voltet_graph::{
 };
 use voltet_io::formats::Association;
 
-/// Least distance to other nodes, and the step by which a free place is sought, points.
+/// Least distance to other nodes, the step by which a free place is sought, and the most such steps, points.
 const GAP: f32 = 14.0;
 const STEP: f32 = 30.0;
+const MAX_STEPS: i32 = 100;
 
-/// Edits that add a node of a type near a place (document's points), one step. `held`: the wire that it is made for, and the port of the
-/// new node for that. Errors: the wire does not fit.
+/// Distance from what feeds a new node, points.
+const FEEDING_GAP: f32 = 40.0;
+
+/// Edits that add a node of a type, one step: near a place (document's points), or beside what feeds it unless that place was chosen by a
+/// pointer. `held`: the wire that it is made for, and the port of the new node for that. Errors: the wire does not fit.
 pub(super) fn adding(
     ctx: &Context,
     scene: &Scene,
     places: &Places,
     node: &'static Node,
-    near: [f64; 2],
+    (mut near, is_chosen): ([f64; 2], bool),
     held: Option<(&Port, Fitting)>,
 ) -> Result<Vec<Edit>> {
-    let mut add = scene.document.adding(node, free_place(scene, places, node, near));
+    let mut add = scene.document.adding(node, near);
     let Edit::AddNode { name, settings, .. } = &mut add else { return Ok(vec![add]) };
     let name = name.clone();
     *settings = first_settings(scene, node);
@@ -44,7 +48,14 @@ pub(super) fn adding(
     }
     join_to_others(scene, &mut with_it, node, &name, &mut edits);
     let arrays = scene.arrays.feeding(ctx, &with_it, scene.registry, &name);
-    if let Some(Edit::AddNode { settings, .. }) = edits.first_mut() {
+    let own = links::node(&with_it.pipeline().nodes, &name)?;
+    let feeding =
+        own.inputs.iter().flat_map(links::sources).find_map(|text| scene.entry(scene.giving(text).0));
+    if let Some(frame) = feeding.filter(|_| !is_chosen).map(|entry| places.frame(scene, entry)) {
+        near = [frame.right() + FEEDING_GAP, frame.top()].map(f64::from);
+    }
+    if let Some(Edit::AddNode { settings, at, .. }) = edits.first_mut() {
+        *at = Some(free_place(scene, places, node, near));
         let of_arrays = settings_of_arrays(node, &arrays.choices());
         // The type says more than the name by which a first value was found.
         settings.retain(|known| of_arrays.iter().all(|field| field.name != known.name));
@@ -97,8 +108,9 @@ fn free_name(node: &Node, arrays: &[&ArrayChoice]) -> Option<Field> {
     Some(Field::new(parameter.name, free.filter(|_| is_taken(usual))?))
 }
 
-/// Joins the inputs of a new node: to the selected node where that fits; a required one also where one node alone fits. Then its outputs to
-/// the selected node where that lacks them, else where one node alone does.
+/// Joins the inputs of a new node: to the selected node where that fits; a required one also to the only node that fits, or to the nearest
+/// that feeds the selected node or the shown picture. Then its outputs: to the selected node where that lacks them, else where one node
+/// alone does; a surface to the selected node where that draws some; a picture made of another to the writers of that one.
 fn join_to_others(
     scene: &Scene,
     with_it: &mut Document,
@@ -131,14 +143,18 @@ fn join_to_others(
         let own = fitting.clone().find(|entry| !uses_selected && Some(&entry.name) == selected);
         let is_required = node.inputs.iter().any(|port| port.name == input.name);
         let is_view = input.port_type == PortType::Volume && is_camera(node);
-        let only = match (fitting.next(), fitting.next_back()) {
+        let other = match (fitting.next(), fitting.next_back()) {
             (Some(first), None) if is_required || is_view => Some(first),
             // Any of the data shows where they lie; the last one is what is drawn.
             (_, Some(last)) if is_view => Some(last),
+            (Some(_), Some(_)) if is_required => {
+                let mut begins = selected.map(String::as_str).into_iter().chain(scene.shown_node);
+                begins.find_map(|from| nearest_upstream(scene, from, &gives))
+            }
             _ => None,
         };
         uses_selected |= own.is_some();
-        let Some(from) = own.or(only) else { continue };
+        let Some(from) = own.or(other) else { continue };
         let outputs = scene.node_type(from).map_or(&[][..], |node| node.outputs);
         if let Some(output) = outputs.iter().find(|output| output.port_type.serves(input.port_type)) {
             join(with_it, (&from.name, output.name), (name, input.name));
@@ -156,7 +172,63 @@ fn join_to_others(
         if let Some((entry, input)) = own.or(only).and_then(|entry| Some((entry, lacking(&entry)?))) {
             join(with_it, (name, output.name), (&entry.name, input));
         }
+        match output.port_type {
+            PortType::Surface => {
+                let drawing = selected.and_then(|selected| scene.entry(selected));
+                let inputs =
+                    drawing.and_then(|entry| scene.node_type(entry)).map(|node| node.optional_inputs);
+                let mut inputs = inputs.unwrap_or_default().iter();
+                if let Some((entry, input)) =
+                    drawing.zip(inputs.find(|port| port.port_type == PortType::Surface))
+                {
+                    join(with_it, (name, output.name), (&entry.name, input.name));
+                }
+            }
+            PortType::Image => {
+                for (writer, input) in writers_of_source(scene, with_it, node, name) {
+                    join(with_it, (name, output.name), (&writer, &input));
+                }
+            }
+            _ => {}
+        }
     }
+}
+
+/// The node nearest along wires among one and those that feed it, of which something holds.
+fn nearest_upstream<'a>(
+    scene: &Scene<'a>,
+    from: &str,
+    is_one: &dyn Fn(&&'a NodeEntry) -> bool,
+) -> Option<&'a NodeEntry> {
+    let mut met: Vec<&NodeEntry> = scene.entry(from).into_iter().collect();
+    let mut place = 0;
+    while let Some(entry) = met.get(place).copied() {
+        if is_one(&entry) {
+            return Some(entry);
+        }
+        for text in entry.inputs.iter().flat_map(links::sources) {
+            let feeding = scene.entry(scene.giving(text).0);
+            met.extend(feeding.filter(|entry| !met.iter().any(|known| known.name == entry.name)));
+        }
+        place += 1;
+    }
+    None
+}
+
+/// Inputs, each of a node that writes, which the picture feeds that a new node takes.
+fn writers_of_source(scene: &Scene, with_it: &Document, node: &Node, name: &str) -> Vec<(String, String)> {
+    let takes =
+        |port: &str| node.all_inputs().any(|input| input.name == port && input.port_type == PortType::Image);
+    let own = links::node(&with_it.pipeline().nodes, name);
+    let taken = own.into_iter().flat_map(|entry| &entry.inputs).filter(|link| takes(&link.port));
+    let sources: Vec<(String, String)> =
+        taken.flat_map(links::sources).map(|text| scene.output_of(text)).collect();
+    let writers = scene.document.pipeline().nodes.iter();
+    let writers = writers.filter(|entry| scene.node_type(entry).is_some_and(|node| node.outputs.is_empty()));
+    let inputs = writers.flat_map(|entry| entry.inputs.iter().map(move |link| (entry, link)));
+    let is_fed = |text: &str| sources.contains(&scene.output_of(text));
+    let fed = inputs.filter(|(_, link)| link.source.text().is_some_and(is_fed));
+    fed.map(|(entry, link)| (entry.name.clone(), link.port.clone())).collect()
 }
 
 fn is_camera(node: &Node) -> bool {
@@ -189,7 +261,7 @@ fn first_settings(scene: &Scene, node: &Node) -> Vec<Field> {
     path.map(|path| Field::new(file.name, path)).into_iter().collect()
 }
 
-/// A place near another where a node of a type lies on no other: the nearest of those to the right and down.
+/// The free place nearest to another: where a node of a type lies on no other.
 fn free_place(scene: &Scene, places: &Places, node: &Node, near: [f64; 2]) -> [f64; 2] {
     let taken: Vec<Rect> =
         scene.document.pipeline().nodes.iter().map(|entry| places.frame(scene, entry).expand(GAP)).collect();
@@ -199,11 +271,14 @@ fn free_place(scene: &Scene, places: &Places, node: &Node, near: [f64; 2]) -> [f
         !taken.iter().any(|frame| frame.intersects(own))
     };
     let near = near.map(|x| x as f32);
-    // Along diagonals, the nearer ones first.
-    let mut tried = (0..200).flat_map(|n| (0..=n).map(move |i| [n - i, i]));
-    let place = tried.find_map(|step: [i32; 2]| {
-        let at = [near[0] + STEP * step[0] as f32, near[1] + STEP * step[1] as f32];
-        is_free(at).then_some(at)
+    let at = |step: [i32; 2]| [0, 1].map(|k: usize| near[k] + STEP * step[k] as f32);
+    // Around it in squares; to the right and down before the opposite.
+    let place = (0..=MAX_STEPS).find_map(|n| {
+        let along = move || (-n..=n).rev();
+        let steps = along().flat_map(|down| along().map(move |right| [right, down]));
+        let around = steps.filter(|step| step.iter().any(|step| step.abs() == n));
+        let free = around.filter(|step| is_free(at(*step)));
+        free.min_by_key(|[right, down]| right * right + down * down)
     });
-    place.unwrap_or(near).map(f64::from)
+    place.map_or(near, at).map(f64::from)
 }

@@ -15,7 +15,7 @@ use voltet_core::arithmetic::decimal;
 use voltet_core::probing::{Histogram, ProbeResult, kernel};
 use voltet_core::transfer::AxisScale;
 use voltet_document::Path;
-use voltet_document::links::{self, upstream};
+use voltet_document::links::upstream;
 use voltet_graph::{ArrayRef, Field, LocatedValue, NodeEntry, ParameterValue, PortType};
 use voltet_nodes::relative::{DataScope, RELATIVE_TO};
 
@@ -201,18 +201,10 @@ pub(crate) fn volumes_of(scene: &Scene, look: &str) -> BTreeSet<(String, String)
     sources.iter().map(|text| scene.output_of(text)).collect()
 }
 
-/// An axis with what it is: s is the array that the reader reads for it, where one does.
+/// An axis with what it is.
 pub(super) fn axis_title(look: &EditedFunction, axis: &ArrayRef) -> String {
     match axis {
-        ArrayRef::Named("s") => {
-            let scene = look.scene;
-            let source = volume_of(scene, &look.node.name);
-            let nodes = &scene.document.pipeline().nodes;
-            let feeding = source.map(|source| upstream(nodes, links::source(&source, nodes).0));
-            let reads = |node: &&NodeEntry| feeding.as_ref().is_some_and(|names| names.contains(&node.name));
-            let scalar = |node: &NodeEntry| Some(format!("s = {}", node.setting("scalar")?.text()?));
-            nodes.iter().filter(reads).find_map(scalar).unwrap_or_else(|| "s".into())
-        }
+        ArrayRef::Named("s") => look.scene.scalar().map_or("s".into(), |name| format!("s = {name}")),
         ArrayRef::Named("g") => "g = |grad s|".into(),
         ArrayRef::Array(_) | ArrayRef::Named(_) | ArrayRef::Per(..) => axis_name(axis),
     }

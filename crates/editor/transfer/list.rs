@@ -4,16 +4,17 @@
 use super::edited_function::{EditedFunction, at_peak, axis_name, volume_of};
 use super::plane::S_AND_G;
 use super::pointer::FINE;
+use super::scalar::scalar_menu;
 use super::screen_widget::{self, ScreenWidget};
 use super::{TransferPanel, edit};
-use crate::fields::{by_hand, drag, edited_color};
-use crate::jobs::{Extent, reads};
+use crate::fields::{LIST_WIDTH, by_hand, drag, edited_color, list_area};
 use crate::scene::Command;
 use crate::theme::{self, Help, button};
+use crate::ways_out::{buttons, ways_out_of_data, why_ended};
 use crate::worker::{short, widget_count};
 use eframe::egui::{
-    Button, Key, Modifiers, RichText, ScrollArea, Sense, Stroke, StrokeKind, TextEdit, Ui, WidgetInfo,
-    WidgetType, vec2,
+    Button, Key, Modifiers, Popup, RichText, Sense, Stroke, StrokeKind, TextEdit, Ui, WidgetInfo, WidgetType,
+    vec2,
 };
 use std::collections::{BTreeMap, BTreeSet};
 use voltet_core::with_commas;
@@ -103,7 +104,7 @@ impl TransferPanel {
     }
 
     /// Another plane, all of it shown.
-    pub(super) fn set_axes(&mut self, axes: [ArrayRef; 2]) {
+    pub(crate) fn set_axes(&mut self, axes: [ArrayRef; 2]) {
         if self.axes() != axes {
             (self.axes, self.shown, self.drag, self.plane) = (Some(axes), None, None, None);
         }
@@ -150,7 +151,8 @@ impl TransferPanel {
             None => {}
         }
         let is_typing = ui.ctx().text_edit_focused() || look.scene.was_typing;
-        if is_typing || look.scene.asks || !self.takes_keys() {
+        let is_choosing = Popup::is_any_open(ui.ctx());
+        if is_typing || is_choosing || look.scene.asks || !self.takes_keys() {
             return;
         }
         self.set_keys(ui, look);
@@ -233,10 +235,6 @@ const NARROW_WIDTH: f32 = 500.0;
 fn is_narrow(ui: &Ui) -> bool {
     ui.max_rect().width() < NARROW_WIDTH
 }
-
-/// Width of one list, and the most of its height, points.
-const WIDTH: f32 = 230.0;
-const HEIGHT: f32 = 220.0;
 
 impl TransferPanel {
     pub(super) fn head(&mut self, ui: &mut Ui, look: &EditedFunction) {
@@ -362,14 +360,14 @@ impl TransferPanel {
             let text = format!("holds {} % of the volume", percent(held));
             texts.push((text, "where the widget is at half of its peak or more".into()));
         }
-        match &look.scene.share {
-            _ if self.hidden.contains(&self.chosen) => {}
+        let share = look.scene.share.as_ref().filter(|_| !self.hidden.contains(&self.chosen));
+        match share {
             None => {}
-            Some(Err(error)) => texts.push((error.to_string(), "its share of the picture".into())),
+            Some(Err(error)) => texts.push((why_ended(look.scene, error), "its share of the picture".into())),
             Some(Ok(share)) => {
                 let cells = share.cells.map(|cells| {
                     let [own, all] = cells.map(with_commas);
-                    format!("in {own} of {all} cells, ")
+                    format!("in {own} of {all} tetrahedra, ")
                 });
                 let text = format!(
                     "{}{} % of the picture's opacity, {} % of its light",
@@ -392,6 +390,9 @@ impl TransferPanel {
             for (i, (text, help)) in texts.into_iter().enumerate() {
                 let text = if i > 0 { format!("· {text}") } else { text };
                 ui.label(weak(text)).help(help);
+            }
+            if let Some(Err(error)) = share {
+                buttons(ui, look.scene, &ways_out_of_data(look.scene, error));
             }
         });
     }
@@ -512,7 +513,7 @@ impl TransferPanel {
             ui.horizontal_top(|ui| {
                 for (k, title) in ["to the right", "up"].into_iter().enumerate() {
                     ui.vertical(|ui| {
-                        ui.set_width(WIDTH);
+                        ui.set_width(LIST_WIDTH);
                         ui.label(title);
                         self.list_of_axis(ui, k, &choices);
                     });
@@ -533,7 +534,7 @@ impl TransferPanel {
             }
         });
         let typed = TextEdit::singleline(&mut self.typed_axis[k]).hint_text("another, by its name");
-        let response = ui.add(typed.desired_width(WIDTH - 20.0));
+        let response = ui.add(typed.desired_width(LIST_WIDTH - 20.0));
         let enters = ui.input(|input| input.key_pressed(Key::Enter));
         if response.lost_focus() && enters && !self.typed_axis[k].is_empty() {
             taken = Some(ArrayRef::Array(std::mem::take(&mut self.typed_axis[k])));
@@ -546,39 +547,6 @@ impl TransferPanel {
     }
 }
 
-/// Area of a list in a menu: as high as its entries, up to a height from which on it scrolls.
-fn list_area() -> ScrollArea {
-    ScrollArea::vertical().max_height(HEIGHT).min_scrolled_height(HEIGHT)
-}
-
-/// Choice of the array that is drawn as s: the reader's, where one feeds the plane.
-fn scalar_menu(ui: &mut Ui, look: &EditedFunction) {
-    let scene = look.scene;
-    let nodes = &scene.document.pipeline().nodes;
-    let Some(source) = volume_of(scene, &look.node.name) else { return };
-    let feeding = links::upstream(nodes, links::source(&source, nodes).0);
-    let reader = nodes.iter().find(|node| feeding.contains(&node.name) && reads(node, scene.registry));
-    let Some(reader) = reader else { return };
-    let now = reader.setting("scalar").and_then(LocatedValue::text).unwrap_or("…");
-    let menu = ui.menu_button(format!("s: {now}"), |ui| {
-        ui.set_min_width(WIDTH);
-        let arrays = scene.arrays.of_reader(ui.ctx(), scene.document, scene.registry, reader, Extent::Whole);
-        list_area().show(ui, |ui| {
-            for array in arrays.choices.iter().filter(|array| !array.name.is_empty()) {
-                if ui.selectable_label(array.name == now, &array.label).clicked() {
-                    let mut edits = vec![Edit::set(&reader.name, ["scalar"], array.name.as_str().into())];
-                    if reader.setting("association").is_some() {
-                        edits.push(Edit::Unset { node: reader.name.clone(), path: ["association"].into() });
-                    }
-                    look.actions.edits(format!("draw '{}'", array.name), edits);
-                    ui.close();
-                }
-            }
-        });
-    });
-    menu.response.help("the array that is drawn; the widgets follow to the same shares of its range");
-}
-
 /// Choices for an axis, labelled with kind and range where the data have it.
 fn choices(ui: &Ui, look: &EditedFunction) -> Vec<(ArrayRef, String)> {
     let scene = look.scene;
@@ -586,7 +554,7 @@ fn choices(ui: &Ui, look: &EditedFunction) -> Vec<(ArrayRef, String)> {
     let source = volume_of(scene, &look.node.name);
     let source = source.as_deref().map(|source| links::source(source, nodes).0);
     let of_data = source
-        .map(|node| scene.arrays.feeding(ui.ctx(), scene.document, scene.registry, node))
+        .map(|node| scene.arrays.given_by(ui.ctx(), scene.document, scene.registry, node))
         .unwrap_or_default();
     let named = look.list.iter().filter_map(LocatedValue::table).flat_map(screen_widget::arrays);
     let mut arrays: BTreeMap<String, String> = named.map(|name| (name.clone(), name)).collect();

@@ -9,20 +9,22 @@ mod plane;
 mod pointer;
 mod proposals;
 mod relative;
+mod scalar;
 mod screen_widget;
 #[cfg(test)]
 mod tests;
 
 use crate::scene::{Command, Scene};
 use crate::theme::{self, Help};
+use crate::ways_out::{buttons, ways_out_of_data};
 use crate::worker::{HISTOGRAM, short, short_by};
 use edited_function::{EditedFunction, axis_name, axis_title};
 pub(crate) use edited_function::{
     data_scope, drawn_with, edited_node, fields_of, scales, volume_of, volumes_of,
 };
 use eframe::egui::{
-    self, Align, Align2, Button, FontId, Layout, Rect, Sense, Stroke, StrokeKind, Ui, UiBuilder, WidgetInfo,
-    WidgetType, pos2, vec2,
+    self, Align, Align2, Button, FontId, Layout, Rect, ScrollArea, Sense, Stroke, StrokeKind, Ui, UiBuilder,
+    WidgetInfo, WidgetType, pos2, vec2,
 };
 use images::Images;
 pub(crate) use plane::S_AND_G;
@@ -36,6 +38,9 @@ use voltet_graph::{ArrayRef, LocatedValue, ParameterValue, find_setting};
 
 /// Room for the numbers of the axes: left, below, and right where a curve has its own.
 const MARGIN: [f32; 3] = [52.0, 18.0, 44.0];
+
+/// Least share of the panel's height that the plane has; what stands above it scrolls where it needs more.
+const PLANE_SHARE: f32 = 0.6;
 
 /// The panel, with what a hand is doing in it.
 #[derive(Default)]
@@ -152,7 +157,10 @@ impl TransferPanel {
         }
         self.hidden.retain(|place| *place < look.widgets.len());
         ui.add_space(3.0);
-        self.head(ui, &look);
+        let most = (1.0 - PLANE_SHARE) * ui.available_height();
+        let head =
+            ScrollArea::vertical().auto_shrink([false, true]).max_height(most).min_scrolled_height(most);
+        head.show(ui, |ui| self.head(ui, &look));
         let (whole, response) =
             ui.allocate_exact_size(ui.available_size().max(vec2(60.0, 60.0)), Sense::click_and_drag());
         let in_hand = look.widgets.get(self.chosen);
@@ -177,6 +185,7 @@ impl TransferPanel {
         if look.widgets.is_empty() {
             self.invite(ui, &look);
         }
+        self.offer_ways_out(ui, &look);
         self.keys(ui, &look);
         self.readout(ui, &response, &look);
     }
@@ -242,6 +251,22 @@ impl TransferPanel {
             if button.help("where most of the volume is (P)").clicked() {
                 self.add_at_peak(look);
             }
+        });
+    }
+
+    /// Buttons below the reason for which there is no histogram, unless that is said elsewhere.
+    fn offer_ways_out(&mut self, ui: &mut Ui, look: &EditedFunction) {
+        let fault = look.scene.distribution_fault.as_ref().filter(|fault| !look.scene.is_said(fault));
+        let Some(fault) = fault.filter(|_| look.scene.distribution.is_none()) else { return };
+        let room = look.plane.rect.shrink(8.0);
+        let builder = UiBuilder::new().max_rect(room).layout(Layout::bottom_up(Align::Center));
+        ui.scope_builder(builder, |ui| {
+            ui.horizontal_wrapped(|ui| {
+                buttons(ui, look.scene, &ways_out_of_data(look.scene, fault));
+                if !look.is_of_s_and_g() && ui.small_button("Axes s, g").clicked() {
+                    self.set_axes(S_AND_G);
+                }
+            });
         });
     }
 

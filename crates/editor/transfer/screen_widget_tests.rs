@@ -476,7 +476,7 @@ fn the_held_share_is_of_the_widget_the_data_and_the_axes_at_hand() {
         let axis = |high| Axis { low: 0.0, high, bins: 2 };
         let (axes, volumes) = ([axis(40.0), axis(8.0)], volumes.to_vec());
         let histogram = Histogram { axes, volumes, total: 4.0, outside: 0.0, not_finite: 0.0 };
-        Arc::new(Distribution { histogram, known: DataScales::default() })
+        Arc::new(Distribution { histogram, known: DataScales::default(), scalar: "T".into() })
     };
     let (first, second) = (data(&[1.0, 1.0, 1.0, 1.0]), data(&[3.0, 1.0, 0.0, 0.0]));
     let mut fields = gaussian_widget();

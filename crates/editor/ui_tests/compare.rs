@@ -8,11 +8,20 @@ fn a_picture_is_remembered_and_later_ones_are_compared_with_it() {
     let is_none = |hand: &Hand| !hand.shown_beginning("no difference").is_empty();
     until(&mut hand, "it is the same picture", is_none);
     let line = hand.rect("line of comparison");
+    // Each side says what it shows, where the line is and beside each other.
+    let sides = |hand: &Hand| {
+        let place = |text: &str| hand.texts(text).first().copied().unwrap_or_else(|| panic!("no '{text}'"));
+        [place("remembered").x, place("present").x]
+    };
+    let [left, right] = sides(&hand);
+    assert!(left < line.center().x && line.center().x < right, "{left} {line} {right}");
     let steps = hand.steps();
     // The line is dragged, and the camera stays where it is.
     hand.drag(line.center(), line.center() + vec2(-80.0, 30.0));
     let moved = hand.rect("line of comparison").center();
     assert!((moved.x - (line.center().x - 80.0)).abs() < 1.5, "{moved} after {line}");
+    let [left, right] = sides(&hand);
+    assert!(left < moved.x && moved.x < right, "{left} {moved} {right}");
     assert_eq!(hand.steps(), steps);
     hand.key(Key::X, Modifiers::NONE);
     hand.settle();
@@ -27,9 +36,11 @@ fn a_picture_is_remembered_and_later_ones_are_compared_with_it() {
     assert!(half.width() < whole.width() + 1.0 && half.left() > whole.center().x - 1.0, "{half} of {whole}");
     // Beside each other both are as large as they were drawn, and compared as before.
     until(&mut hand, "they differ beside each other", |hand| said(hand) && !is_none(hand));
+    let [left, right] = sides(&hand);
+    assert!(left < half.left() && half.left() < right, "{left} {half} {right}");
     hand.click_on("difference");
     until(&mut hand, "they differ", |hand| said(hand) && !is_none(hand));
-    assert!(!hand.sees("line of comparison"));
+    assert!(!hand.sees("line of comparison") && hand.texts("present").is_empty());
     hand.click_on("forget the remembered picture");
     assert!(!said(&hand) && hand.texts("swipe").is_empty());
 }

@@ -202,3 +202,32 @@ fn arrays_are_offered_where_the_expression_is_computed() {
         assert_eq!((hand.shown_beginning(own).len(), hand.shown_beginning(other).len()), (1, 0), "{own}");
     }
 }
+
+/// What reads the file does what it is asked for: the name stands elsewhere.
+#[test]
+fn an_array_that_is_not_there_is_a_fault_of_the_node_that_names_it() {
+    let drawn = TEXT
+        .replace(
+            "type = \"wavelet\"\nresolution = [12, 12, 12] # coarse",
+            "type = \"reader\"\npath = \"data.vtk\"\nscalar = \"T\"",
+        )
+        .replace("inputs = { grid = \"grid\" }", "inputs = { grid = \"sum\" }");
+    let calculator = |expression: &str| {
+        let keys = format!("expression = \"{expression}\"\nname = \"sum\"\ninputs = {{ grid = \"grid\" }}");
+        format!("{drawn}\n[nodes.sum]\ntype = \"calculator\"\n{keys}\n")
+    };
+    let widget = "kind = \"gaussian-nd\"\nfields = [\"Q\"]\ncolor = [1.0, 0.5, 0.15]\nextinction = 4.0\ncentre = [1.0]\n\
+                  sigma = [1.0]\n\n[nodes.view]";
+    let function = calculator("2*T").replace("[nodes.view]", &format!("[[nodes.look.widgets]]\n{widget}"));
+    let method = calculator("2*T")
+        .replace("\"gradient-magnitude\"\n", "\"gradient-magnitude\"\nmethod = \"array\"\narray = \"Q\"\n");
+    for (text, node) in [(calculator("T + Q"), "sum"), (function, "look"), (method, "gradient")] {
+        let mut hand = Hand::with_file(&text, "data.vtk", DATA);
+        hand.editor.selection = ["view".to_string()].into();
+        hand.frames(3);
+        let failure = hand.editor.scene().failure.unwrap_or_else(|| panic!("{node}: nothing fails"));
+        assert_eq!(failure.location.node.as_deref(), Some(node), "{failure}");
+        assert!(failure.what.contains("'Q'") && hand.sees(&format!("Show '{node}'")), "{failure}");
+        assert!(!hand.sees("Show 'grid'"), "{node}");
+    }
+}

@@ -4,13 +4,13 @@ use super::*;
 use crate::scene::Command;
 use voltet_graph::{DefaultValue, Node, NodeEntry, Parameter, ParameterType, Port, PortType};
 
-fn node<'a>(hand: &'a Hand, name: &str) -> &'a NodeEntry {
+pub(super) fn node<'a>(hand: &'a Hand, name: &str) -> &'a NodeEntry {
     let nodes = &hand.editor.document().pipeline().nodes;
     nodes.iter().find(|node| node.name == name).unwrap_or_else(|| panic!("no {name}: {}", hand.text()))
 }
 
 /// Adds a node by the menu at the pointer.
-fn add(hand: &mut Hand, name: &str) {
+pub(super) fn add(hand: &mut Hand, name: &str) {
     hand.key(Key::Space, Modifiers::NONE);
     hand.typed(name);
     hand.frames(2);
@@ -266,6 +266,8 @@ fn panes_keep_their_shares_of_a_window_that_shrinks_and_grows() {
     hand.frames(4);
     let small = sizes(&hand);
     assert!(small.0.x < 0.5 * before.0.x && small.1.y < 0.75 * before.1.y, "{before:?} {small:?}");
+    // What stands above the plane leaves it room.
+    assert!(small.1.y > 105.0, "{small:?}");
     hand.resize([1600.0, 1000.0], 1.0);
     hand.frames(4);
     let after = sizes(&hand);

@@ -26,6 +26,8 @@ fn the_words_about_a_node_cover_neither_it_nor_others() {
         assert_eq!(words.len(), 1, "{name}");
         let covered = NAMES.iter().find(|other| hand.rect(&format!("node {other}")).contains(words[0]));
         assert_eq!(covered, None, "by the words about {name}");
+        let away = words[0].distance(node.center());
+        assert!(away < 260.0, "the words about {name} are {away} points away");
     }
 }
 
@@ -167,6 +169,24 @@ fn hundreds_of_nodes_are_all_brought_into_view() {
     for name in names {
         let frame = hand.rect(&format!("node {name}"));
         assert!(pane.contains_rect(frame) && frame.width() < 0.2 * 150.0, "{name}: {frame:?} in {pane:?}");
+    }
+}
+
+/// Where a hand put them, far below each other.
+#[test]
+fn a_column_of_hundreds_of_nodes_is_brought_into_view() {
+    let names: Vec<String> = (0..400).map(|i| format!("more{i}")).collect();
+    let nodes: String = names.iter().map(|name| format!("[nodes.{name}]\ntype = \"wavelet\"\n\n")).collect();
+    let place = |(i, name): (usize, &String)| format!("{name} = [0, {}]\n", 240 * i);
+    let places: String = names.iter().enumerate().map(place).collect();
+    let text = format!("[pipeline]\nformat = 1\n\n{nodes}[editor.nodes]\n{places}");
+    let mut hand = Hand::before_window(&text, [700.0, 500.0], &|_| {});
+    hand.key(Key::F, Modifiers::NONE);
+    hand.frames(8);
+    let pane = hand.editor.panels.graph.pane();
+    for name in names {
+        let frame = hand.rect(&format!("node {name}"));
+        assert!(pane.contains_rect(frame), "{name}: {frame:?} in {pane:?}");
     }
 }
 

@@ -39,6 +39,14 @@ fn the_values_cell_and_point_under_the_pointer_are_shown_and_marked_in_the_plane
     let cell = hit.cell.clone().unwrap();
     assert!(hit.point.abs().max_element() <= 10.0 + 1e-6, "in the box: {}", hit.point);
     // The point parts the tetrahedron into four: weights of the corners, where the formula of the node `wavelet` holds.
+    let mut corners: Vec<DVec3> = Vec::new();
+    for end in cell.edges.as_flattened() {
+        if !corners.contains(end) {
+            corners.push(*end);
+        }
+    }
+    assert_eq!(cell.edges.len(), 6);
+    let all: [DVec3; 4] = corners.try_into().unwrap();
     let field = |p: DVec3| {
         let x = -p / 20.0;
         let bell = 255.0 * (-2.0 * x.length_squared()).exp();
@@ -46,15 +54,16 @@ fn the_values_cell_and_point_under_the_pointer_are_shown_and_marked_in_the_plane
     };
     let volume = |[a, b, c, d]: [DVec3; 4]| (b - a).cross(c - a).dot(d - a).abs();
     let weights = [0, 1, 2, 3].map(|k: usize| {
-        let mut corners = cell.corners;
+        let mut corners = all;
         corners[k] = hit.point;
-        volume(corners) / volume(cell.corners)
+        volume(corners) / volume(all)
     });
     assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-6, "in the cell: {hit:?}");
-    let s: f64 = (0..4).map(|k| weights[k] * field(cell.corners[k])).sum();
+    let s: f64 = (0..4).map(|k| weights[k] * field(all[k])).sum();
     assert!((cell.s - s).abs() < 1e-4 && cell.g.unwrap() > 0.0, "{cell:?} {s}");
     assert!(cell.number < 6 * 12 * 12 * 12, "{}", cell.number);
-    let words = hand.shown_beginning("s ");
+    let said = |hand: &Hand| hand.shown(&|text| text.starts_with("s ") && text.contains("   cell "));
+    let words = said(&hand);
     assert!(words.len() == 1 && hand.sees("value under the pointer"), "{words:?}");
     assert_eq!((hand.text(), hand.said()), (TEXT.to_string(), String::new()));
     // Another place is asked for as the pointer leaves, and the answer comes late: it shows nothing.
@@ -64,7 +73,7 @@ fn the_values_cell_and_point_under_the_pointer_are_shown_and_marked_in_the_plane
     hand.frames(2);
     std::thread::sleep(Duration::from_millis(100));
     hand.frames(1);
-    assert!(hand.shown_beginning("s ").is_empty() && !hand.sees("value under the pointer"));
+    assert!(said(&hand).is_empty() && !hand.sees("value under the pointer"));
 }
 
 #[test]
@@ -270,4 +279,42 @@ fn rays_of_a_box_meet_what_each_meets_alone() {
     assert!((all.opacity - sum(&|one| one.opacity) / 40.0).abs() < 1e-12);
     // A point is that of one ray.
     assert!(all.point.is_none() && alone.iter().any(|one| one.point.is_some()));
+}
+
+/// Two hexahedra beside each other along x, each split into tetrahedra to be drawn.
+fn hexahedra() -> String {
+    let at = |i: usize| [[-10, 0, 10][i / 4], [-10, 10][i / 2 % 2], [-10, 10][i % 2]];
+    let points: String = (0..12).map(at).map(|[x, y, z]| format!("{x} {y} {z}\n")).collect();
+    let values: String = (0..12).map(|i| format!("{}\n", 120 + 5 * i)).collect();
+    let cell =
+        |first: usize| [0, 4, 6, 2, 1, 5, 7, 3].map(|corner: usize| (first + corner).to_string()).join(" ");
+    format!(
+        "# vtk DataFile Version 3.0\ntwo\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 12 double\n{points}CELLS 2 18\n\
+         8 {}\n8 {}\nCELL_TYPES 2\n12\n12\nPOINT_DATA 12\nSCALARS T double 1\nLOOKUP_TABLE default\n{values}",
+        cell(0),
+        cell(4)
+    )
+}
+
+/// Number, outline and count are those of the file's cells, not of the tetrahedra that they are split into.
+#[test]
+fn cells_that_are_picked_are_those_of_the_file() {
+    let reader = "type = \"reader\"\npath = \"data.vtk\"\nscalar = \"T\"";
+    let text = TEXT
+        .replace("type = \"wavelet\"\nresolution = [12, 12, 12] # coarse", reader)
+        .replace("extinction = 4.0", "extinction = 0.05");
+    let mut hand = Hand::with_file(&text, "data.vtk", &hexahedra());
+    let at = middle(&hand);
+    hand.click(at);
+    until(&mut hand, "nothing is picked", |hand| hand.said().contains("on the ray"));
+    assert!(hand.said().starts_with("cell 0; 2 cells on the ray: s "), "{}", hand.said());
+    let probed = hand.editor.scene().probed.clone().unwrap();
+    assert!(probed.values.len() > 2, "it meets several tetrahedra of a cell");
+    let edges = probed.hit.as_ref().unwrap().cell.clone().unwrap().edges;
+    let is_along_axis =
+        |[a, b]: &[DVec3; 2]| (*b - *a).to_array().iter().filter(|x| x.abs() > 1e-9).count() == 1;
+    assert!(edges.len() == 12 && edges.iter().all(is_along_axis), "{edges:?}");
+    assert!(edges.as_flattened().iter().all(|end| end.x <= 0.0), "those of the first: {edges:?}");
+    hand.command(Command::Section);
+    until(&mut hand, "no section comes", |hand| !hand.shown_beginning("2 cells are cut").is_empty());
 }

@@ -32,8 +32,6 @@ fn a_whole_round_is_done_by_the_keyboard_alone() {
     for name in ["wavelet", "gradient-magnitude", "transfer-function", "camera", "renderer"] {
         add(&mut hand, name);
     }
-    // Two nodes could give the volume: it is said which.
-    wire(&mut hand, "gradient_magnitude.volume renderer.volume");
     add(&mut hand, "image-writer");
     assert!(hand.editor.scene().faults.is_empty(), "{:?}\n{}", hand.editor.scene().faults, hand.text());
     hand.key(Key::W, Modifiers::NONE);
@@ -249,4 +247,39 @@ fn the_focus_goes_with_the_node_that_arrows_choose_and_is_lost_out_of_view() {
     hand.editor.edit("away".into(), &[voltet_document::Edit::MoveNodes(far)]);
     hand.frames(3);
     assert!(!hand.sees("node picture") && !hand.editor.panels.graph.has_focus());
+}
+
+/// Its keys are for it alone: none chooses or deletes a node.
+#[test]
+fn arrows_choose_in_an_open_list_and_the_graph_stays_as_it_is() {
+    let mut hand = Hand::new(TEXT);
+    hand.editor.selection = ["grid".to_string()].into();
+    hand.frames(3);
+    let open = |hand: &mut Hand| {
+        let at = hand.rect("grid.field").left_center() + vec2(20.0, 0.0);
+        hand.click(at);
+        hand.frames(2);
+        assert!(hand.sees("distance"));
+    };
+    open(&mut hand);
+    hand.key(Key::ArrowDown, Modifiers::NONE);
+    hand.frames(2);
+    assert_eq!(selected(&hand), ["grid"]);
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(2);
+    assert!(hand.text().contains("field = \"distance\""), "{}", hand.text());
+    let text = hand.text();
+    open(&mut hand);
+    for key in [Key::ArrowDown, Key::ArrowDown, Key::ArrowRight, Key::Delete, Key::B] {
+        hand.key(key, Modifiers::NONE);
+        hand.frames(1);
+    }
+    hand.key(Key::ArrowUp, Modifiers::NONE);
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(2);
+    assert_eq!(selected(&hand), ["grid"]);
+    assert!(hand.text() != text && hand.text().contains("field = \"wavelet\""), "{}", hand.text());
+    // Once it is closed they are for the graph again.
+    hand.key(Key::ArrowRight, Modifiers::NONE);
+    assert_eq!(selected(&hand), ["gradient"]);
 }

@@ -13,6 +13,7 @@ mod ground;
 mod handles;
 mod hits;
 mod keyboard;
+mod new_nodes;
 mod opening;
 mod other_array;
 mod parameters;

@@ -39,6 +39,52 @@ fn choose(hand: &mut Hand, from: &str, to: &str) {
     hand.click(at);
 }
 
+/// Adds a calculator between the reader and the gradient, which makes another scalar.
+fn with_calculator(hand: &mut Hand) {
+    let text = hand.text().replace("inputs = { grid = \"grid\" }", "inputs = { grid = \"twice\" }");
+    let calculator = "\n[nodes.twice]\ntype = \"calculator\"\nexpression = \"2*A\"\nname = \"C\"\ninputs = { grid = \"grid\" }\n";
+    hand.editor.edit("calculate".into(), &[Edit::Text(text + calculator)]);
+    hand.settle();
+    until(hand, "no histogram", |hand| hand.editor.scene().distribution.is_some());
+    hand.frames(2);
+}
+
+#[test]
+fn the_array_of_a_calculator_is_named_and_another_takes_its_place() {
+    let mut hand = before(LOOK);
+    assert_eq!((hand.texts("s = A").len(), hand.sees("s: A")), (1, true));
+    with_calculator(&mut hand);
+    assert_eq!((hand.texts("s = C").len(), hand.sees("s: C")), (1, true), "what is drawn, not what is read");
+    let text = hand.text();
+    choose(&mut hand, "C", "B");
+    followed(&mut hand);
+    until(&mut hand, "it is not drawn", |hand| hand.sees("s: B"));
+    assert_eq!(hand.texts("s = B").len(), 1);
+    // From 5 in 0 … 20 to the same share of -100 … 100.
+    let [s, _]: [f64; 2] = hand_numbers(&widget(&hand, 0, "centre"));
+    assert!((s + 50.0).abs() < 1e-3, "{}", hand.text());
+    assert!(hand.text().contains("scalar = \"B\" # coarse") && hand.text().contains("scalar = false"));
+    hand.settle();
+    assert!(hand.editor.scene().failure.is_none(), "{:?}", hand.editor.scene().failure);
+    // And back.
+    hand.click_on("s: B");
+    let entry = "C  (computed by twice)";
+    until(&mut hand, "no arrays", |hand| !hand.texts(entry).is_empty());
+    hand.click(hand.texts(entry)[0]);
+    followed(&mut hand);
+    until(&mut hand, "it is not drawn", |hand| hand.sees("s: C"));
+    let [s, _]: [f64; 2] = hand_numbers(&widget(&hand, 0, "centre"));
+    assert!((s - 5.0).abs() < 1e-3 && !hand.text().contains("scalar = false"), "{}", hand.text());
+    for _ in 0..2 {
+        hand.key(Key::Z, Modifiers::COMMAND);
+    }
+    hand.frames(2);
+    assert_eq!(hand.text(), text, "each choice is one step");
+    // The section has the colours of what is drawn.
+    hand.command(Command::Section);
+    until(&mut hand, "no section comes", |hand| !hand.shown_beginning("C from ").is_empty());
+}
+
 fn followed(hand: &mut Hand) {
     until(hand, "the widgets do not follow", |hand| hand.editor.pending_rescale.is_none());
 }

@@ -162,7 +162,7 @@ fn values_in_the_section_make_a_widget_of_their_mean_and_covariance() {
     hand.frames(3);
     let Some(Ok(section)) = hand.editor.scene().section else { panic!("no section") };
     hand.frames(2);
-    let [low] = hand.shown_beginning("s from ")[..] else { panic!("the scale has its ends") };
+    let [low] = hand.shown_beginning("wavelet from ")[..] else { panic!("the scale has its ends") };
     let (colors, high) = (hand.named("colours of viridis"), hand.shown_beginning("to "));
     assert!(low.x < colors.x && high.iter().any(|high| high.x > colors.x && (high.y - low.y).abs() < 2.0));
     assert!(section.cells > 50 && section.values.iter().flatten().count() > 5000, "{}", section.cells);

@@ -235,3 +235,79 @@ fn ways_out_of_a_picture_cover_nothing_of_what_is_wrong() {
         );
     }
 }
+
+/// Of what is computed beside the picture.
+#[test]
+fn errors_in_sheets_lead_to_their_node_and_are_tried_again() {
+    let mut hand = Hand::new(TEXT);
+    transfer::with_distribution(&mut hand);
+    let failed = || Error { fewer_pixels: false, ..no_memory() }.at_node("grid");
+    let is_offered = |hand: &Hand| hand.sees("Show 'grid'");
+    // The share of the widget.
+    until(&mut hand, "no share comes", |hand| matches!(hand.editor.scene().share, Some(Ok(_))));
+    hand.editor.worker.fail(|output| &mut output.share, failed());
+    hand.frames(2);
+    assert!(is_offered(&hand));
+    hand.click_on("Try again");
+    until(&mut hand, "it is not tried again", |hand| matches!(hand.editor.scene().share, Some(Ok(_))));
+    hand.frames(2);
+    assert!(!is_offered(&hand));
+    // The section.
+    hand.command(Command::Section);
+    until(&mut hand, "no section comes", |hand| matches!(hand.editor.scene().section, Some(Ok(_))));
+    hand.editor.worker.fail(|output| &mut output.section, failed());
+    hand.frames(3);
+    assert!(is_offered(&hand));
+    hand.click_on("Try again");
+    until(&mut hand, "it is not tried again", |hand| matches!(hand.editor.scene().section, Some(Ok(_))));
+    hand.command(Command::Section);
+    hand.settle();
+    // The estimate.
+    hand.command(Command::Costs);
+    hand.frames(3);
+    hand.click_on("Estimate the error");
+    until(&mut hand, "no estimate comes", |hand| matches!(hand.editor.scene().estimate, Some(Ok(_))));
+    hand.editor.worker.fail(|output| &mut output.estimate, failed());
+    hand.frames(3);
+    assert!(is_offered(&hand));
+    hand.click_on("Estimate the error");
+    until(&mut hand, "it is not tried again", |hand| matches!(hand.editor.scene().estimate, Some(Ok(_))));
+    hand.command(Command::Costs);
+    hand.frames(2);
+    // The comparison.
+    hand.click_on("remember");
+    until(&mut hand, "it is not compared", |hand| !hand.shown_beginning("no difference").is_empty());
+    hand.editor.panels.picture.compare.fail(failed());
+    hand.frames(2);
+    assert!(is_offered(&hand));
+    hand.click_on("Try again");
+    until(&mut hand, "it is not tried again", |hand| !hand.shown_beginning("no difference").is_empty());
+    hand.frames(2);
+    assert!(!is_offered(&hand));
+}
+
+/// An axis whose array the data lack.
+#[test]
+fn a_histogram_that_fails_alone_leads_back_to_s_and_g() {
+    let mut hand = Hand::new(TEXT);
+    transfer::with_distribution(&mut hand);
+    let axes = [voltet_graph::ArrayRef::Named("s"), voltet_graph::ArrayRef::Array("Q".into())];
+    hand.editor.panels.transfer.set_axes(axes);
+    until(&mut hand, "it does not fail", |hand| hand.editor.scene().distribution_fault.is_some());
+    hand.frames(2);
+    assert!(hand.editor.scene().failure.is_none(), "the picture is drawn");
+    hand.click_on("Axes s, g");
+    transfer::with_distribution(&mut hand);
+    assert!(!hand.sees("Axes s, g") && hand.sees("plane of s and g"));
+}
+
+/// A picture that is made of one has the error of that one.
+#[test]
+fn the_error_of_an_annotated_picture_is_estimated() {
+    let figure = "[nodes.figure]\ntype = \"annotation\"\ntitle = \"a title\"\ninputs = { image = \"picture\" }\n\n[nodes.file]";
+    let mut hand = Hand::new(&TEXT.replace("[nodes.file]", figure));
+    assert_eq!(hand.editor.shown_node.as_deref(), Some("figure"));
+    hand.editor.estimate();
+    until(&mut hand, "no estimate comes", |hand| hand.editor.scene().estimate.is_some());
+    assert!(hand.editor.scene().estimate.unwrap().is_ok_and(|[most, _]| most < 0.01));
+}

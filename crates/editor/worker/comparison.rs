@@ -43,23 +43,26 @@ impl Query for Estimate {
     }
 }
 
-/// The request for the same picture by the reference. Errors: the node integrates nothing.
+/// The request for the same picture by the reference. Errors: nothing is integrated for it.
 fn by_reference(wanted: &RenderRequest, registry: &Registry) -> Result<RenderRequest> {
-    let mut better = wanted.clone();
-    let drawing = better.nodes.iter_mut().find(|node| node.name == wanted.node);
-    let known = drawing.as_ref().and_then(|node| registry.node_type(node));
-    let (Some(drawing), Some(known)) = (drawing, known.filter(|node| node.parameter(INTEGRATOR).is_some()))
-    else {
-        return Err(Error::usage(format!("'{}' does not integrate anything", wanted.node))
-            .expected("the picture of a node that draws a volume"));
-    };
-    drawing.set(INTEGRATOR, &[], REFERENCE.into())?;
-    // The reference has an engine of its own.
-    if known.parameter("engine").is_some() {
-        drawing.set("engine", &[], "auto".into())?;
+    let (mut better, mut is_drawn) = (wanted.clone(), false);
+    for drawing in &mut better.nodes {
+        let known = registry.node_type(drawing).filter(|node| node.parameter(INTEGRATOR).is_some());
+        let Some(known) = known else { continue };
+        is_drawn = true;
+        drawing.set(INTEGRATOR, &[], REFERENCE.into())?;
+        // The reference has an engine of its own.
+        if known.parameter("engine").is_some() {
+            drawing.set("engine", &[], "auto".into())?;
+        }
+        drawing.settings.retain(|field| !["compositor", "adapter"].contains(&field.name.as_str()));
     }
-    drawing.settings.retain(|field| !["compositor", "adapter"].contains(&field.name.as_str()));
-    Ok(better)
+    match is_drawn {
+        true => Ok(better),
+        false => Err(Error::usage("no volume is drawn in the picture, so no error of it can be estimated")
+            .expected("the picture of a node that draws a volume, or one that is made of it")
+            .at_node(&wanted.node)),
+    }
 }
 
 /// The largest difference of a premultiplied channel, and the root of the mean square.

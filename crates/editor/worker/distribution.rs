@@ -41,6 +41,8 @@ pub(crate) struct Distribution {
     pub histogram: Histogram,
     /// Ranges, and the volume below each value of the axes: of this volume, or of all steps of its series.
     pub known: DataScales,
+    /// Name of the array that is s.
+    pub scalar: String,
 }
 
 impl DistributionQuery {
@@ -89,7 +91,7 @@ impl DistributionQuery {
             }
             None => DataScales::find(&quantities, (shown, scales), (whole, 1), |look| look(Some(&volume)))?,
         };
-        Ok(Distribution { histogram, known })
+        Ok(Distribution { histogram, known, scalar: grid.scalar_name.clone() })
     }
 }
 

@@ -4,7 +4,9 @@
 
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
+use voltet_core::grid::{Grid, feature_edges};
 use voltet_core::surface::Surface;
 use voltet_core::volume::Volume;
 use voltet_optics::trace::{CellCrossing, Walk};
@@ -32,10 +34,10 @@ pub(crate) struct Hit {
 
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct HitCell {
-    /// Number of the cell in the data.
+    /// Number of the cell in the file.
     pub number: usize,
-    /// Corners of its tetrahedron, world units.
-    pub corners: [DVec3; 4],
+    /// Ends of its edges, world units; empty while they are not looked for.
+    pub edges: Vec<[DVec3; 2]>,
     /// s at the point.
     pub s: f64,
     /// g at the point; none where the data have no gradient.
@@ -151,5 +153,36 @@ fn in_cell(volume: &Volume, cell: usize, point: DVec3) -> Option<(f64, HitCell)>
     let inside = weights.into_iter().fold(f64::INFINITY, f64::min);
     let of = |values: &[f64]| (0..4).map(|k| weights[k] * values[at[k]]).sum::<f64>();
     let (s, g) = (of(&volume.scalar), volume.gradient_magnitude.as_ref().map(|g| of(g)));
-    inside.is_finite().then(|| (inside, HitCell { number: volume.grid.source_cell(cell), corners, s, g }))
+    let number = volume.grid.source_cell(cell);
+    inside.is_finite().then(|| (inside, HitCell { number, edges: Vec::new(), s, g }))
+}
+
+/// Turn of the normals, degrees, up to which two triangles are of one face of a cell: faces of four corners may be bent.
+const BENT: f64 = 15.0;
+
+/// Ends of the edges of a cell of the file, those between the tetrahedra that it was split into left out.
+pub(super) fn edges(grid: &Grid, cell: usize) -> Vec<[DVec3; 2]> {
+    let parts: Vec<[u32; 4]> = match &grid.source_cells {
+        None => grid.tetrahedra.get(cell).copied().into_iter().collect(),
+        Some(cells) => {
+            let own = cells.par_iter().enumerate().filter(|(_, source)| **source as usize == cell);
+            own.map(|(part, _)| grid.tetrahedra[part]).collect()
+        }
+    };
+    let corners: BTreeSet<u32> = parts.iter().flatten().copied().collect();
+    let points: Vec<DVec3> = corners.iter().map(|corner| grid.points[*corner as usize]).collect();
+    let place = |corner: u32| corners.range(..corner).count() as u32;
+    // Faces that two parts share lie within.
+    let mut faces = BTreeMap::<[u32; 3], usize>::new();
+    for [a, b, c, d] in parts.iter().map(|part| part.map(place)) {
+        for face in [[a, b, c], [a, b, d], [a, c, d], [b, c, d]] {
+            *faces.entry(face).or_default() += 1;
+        }
+    }
+    let outer: Vec<[u32; 3]> =
+        faces.into_iter().filter(|(_, count)| *count == 1).map(|(face, _)| face).collect();
+    // A tetrahedron has all of them, however flat it is.
+    let angle = if parts.len() == 1 { 0.0 } else { BENT };
+    let ends = feature_edges(&points, &outer, angle);
+    ends.into_iter().map(|ends| ends.map(|end| points[end as usize])).collect()
 }

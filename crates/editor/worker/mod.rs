@@ -133,6 +133,19 @@ impl Worker {
         of(&mut lock(&self.shared.state).output).forget();
     }
 
+    /// Has the newest query of a kind fail.
+    #[cfg(test)]
+    pub(crate) fn fail<Q: Query>(
+        &self,
+        of: impl FnOnce(&mut WorkerOutput) -> &mut Exchange<Q>,
+        error: Error,
+    ) {
+        let mut state = lock(&self.shared.state);
+        let exchange = of(&mut state.output);
+        let query = exchange.asked().cloned();
+        query.into_iter().for_each(|query| exchange.adopt(query, Err(error.clone())));
+    }
+
     /// Calls a function with the worker's output.
     pub fn shown<T>(&self, look: impl FnOnce(&WorkerOutput) -> T) -> T {
         look(&lock(&self.shared.state).output)

@@ -1,12 +1,12 @@
 //! Values on rays of the picture, weighted by their contribution to it; and a section of the data by a plane: s and g at the pixels of a
 //! picture of it, linear in each cell.
 
-use super::hits::{Hit, first_hit};
+use super::hits::{Hit, edges, first_hit};
 use super::query::{Query, QueryRun};
 use super::request::VolumeSource;
 use crate::view::View;
 use glam::{DMat3, DVec2, DVec3};
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use voltet_core::Result;
@@ -49,6 +49,8 @@ pub(crate) struct PixelProbe {
     pub point: Option<DVec3>,
     /// Place that is seen first, of a single ray.
     pub hit: Option<Hit>,
+    /// Number of the file's cells that the rays meet.
+    pub cells: usize,
     pub opacity: f64,
 }
 
@@ -68,7 +70,12 @@ impl ProbeQuery {
         let (shading, order) = (Shading::default(), VisibilityOrder::Exact);
         let scene = Scene::new(near, transfer_function, camera, shading, order);
         let scene = Scene { clips: clips.concat(), surfaces, ..scene };
-        self.walk_rays(&scene, &forms, call.progress())
+        let mut probed = self.walk_rays(&scene, &forms, call.progress())?;
+        if let Some(cell) = probed.hit.as_mut().and_then(|hit| hit.cell.as_mut()) {
+            // Of all its parts, also those that no ray is near.
+            cell.edges = edges(&volume.grid, cell.number);
+        }
+        Ok(probed)
     }
 
     /// Walks the rays through the places, each among the cells that lie before its part of the picture.
@@ -84,6 +91,7 @@ impl ProbeQuery {
         let goes_on = |cell: &u32| !(cell.is_multiple_of(LOOKED_AT) && progress.cancelled());
         let lists = tracer.tile_lists((0..count).take_while(goes_on));
         let (mut seen_most, [width, height]) = (0.0, scene.camera.size.map(f64::from));
+        let mut met = HashSet::new();
         for place in &self.places {
             progress.check_cancelled()?;
             let pixel = [0.5 * width + place[0] * height, (0.5 - place[1]) * height];
@@ -97,6 +105,7 @@ impl ProbeQuery {
             if is_single {
                 probed.hit = first_hit(&scene.volume, forms, &walk, &scene.surfaces, [start, direction]);
             }
+            met.extend(walk.steps.iter().map(|step| scene.volume.grid.source_cell(step.cell as usize)));
             for step in &walk.steps {
                 let share = if all > 1e-6 { step.contribution()[3] / all } else { step.length / way };
                 let value = |k: usize| {
@@ -117,6 +126,7 @@ impl ProbeQuery {
             let on_surface = probed.hit.as_ref().filter(|hit| hit.is_on_surface).map(|hit| hit.point);
             probed.point = on_surface.or(probed.point);
         }
+        probed.cells = met.len();
         Ok(probed)
     }
 }
@@ -260,6 +270,7 @@ pub(crate) struct Section {
     pub of: SectionQuery,
     /// [s, g] at the middle of each pixel, rows from the top; none outside of all cells.
     pub values: Vec<Option<[f64; 2]>>,
+    /// Number of the file's cells that are cut.
     pub cells: usize,
 }
 
@@ -280,6 +291,7 @@ impl SectionQuery {
         let mut section = Section { of: self.clone(), values: vec![None; width * height], cells: 0 };
         let normal = self.axes[0].cross(self.axes[1]);
         let Volume { grid, scalar, gradient_magnitude, .. } = volume;
+        let mut cut = HashSet::new();
         let aside: Vec<f64> = grid.points.iter().map(|point| (*point - self.centre).dot(normal)).collect();
         for (i, cell) in grid.tetrahedra.iter().enumerate() {
             if i % 4096 == 0 {
@@ -294,9 +306,10 @@ impl SectionQuery {
             let g = gradient_magnitude.as_ref();
             let of = |point: usize| [scalar[point], g.map_or(0.0, |g| g[point])];
             if self.fill(&mut section.values, corners, distances, at.map(of)) {
-                section.cells += 1;
+                cut.insert(grid.source_cell(i));
             }
         }
+        section.cells = cut.len();
         Ok(section)
     }
 

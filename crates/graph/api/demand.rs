@@ -4,7 +4,7 @@ use super::value::TransferFunctionSpec;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use voltet_core::Error;
-use voltet_core::parameters::SourceSpan;
+use voltet_core::parameters::{ArrayOrigin, SourceSpan};
 use voltet_core::picture_parts::PictureLayer;
 use voltet_core::transfer::TransferFunction;
 
@@ -44,7 +44,7 @@ pub struct Demand {
 }
 
 /// Requested arrays: some by name, or those and all others of the file.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default)]
 pub struct Arrays {
     /// Arrays that some node named, also one of several components or a length (`velocity:0`, `velocity:magnitude`): each must
     /// be there.
@@ -53,20 +53,24 @@ pub struct Arrays {
     pub optional: BTreeSet<String>,
     /// True if all other arrays are requested, too.
     pub and_all_others: bool,
-    /// Places where some of the names are written.
-    pub origins: BTreeMap<String, SourceSpan>,
+    /// Nodes that name them, as far as they are known.
+    pub origins: BTreeMap<String, ArrayOrigin>,
 }
+
+/// Equal if the same arrays are requested, whoever names them.
+impl PartialEq for Arrays {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.named, &self.optional, self.and_all_others)
+            == (&other.named, &other.optional, other.and_all_others)
+    }
+}
+
+impl Eq for Arrays {}
 
 impl Arrays {
     /// True if this array is requested, by name or with all.
     pub fn contains(&self, name: &str) -> bool {
         self.and_all_others || self.named.contains(name) || self.optional.contains(name)
-    }
-
-    /// True if both request the same arrays, wherever their names are written.
-    pub(crate) fn are_those_of(&self, other: &Arrays) -> bool {
-        (&self.named, &self.optional, self.and_all_others)
-            == (&other.named, &other.optional, other.and_all_others)
     }
 
     fn join(&mut self, other: &Arrays) {
@@ -78,13 +82,22 @@ impl Arrays {
         }
     }
 
-    /// Requests an array whose name is written at `origin`.
-    pub fn request(&mut self, name: &str, origin: SourceSpan) {
+    /// Requests an array whose name is written at `span`.
+    pub fn request(&mut self, name: &str, span: SourceSpan) {
         self.named.insert(name.to_owned());
-        self.origins.entry(name.to_owned()).or_insert(origin);
+        self.origins.entry(name.to_owned()).or_insert(ArrayOrigin { node: None, span });
     }
 
-    /// An error about an array at the place where its name is written, where that is known; otherwise as it is.
+    /// States the node that names some of the arrays, of which none is known yet. `span`: its location.
+    pub(crate) fn are_named_by(&mut self, node: &str, span: &SourceSpan, is_one: impl Fn(&str) -> bool) {
+        for name in self.named.iter().filter(|name| is_one(name)) {
+            let own = || ArrayOrigin { node: None, span: span.clone() };
+            let origin = self.origins.entry(name.clone()).or_insert_with(own);
+            origin.node.get_or_insert_with(|| node.to_owned());
+        }
+    }
+
+    /// An error about an array, with the node that names it and the place, where they are known; otherwise as it is.
     pub fn locate(&self, name: &str, error: Error) -> Error {
         match self.origins.get(name) {
             Some(origin) => origin.locate(error),

@@ -92,6 +92,10 @@ impl GraphNode {
     /// Adds this node's name and place to an error that has none.
     pub fn locate(&self, error: Error) -> Error {
         let mut error = error.at_node(&self.name);
+        // An array that another node names.
+        if error.location.node.as_ref() != Some(&self.name) {
+            return error;
+        }
         // A parameter or an option that an error names is a better place than the node's head.
         let item = error.location.item.clone();
         let named = item.and_then(|item| self.parameters.optional(&item).map(|s| s.origin.clone()));

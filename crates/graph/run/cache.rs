@@ -41,7 +41,7 @@ impl Entry {
         let is_grid_with_gaps =
             |value: &Value| matches!(value, Value::Grid(grid) if grid.origin.cells_not_finite > 0);
         let has_gaps = self.done.outputs.iter().any(|(value, _)| is_grid_with_gaps(value));
-        self.demand.covers(demand) && (!has_gaps || self.demand.arrays.are_those_of(&demand.arrays))
+        self.demand.covers(demand) && (!has_gaps || self.demand.arrays == demand.arrays)
     }
 }
 

@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 use voltet_core::diagnostics::{DataFinding, Diagnostics, SkippedWork};
+use voltet_core::parameters::SourceSpan;
 use voltet_core::picture::Picture;
 use voltet_core::{Error, Result};
 
@@ -107,12 +108,33 @@ pub(super) fn asks_of(
         asks: vec![None; node.inputs.len()],
     };
     (node.node.demand)(&mut asking).map_err(|error| node.locate(error))?;
-    let asks: Vec<Demand> = asking.asks.into_iter().map(Option::unwrap_or_default).collect();
+    let DemandContext { asks, early, .. } = asking;
+    let mut asks: Vec<Demand> = asks.into_iter().map(Option::unwrap_or_default).collect();
+    state_origins(graph, node, &early, &mut asks);
     node.inputs
         .iter()
         .zip(&asks)
         .try_for_each(|(edge, ask)| refuse_missing_gradient(graph, node, edge, ask))?;
     Ok(asks)
+}
+
+/// States which node names each array that a node asks for: one that it was asked for, a transfer function that it draws, or itself.
+fn state_origins(graph: &Graph, node: &GraphNode, early: &[Option<Value>], asks: &mut [Demand]) {
+    // A node of a program is none that a user could mend.
+    if matches!(node.origin, SourceSpan::Nowhere) {
+        return;
+    }
+    for ask in asks {
+        for (edge, value) in node.inputs.iter().zip(early) {
+            if let Some(Value::TransferFunction(look)) = value {
+                let (giver, fields) = (&graph.nodes[edge.node], look.transfer_function.fields());
+                ask.arrays.are_named_by(&giver.name, &giver.origin, |name| fields.contains(&name));
+            }
+        }
+        for arrays in [&mut ask.arrays, &mut ask.cell_arrays] {
+            arrays.are_named_by(&node.name, &node.origin, |_| true);
+        }
+    }
 }
 
 /// A grid wired straight to a volume input has no gradient to give.

@@ -15,7 +15,6 @@ use voltet_core::grid::{
     Array, Association, CellType, CellValues, Cells, Grid, Options, RawGrid, Scalar, code,
 };
 use voltet_core::parallel::all_or_first;
-use voltet_core::parameters::SourceSpan;
 use voltet_core::progress::Progress;
 use voltet_core::{Error, Result, counted, grid, progress};
 
@@ -278,8 +277,7 @@ pub(super) fn choices(dataset: &Dataset, request: &Request) -> Result<Vec<ArrayS
         [(&request.point_arrays, of_points, None), (&request.cell_arrays, of_cells, Some(Association::Cell))]
     {
         for name in unique(names) {
-            let locate =
-                |error| origins.get(name).map_or(&SourceSpan::Nowhere, |origin| origin).locate(error);
+            let locate = |error| origins.get(name).into_iter().fold(error, |error, at| at.locate(error));
             choices.push(request::array(model, name, association).map_err(locate)?);
         }
     }

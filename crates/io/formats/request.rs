@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::grid::{Association, Options};
-use voltet_core::parameters::{Parameters, SourceSpan, nearest_first};
+use voltet_core::parameters::{ArrayOrigin, Parameters, nearest_first};
 use voltet_core::reading::GridReader;
 use voltet_core::{Error, Result, counted};
 
@@ -34,8 +34,8 @@ pub struct Request {
     pub point_arrays: Vec<String>,
     /// Cell arrays that are wanted as they are; all components, or one as in `scalar`.
     pub cell_arrays: Vec<String>,
-    /// Places where names among `point_arrays` and among `cell_arrays` are written, for errors about them.
-    pub origins: [BTreeMap<String, SourceSpan>; 2],
+    /// Nodes that name those of `point_arrays` and of `cell_arrays`, for errors about them.
+    pub origins: [BTreeMap<String, ArrayOrigin>; 2],
     /// The blocks that are read, by their names or groups; `*` stands for any letters. None: all.
     pub blocks: Vec<String>,
     /// A vector at points by which they are moved, and a factor: the deformed shape. `None`: they stay.
