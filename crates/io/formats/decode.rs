@@ -20,7 +20,7 @@ use voltet_core::{Error, Result, counted};
 /// Values that one task decodes from data that is not cut into blocks: what they take is in the cache until they are converted.
 const PART: usize = 1 << 15;
 
-/// What is done to each part of the values while it is in the cache.
+/// Change of each part of the values while it is in the cache.
 type Change<'a, T> = dyn Fn(&mut [T]) + Sync + 'a;
 
 impl Stored {
