@@ -417,7 +417,14 @@ fn list(text: &str, part: &dyn Fn(&str) -> ParameterValue) -> ParameterValue {
     }
     let inner = text.strip_prefix('[').and_then(|text| text.strip_suffix(']')).unwrap_or(text);
     let is_separator = |c: char| if inner.contains(',') { c == ',' } else { c.is_whitespace() };
-    let parts =
-        inner.split(is_separator).map(|part| part.trim().trim_matches('"')).filter(|part| !part.is_empty());
-    parts.map(part).collect()
+    let mut parts: Vec<String> = Vec::new();
+    for word in inner.split(is_separator).map(|part| part.trim().trim_matches('"')) {
+        match parts.last_mut() {
+            // "25 %" is one number.
+            Some(number) if word == "%" => number.push_str(" %"),
+            _ if word.is_empty() => {}
+            _ => parts.push(word.to_string()),
+        }
+    }
+    parts.iter().map(|own| part(own)).collect()
 }

@@ -75,7 +75,7 @@ impl Editor {
     /// Shows the dialog by which a file was chosen that cannot be opened, or would be, with the reason, unless another is open.
     pub(crate) fn ask_again(&mut self, mut dialog: FileDialog) {
         if let (Some(Message { text, error: Some(_), .. }), None) = (&self.message, &self.file_dialog) {
-            dialog.fault = Some(text.clone());
+            dialog.refuse(text.clone());
             self.file_dialog = Some(dialog);
         }
     }

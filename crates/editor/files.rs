@@ -260,9 +260,12 @@ impl FilePurpose {
 pub(crate) struct FileDialog {
     pub purpose: FilePurpose,
     folder: PathBuf,
-    name: String,
+    pub name: String,
+    /// Typed text: names that hold it are listed where a file is read.
+    typed: String,
     entries: Vec<ListedFile>,
-    is_new: bool,
+    /// True if the name gets the focus.
+    takes_focus: bool,
     warned: bool,
     /// Reason why the file that was chosen last was not taken.
     pub fault: Option<String>,
@@ -332,8 +335,9 @@ impl FileDialog {
             purpose,
             folder,
             name,
+            typed: String::new(),
             entries: Vec::new(),
-            is_new: true,
+            takes_focus: true,
             warned: false,
             fault: None,
         };
@@ -355,11 +359,52 @@ impl FileDialog {
 
     fn go(&mut self, folder: PathBuf) {
         self.folder = std::fs::canonicalize(&folder).unwrap_or(folder);
+        self.typed.clear();
         self.read();
+    }
+
+    /// Shows a reason why the chosen file is not taken; another name can be typed.
+    pub fn refuse(&mut self, fault: String) {
+        (self.fault, self.takes_focus) = (Some(fault), true);
+    }
+
+    /// True if a file that is there is chosen.
+    fn reads(&self) -> bool {
+        matches!(
+            self.purpose,
+            FilePurpose::Open | FilePurpose::Data(_) | FilePurpose::Parameter { writes: false, .. }
+        )
+    }
+
+    /// Names of the list that hold what was typed, in any letters; all where none does.
+    fn fitting(&self) -> Vec<&ListedFile> {
+        let typed = self.typed.to_lowercase();
+        let fits = |file: &&ListedFile| !self.reads() || file.name.to_lowercase().contains(&typed);
+        let fitting: Vec<&ListedFile> = self.entries.iter().filter(fits).collect();
+        if fitting.is_empty() { self.entries.iter().collect() } else { fitting }
+    }
+
+    /// Takes the next name of the list by the arrows, while the field has the focus; true if it did.
+    fn follow_arrows(&mut self, ui: &Ui) -> bool {
+        let pressed = |key: Key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
+        let (up, down) = (pressed(Key::ArrowUp), pressed(Key::ArrowDown));
+        let fitting = self.fitting();
+        let next = match fitting.iter().position(|file| file.name == self.name) {
+            Some(place) if down => place + 1,
+            Some(place) if up => place.saturating_sub(1),
+            None if down || up => 0,
+            _ => return false,
+        };
+        let next = fitting.get(next).map(|file| file.name.clone());
+        let is_moved = next.is_some();
+        next.into_iter().for_each(|name| (self.name, self.warned) = (name, false));
+        is_moved
     }
 
     fn show(&mut self, ui: &mut Ui) -> Option<PathBuf> {
         let mut chosen = None;
+        let field_id = ui.id().with("name of the file");
+        let is_moved = ui.memory(|memory| memory.has_focus(field_id)) && self.follow_arrows(ui);
         ui.horizontal(|ui| {
             if ui.button("⬆").help("the folder above").clicked()
                 && let Some(above) = self.folder.parent().map(Path::to_path_buf)
@@ -370,7 +415,8 @@ impl FileDialog {
         });
         ScrollArea::vertical().max_height(320.0).auto_shrink([false, false]).show(ui, |ui| {
             let mut into = None;
-            for ListedFile { name, is_folder, figures } in &self.entries {
+            let mut clicked = None;
+            for ListedFile { name, is_folder, figures } in self.fitting() {
                 let text = if *is_folder { format!("🗀  {name}") } else { format!("      {name}") };
                 let row = ui.horizontal(|ui| {
                     let row = ui.selectable_label(*name == self.name, text);
@@ -380,15 +426,20 @@ impl FileDialog {
                     row
                 });
                 let row = row.inner;
+                if is_moved && *name == self.name {
+                    row.scroll_to_me(None);
+                }
                 if row.clicked() && *is_folder {
                     into = Some(self.folder.join(name));
                 } else if row.clicked() {
-                    self.name = name.clone();
-                    self.warned = false;
+                    clicked = Some(name.clone());
                 }
                 if row.double_clicked() && !is_folder {
                     chosen = Some(self.folder.join(name));
                 }
+            }
+            if let Some(name) = clicked {
+                (self.name, self.warned) = (name, false);
             }
             if self.entries.is_empty() {
                 ui.label("This folder has no files of an accepted kind.");
@@ -406,11 +457,14 @@ impl FileDialog {
             };
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let is_clicked = ui.button(text).clicked();
-                let field = TextEdit::singleline(&mut self.name).hint_text("a name or a path");
+                let field = TextEdit::singleline(&mut self.name).id(field_id).hint_text("a name or a path");
                 let field = ui.add(field.desired_width(f32::INFINITY));
                 ui.ctx().accesskit_node_builder(field.id, |node| node.set_label("name of the file"));
-                if std::mem::take(&mut self.is_new) {
+                if std::mem::take(&mut self.takes_focus) {
                     field.request_focus();
+                }
+                if field.changed() {
+                    (self.typed, self.warned, self.fault) = (self.name.clone(), false, None);
                 }
                 let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
                 if (is_clicked || entered) && !self.name.is_empty() {
@@ -427,7 +481,23 @@ impl FileDialog {
         let path = chosen?;
         if path.is_dir() {
             self.name.clear();
+            self.takes_focus = true;
             self.go(path);
+            return None;
+        }
+        if self.reads() && !path.exists() {
+            // A part of one name alone stands for it.
+            if let ([only], false) = (self.fitting().as_slice(), self.typed.is_empty()) {
+                let path = self.folder.join(&only.name);
+                if !only.is_folder {
+                    return Some(path);
+                }
+                self.name.clear();
+                self.go(path);
+                self.takes_focus = true;
+                return None;
+            }
+            self.refuse(format!("'{}' is no file of this folder, and no path of one", self.name));
             return None;
         }
         // The choice alone overwrites an existing file.

@@ -153,6 +153,7 @@ fn what_is_typed_is_read_as_it_is_meant_or_refused_in_words() {
         ParameterValue::Number(1e-3).into(),
     ]);
     assert_eq!(typed(centre, "25 %, 1e-3").unwrap(), relative);
+    assert_eq!(typed(centre, "25 % 1e-3").unwrap(), relative);
     let eye = row("view", "eye");
     for text in ["1.0 2.0 3.5", "[1.0, 2.0, 3.5]", "1.0,2.0,3.5,"] {
         assert_eq!(typed(&eye, text).unwrap(), numbers(&[1.0, 2.0, 3.5]), "{text}");

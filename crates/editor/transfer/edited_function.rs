@@ -230,20 +230,24 @@ const UPRIGHT: f64 = 0.05;
 /// nothing else is stated: after a tenth of the diagonal at its peak 63 % are absorbed, so that what lies behind is seen.
 const EXTINCTION: f64 = 0.1;
 
-/// A Gaussian at the bin with the most volume that no widget holds; `None` on axes that no kind of widget is over.
+/// Share of the greatest extinction from which on a widget holds a bin: a haze over everything holds none.
+const HELD: f64 = 0.1;
+
+/// A Gaussian at the bin with the most volume that no widget holds, or with the most of all where widgets hold all of it; `None` without a
+/// histogram, and on axes that no kind of widget is over.
 pub(super) fn at_peak(look: &EditedFunction) -> Option<ParameterValue> {
-    let (mut centre, mut sigma) = ([0.5, 0.0], [0.1, 0.1]);
-    if let Some(histogram) = look.histogram() {
-        let [s, g] = histogram.axes;
-        let mut most = -1.0;
-        for (k, volume) in histogram.volumes.iter().enumerate() {
-            let at = [middle(s, k % s.bins), middle(g, k / s.bins)];
-            if *volume > most && look.widgets.iter().all(|widget| widget.strength(at) < 0.1) {
-                (most, centre) = (*volume, at);
-            }
-        }
-        sigma = [NEW[0] * (s.high - s.low), NEW[1] * (g.high - g.low)];
-    }
+    let histogram = look.histogram()?;
+    let [s, g] = histogram.axes;
+    let peak = |widget: &ScreenWidget| widget.peak_of_curve().unwrap_or(widget.extinction);
+    let least = HELD * look.widgets.iter().map(peak).fold(0.0, f64::max);
+    let rank = |k: usize| {
+        let at = [middle(s, k % s.bins), middle(g, k / s.bins)];
+        let is_free = look.widgets.iter().all(|widget| peak(widget) * widget.strength(at) < least);
+        (is_free && histogram.volumes[k] > 0.0, histogram.volumes[k], at)
+    };
+    let bins = (0..histogram.volumes.len()).map(rank);
+    let (.., centre) = bins.max_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)))?;
+    let sigma = [NEW[0] * (s.high - s.low), NEW[1] * (g.high - g.low)];
     if look.is_of_s_and_g() {
         let k =
             [[1.0 / sigma[0], 0.0], [0.0, 1.0 / sigma[1]]].map(|row| row.map(|x| x * FRAC_1_SQRT_2).to_vec());

@@ -40,10 +40,14 @@ const KEYS: [(Modifiers, Key, WidgetCommand); 10] = [
     (Modifiers::NONE, Key::Backspace, TransferPanel::take_away),
 ];
 
+/// Reason for which no widget is added at the peak.
+const NO_PEAK: &str = "a widget at the peak needs the histogram, of s and g or of two arrays";
+
 impl TransferPanel {
     pub(super) fn add_at_peak(&mut self, look: &EditedFunction) {
-        if let Some(entry) = at_peak(look) {
-            self.add(look, entry);
+        match at_peak(look) {
+            Some(entry) => self.add(look, entry),
+            None => look.actions.say(NO_PEAK),
         }
     }
 
@@ -245,9 +249,9 @@ impl TransferPanel {
             let fits =
                 look.is_of_s_and_g() || look.axes.iter().all(|axis| matches!(axis, ArrayRef::Array(_)));
             let peak = ui
-                .add_enabled(fits, peak)
+                .add_enabled(fits && look.histogram().is_some(), peak)
                 .help("a Gaussian where most of the volume is that no widget holds (P)")
-                .on_disabled_hover_text("a widget is over s and g, or over arrays");
+                .on_disabled_hover_text(NO_PEAK);
             if peak.clicked() {
                 self.add_at_peak(look);
             }

@@ -168,3 +168,45 @@ fn data_that_come_or_change_are_read_again() {
     until(&mut hand, "the distribution of the new data", |hand| least(hand) == Some(0.0));
     assert_eq!(hand.text(), text);
 }
+
+#[test]
+fn a_file_is_found_by_a_part_of_its_name_or_by_the_arrows() {
+    let mut hand = Hand::in_folder(TEXT, &|folder| {
+        ["wing.vtu", "wake.vtu", "tail.vtu"].iter().for_each(|name| {
+            std::fs::write(folder.join(name), "no data here").unwrap();
+        });
+    });
+    let name = |hand: &Hand| hand.editor.file_dialog.as_ref().map(|dialog| dialog.name.clone()).unwrap();
+    hand.command(Command::Open);
+    hand.frames(2);
+    hand.typed("w");
+    hand.frames(2);
+    assert!(hand.sees("      wing.vtu") && !hand.sees("      tail.vtu"));
+    for (key, wanted) in
+        [(Key::ArrowDown, "wake.vtu"), (Key::ArrowDown, "wing.vtu"), (Key::ArrowUp, "wake.vtu")]
+    {
+        hand.key(key, Modifiers::NONE);
+        hand.frames(1);
+        assert_eq!(name(&hand), wanted);
+    }
+    // What is no name of a file is refused where it was typed, and can be typed anew.
+    hand.key(Key::A, Modifiers::COMMAND);
+    hand.typed("zz");
+    hand.frames(1);
+    hand.key(Key::Enter, Modifiers::NONE);
+    hand.frames(2);
+    assert!(!hand.shown_beginning("'zz' is no file of this folder").is_empty());
+    hand.typed("t");
+    hand.frames(2);
+    assert_eq!(name(&hand), "zzt");
+    // A part that one name alone holds stands for it.
+    hand.key(Key::A, Modifiers::COMMAND);
+    hand.typed("tai");
+    hand.frames(1);
+    hand.key(Key::Enter, Modifiers::NONE);
+    until(&mut hand, "no reason is said", |hand| {
+        hand.editor.file_dialog.as_ref().is_some_and(|dialog| dialog.fault.is_some())
+    });
+    let fault = hand.editor.file_dialog.as_ref().unwrap().fault.clone().unwrap();
+    assert!(fault.contains("tail.vtu"), "{fault}");
+}

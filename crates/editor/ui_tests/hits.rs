@@ -188,6 +188,22 @@ fn the_shown_picture_is_probed_whatever_is_selected() {
     assert_ne!(found[0], found[2]);
 }
 
+/// The widgets of another transfer function add nothing to the picture, and no figures of the first are theirs.
+#[test]
+fn no_share_is_told_of_widgets_that_are_in_no_picture() {
+    let second = "[nodes.other]\ntype = \"transfer-function\"\n\n[[nodes.other.widgets]]\nkind = \"gaussian\"\n\
+                  color = [0.1, 0.5, 1.0]\nextinction = 40.0\ncentre = [60.0, 10.0]\nsigma = [20.0, 40.0]\n\n[nodes.file]";
+    let mut hand = Hand::new(&TEXT.replace("[nodes.file]", second));
+    hand.editor.selection = ["look".to_string()].into();
+    until(&mut hand, "no share comes", |hand| hand.editor.scene().share.is_some());
+    hand.editor.selection = ["other".to_string()].into();
+    hand.frames(3);
+    hand.settle();
+    assert!(hand.editor.scene().share.is_none());
+    hand.editor.selection = ["look".to_string()].into();
+    until(&mut hand, "the share is not told again", |hand| hand.editor.scene().share.is_some());
+}
+
 #[test]
 fn what_lies_behind_a_surface_is_not_probed_and_the_surface_is_a_centre() {
     // Across the view, six units before the middle.

@@ -235,3 +235,43 @@ fn a_width_that_another_scale_cannot_have_stays_and_the_window_says_so() {
     assert!((sigma[0] / (1.0 + 60.0 / middle).log10() - 1.0).abs() < 1e-5, "{sigma:?}");
     assert!(hand.text().contains("centre = [\"50 %\", 20.0]") && hand.steps() == 1, "{}", hand.text());
 }
+
+/// Bins that a haze over everything holds are free, and what has no histogram has no peak.
+#[test]
+fn a_widget_at_the_peak_lies_where_the_data_are() {
+    let haze = "[[nodes.look.widgets]]\nkind = \"gaussian\"\ncolor = [0.5, 0.5, 0.6]\nextinction = 0.02\n\
+                centre = [150.0, 0.0]\nsigma = [400.0, inf]\n\n[nodes.view]";
+    let mut hand = Hand::new(&TEXT.replace("[nodes.view]", haze));
+    assert!(hand.editor.scene().distribution.is_none());
+    hand.click_on("+ at peak");
+    hand.frames(2);
+    assert_eq!(hand.text().matches("[[nodes.look.widgets]]").count(), 2);
+    with_distribution(&mut hand);
+    hand.click_on("+ at peak");
+    hand.frames(2);
+    let nodes = &hand.editor.document().pipeline().nodes;
+    let look = nodes.iter().find(|node| node.name == "look").unwrap();
+    let widgets = look.setting("widgets").unwrap().list().unwrap();
+    let third = voltet_graph::find_setting(widgets[2].table().unwrap(), "centre").unwrap();
+    let at = third.numbers().unwrap();
+    let scene = hand.editor.scene();
+    let histogram = &scene.distribution.as_ref().unwrap().histogram;
+    let bin = |k: usize| {
+        let axis = histogram.axes[k];
+        ((at[k] - axis.low) / (axis.high - axis.low) * axis.bins as f64) as usize
+    };
+    let volume = |place: usize| histogram.volumes[place];
+    let place = bin(1) * histogram.axes[0].bins + bin(0);
+    // Only the first widget holds bins, within 2.2 of its widths.
+    let is_held = |place: usize| {
+        let middle = |k: usize, i: usize| {
+            let axis = histogram.axes[k];
+            axis.low + (i as f64 + 0.5) * (axis.high - axis.low) / axis.bins as f64
+        };
+        let [s, g] = [place % histogram.axes[0].bins, place / histogram.axes[0].bins];
+        let [x, y] = [(middle(0, s) - 150.0) / 60.0, (middle(1, g) - 20.0) / 40.0];
+        (-0.5 * (x * x + y * y)).exp() >= 0.1
+    };
+    let most = (0..histogram.volumes.len()).filter(|&place| !is_held(place)).map(volume).fold(0.0, f64::max);
+    assert!(most > 0.0 && volume(place) == most, "{at:?}: {} of {most}", volume(place));
+}
