@@ -166,7 +166,7 @@ pub(crate) fn words_at_pointer(ui: &Ui, name: &str, words: impl Into<WidgetText>
 }
 
 /// Area of others, square points, that words cover rather than being a point further from the pointer.
-const AREA_PER_POINT: f32 = 40.0;
+const AREA_PER_POINT: f32 = 100.0;
 
 /// Shows words beside a rectangle of the window, near the pointer, where they cover little of others: next to it, else above or below all of
 /// them, or beside.
