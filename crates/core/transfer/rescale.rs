@@ -234,6 +234,11 @@ mod tests {
 
     const SYMLOG: AxisScale = AxisScale::SymLog { linear_below: 1.0 };
 
+    /// A widget on another scale of s.
+    fn on(p: &Parameters, [from, to]: [AxisScale; 2]) -> Result<Parameters> {
+        on_other_scales(p, &Ranges([[0.0, 1e3], [0.0, 1.0]], from), &[to, AxisScale::Linear])
+    }
+
     /// Numbers of a widget as they were made, on another scale of s, and back on the first.
     fn there_and_back(
         kind: &str,
@@ -242,11 +247,8 @@ mod tests {
     ) -> Result<[Parameters; 2]> {
         let fields = own.iter().map(|(name, value)| field(name, value.clone()));
         let before = parameters(kind, look().into_iter().chain(fields).collect());
-        let on = |p: &Parameters, from: AxisScale, to: AxisScale| {
-            on_other_scales(p, &Ranges([[0.0, 1e3], [0.0, 1.0]], from), &[to, AxisScale::Linear])
-        };
-        let there = on(&before, from, to)?;
-        let back = on(&there, to, from)?;
+        let there = on(&before, [from, to])?;
+        let back = on(&there, [to, from])?;
         for (name, value) in own {
             let [was, is] = [value, &back.optional(name).unwrap().datum].map(flat);
             assert!(
@@ -358,11 +360,14 @@ mod tests {
     }
 
     #[test]
-    fn a_widget_without_a_middle_on_the_other_scale_has_no_widths_there() {
+    fn a_widget_whose_middle_has_no_place_on_a_scale_has_no_other_widths() {
         for centre in [0.0, -3.0] {
-            let own = [("centre", numbers(&[centre, 0.5])), ("sigma", numbers(&[60.0, 0.1]))];
-            let error = there_and_back("gaussian", &own, [AxisScale::Linear, AxisScale::Log]).unwrap_err();
-            assert!(error.to_string().contains("'sigma' has no length on the other scale of s"), "{error}");
+            let own = [field("centre", numbers(&[centre, 0.5])), field("sigma", numbers(&[60.0, 0.1]))];
+            let widget = parameters("gaussian", look().into_iter().chain(own).collect());
+            for scales in [[AxisScale::Linear, AxisScale::Log], [AxisScale::Log, AxisScale::Linear]] {
+                let error = on(&widget, scales).unwrap_err().to_string();
+                assert!(error.contains("'sigma' has no length on the other scale of s"), "{error}");
+            }
         }
         // What has no widths needs no middle.
         let own = [("region", ParameterValue::Table(vec![field("s", numbers(&[-1.0, 5.0]))]))];
