@@ -250,7 +250,7 @@ impl Editor {
             Command::Widgets => self.panels.transfer.switch_keys(),
             Command::Section => self.panels.section.open = !self.panels.section.open,
             Command::Time(to) => self.move_time(to),
-            Command::Film => (self.panels.time.is_open, self.panels.time.film.is_open) = (true, true),
+            Command::Film => self.panels.time.film.is_open = true,
             Command::Strip => self.panels.time.is_open = !self.panels.time.is_open,
             Command::Study => self.panels.study.open = !self.panels.study.open,
             Command::ReadAgain => self.read_again(),

@@ -1,5 +1,6 @@
 //! Blocks of a data file as a tree of groups, with a tick at those that are read.
 
+use crate::focus;
 use eframe::egui::containers::menu::{MenuButton, MenuConfig};
 use eframe::egui::{Checkbox, PopupCloseBehavior, ScrollArea, Ui};
 use std::collections::HashSet;
@@ -42,6 +43,7 @@ pub(crate) fn block_tree(
                     changed = Some(with_tick(&ticked, entry, now, blocks));
                 }
             }
+            focus::follow(ui);
         });
     });
     changed

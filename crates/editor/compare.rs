@@ -8,8 +8,8 @@ use crate::theme::{self, Help};
 use crate::ways_out::{AGAIN, buttons, ways_out};
 use crate::worker::{Pixels, difference, short};
 use eframe::egui::{
-    Align, Align2, Button, Color32, ColorImage, CursorIcon, FontId, Layout, Pos2, Rect, Sense, Stroke,
-    TextureHandle, TextureOptions, Ui, UiBuilder, WidgetInfo, WidgetType, pos2, vec2,
+    Align, Align2, Button, Color32, ColorImage, CursorIcon, FontId, Galley, Layout, Rect, Sense, Shape,
+    Stroke, TextureHandle, TextureOptions, Ui, UiBuilder, WidgetInfo, WidgetType, pos2, vec2,
 };
 use std::sync::Arc;
 use voltet_core::Error;
@@ -35,6 +35,10 @@ const GAIN: f32 = 10.0;
 
 /// Most width of the ways of showing both, points.
 const MODES_WIDTH: f32 = 280.0;
+
+/// Colours of text over the pictures, and of its ground.
+const TEXT: Color32 = Color32::from_gray(230);
+const GROUND: Color32 = Color32::BLACK;
 
 /// Width within which the line is taken hold of, points.
 const GRIP: f32 = 10.0;
@@ -97,11 +101,12 @@ impl Compare {
 
     /// Ways of showing both, in the lower right corner of a place: there they leave the picture its size.
     fn modes(&mut self, ui: &mut Ui, scene: &Scene, place: Rect) {
-        let size = vec2(MODES_WIDTH.min(place.width()), 24.0);
+        let size = vec2(MODES_WIDTH.min(place.width() - 16.0), 24.0);
         let corner = Align2::RIGHT_BOTTOM.anchor_size(place.right_bottom() - vec2(8.0, 6.0), size);
         let layout = Layout::right_to_left(Align::Center);
-        ui.scope_builder(UiBuilder::new().max_rect(corner).layout(layout), |ui| {
-            ui.visuals_mut().override_text_color = Some(Color32::from_gray(230));
+        let ground = ui.painter().add(Shape::Noop);
+        let shown = ui.scope_builder(UiBuilder::new().max_rect(corner).layout(layout), |ui| {
+            ui.visuals_mut().override_text_color = Some(TEXT);
             if theme::button(ui, "✖", "forget the remembered picture", "no comparison any more").clicked() {
                 *self = Compare::default();
             }
@@ -117,6 +122,8 @@ impl Compare {
                 }
             }
         });
+        let rect = shown.response.rect.expand(2.0).intersect(place);
+        ui.painter().set(ground, Shape::rect_filled(rect, 4.0, GROUND));
     }
 
     /// Part of the room for the picture that the present one has.
@@ -160,18 +167,39 @@ impl Compare {
                 }
             }
         }
+    }
+
+    /// Shows over the pictures and their grips what they are, the figures, and the ways of showing both, in what is seen of their room.
+    pub fn controls(&mut self, ui: &mut Ui, scene: &Scene, whole: Rect, picture: Rect) {
+        if self.remembered.is_none() || scene.pixels.is_none() {
+            return;
+        }
+        let seen = whole.intersect(ui.clip_rect());
         let line = match self.mode {
             Mode::Swipe => Some(picture.left() + self.line * picture.width()),
             Mode::Beside => Some(whole.center().x),
             Mode::Difference => None,
         };
-        for (text, align, aside) in
-            [("remembered", Align2::RIGHT_TOP, -10.0), ("present", Align2::LEFT_TOP, 10.0)]
-        {
-            line.into_iter().for_each(|x| words(ui, text, pos2(x + aside, whole.top() + 8.0), align));
+        if let Some(x) = line {
+            for (text, align, aside) in
+                [("remembered", Align2::RIGHT_TOP, -10.0), ("present", Align2::LEFT_TOP, 10.0)]
+            {
+                let at = pos2(x + aside, seen.top() + 8.0);
+                let galley = galley(ui, text, f32::INFINITY);
+                let place = align.anchor_size(at, galley.size());
+                // A side without room for the word is hardly seen.
+                if seen.x_range().contains(place.left()) && seen.x_range().contains(place.right()) {
+                    on_ground(ui, place, galley);
+                }
+            }
         }
-        self.say(ui, scene, whole);
-        self.modes(ui, scene, whole);
+        self.say(ui, scene, seen);
+        self.modes(ui, scene, seen);
+    }
+
+    /// Ends the comparison; false if there was none.
+    pub fn end(&mut self) -> bool {
+        std::mem::take(self).remembered.is_some()
     }
 
     fn swipe(&mut self, ui: &mut Ui, picture: Rect) {
@@ -199,17 +227,21 @@ impl Compare {
         let Some(found) = &self.found else { return };
         let before = self.remembered.as_ref().and_then(|remembered| remembered.seconds);
         let text = found.words(scene.pixels.as_ref().map(|now| &now.picture), [before, scene.seconds]);
-        words(ui, &text, whole.right_bottom() - vec2(10.0, 38.0), Align2::RIGHT_BOTTOM);
+        let galley = galley(ui, &text, whole.width() - 20.0);
+        let place = Align2::RIGHT_BOTTOM.anchor_size(whole.right_bottom() - vec2(10.0, 38.0), galley.size());
+        on_ground(ui, place, galley);
     }
 }
 
-/// Words over the pictures, on a ground of their own.
-fn words(ui: &Ui, text: &str, at: Pos2, align: Align2) {
-    let (font, color) = (FontId::proportional(12.0), Color32::from_gray(230));
-    let galley = ui.painter().layout_no_wrap(text.into(), font, color);
-    let place = align.anchor_size(at, galley.size());
-    ui.painter().rect_filled(place.expand(4.0), 4.0, Color32::from_black_alpha(200));
-    ui.painter().galley(place.min, galley, color);
+/// Words over the pictures in lines of a width, points.
+fn galley(ui: &Ui, text: &str, width: f32) -> Arc<Galley> {
+    ui.painter().layout(text.into(), FontId::proportional(12.0), TEXT, width)
+}
+
+/// Draws words on a ground of their own, through which neither lines nor the pictures are seen.
+fn on_ground(ui: &Ui, place: Rect, galley: Arc<Galley>) {
+    ui.painter().rect_filled(place.expand(4.0), 4.0, GROUND);
+    ui.painter().galley(place.min, galley, TEXT);
 }
 
 impl Remembered {

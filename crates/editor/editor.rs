@@ -2,6 +2,7 @@
 //! what is requested of the worker.
 
 use crate::files::{BETWEEN, Disk, FileDialog, FileWatcher, Recent, Recover, ask, show_dialog};
+use crate::focus::{self, SheetKeys};
 use crate::graph::GraphView;
 use crate::invitation::invite;
 use crate::jobs::{Arrays, DataSource, Job};
@@ -25,8 +26,7 @@ use crate::worker::{
     Estimate, NodeState, PixelProbe, RenderRequest, VolumeSource, Worker, WorkerOutput, size_of,
 };
 use eframe::egui::{
-    Align, CentralPanel, Context, Frame, Key, Label, Layout, Modifiers, Panel, Popup, RichText, Ui,
-    ViewportCommand,
+    Align, CentralPanel, Context, Frame, Id, Label, Layout, Panel, Popup, RichText, Ui, ViewportCommand,
 };
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -125,7 +125,10 @@ pub struct Editor {
     pub(crate) pending_rescale: Option<PendingRescale>,
     pub(crate) ends: bool,
     /// True if a text was typed in the last frame: Escape leaves it.
-    was_typing: bool,
+    pub(crate) was_typing: bool,
+    pub(crate) sheet_keys: SheetKeys,
+    /// Sheets, questions and menus that were open in the last frame.
+    pub(crate) over: Vec<Id>,
 }
 
 impl Editor {
@@ -171,6 +174,8 @@ impl Editor {
             pending_rescale: None,
             ends: false,
             was_typing: false,
+            sheet_keys: SheetKeys::default(),
+            over: Vec::new(),
         };
         editor.begin();
         Ok(editor)
@@ -344,6 +349,7 @@ impl Editor {
             self.take_dropped(&dropped.iter().map(|file| file.path().to_path_buf()).collect::<Vec<_>>());
         }
         self.close_uppermost(ctx);
+        self.follow_focus(ctx);
         let transfer = &self.panels.transfer;
         let of_widgets = [transfer.takes_keys(), transfer.is_last()];
         // A question has the keys for itself.
@@ -354,6 +360,9 @@ impl Editor {
             keys::read(ctx, of_widgets, is_held, &self.actions);
         }
         show(self, ui);
+        if !self.panels.graph.has_focus() {
+            focus::ring(ctx);
+        }
         self.was_typing = ctx.text_edit_focused();
         for action in self.actions.take() {
             self.apply(ctx, action);
@@ -381,28 +390,6 @@ impl Editor {
     /// True if a question about work that is not saved waits for its answer.
     pub(crate) fn asks_about_work(&self) -> bool {
         self.unsaved.is_some()
-    }
-
-    /// Closes the sheet that lies above the others, when Escape is pressed and nothing else has a use for it.
-    fn close_uppermost(&mut self, ctx: &Context) {
-        let is_asking = self.asks() || self.file_dialog.is_some();
-        let is_taken =
-            self.was_typing || is_asking || Popup::is_any_open(ctx) || self.panels.graph.is_choosing();
-        if is_taken || !ctx.input(|input| input.key_pressed(Key::Escape)) {
-            return;
-        }
-        let panels = &mut self.panels;
-        let sheets = [
-            &mut panels.help,
-            &mut panels.time.film.is_open,
-            &mut panels.study.open,
-            &mut panels.costs,
-            &mut panels.section.open,
-        ];
-        let open = sheets.into_iter().find(|open| **open);
-        if panels.text.close() || open.map(|open| *open = false).is_some() {
-            ctx.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape));
-        }
     }
 }
 
@@ -492,6 +479,7 @@ fn parts(ui: &mut Ui, scene: &Scene, panels: &mut Panels) {
         .size_range(80.0..=0.75 * height)
         .show(ui, |ui| panels.parameters.show(ui, scene));
     parameters.keep(ctx, shown.response.rect.height(), height);
+    panels.parameters.has_focus = focus::is_within(ctx, shown.response.rect);
     let ground = Frame::NONE.fill(theme::ground(ui.visuals().dark_mode));
     CentralPanel::default().frame(ground).show(ui, |ui| {
         let place = ui.max_rect();

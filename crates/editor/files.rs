@@ -1,6 +1,7 @@
 //! Files: names, changes by other programs, recent ones, what is known of copies of unsaved work; and dialogs: a question with a few
 //! answers, and the choice of a file.
 
+use crate::focus::FollowFocus;
 use crate::scene::FilePurpose;
 use crate::theme::{self, Help};
 use eframe::egui::{
@@ -413,7 +414,7 @@ impl FileDialog {
             }
             ui.label(self.folder.display().to_string());
         });
-        ScrollArea::vertical().max_height(320.0).auto_shrink([false, false]).show(ui, |ui| {
+        ScrollArea::vertical().max_height(320.0).auto_shrink([false, false]).show_followed(ui, |ui| {
             let mut into = None;
             let mut clicked = None;
             for ListedFile { name, is_folder, figures } in self.fitting() {

@@ -1,12 +1,11 @@
 //! Films: a sheet that chooses the frames, their rate and size, and the file; made in the background as `voltet run --film` makes them.
 
+use crate::focus;
 use crate::jobs::Job;
 use crate::scene::{Action, FilePurpose, Scene, camera_of, error_text};
 use crate::theme::{self, Help};
 use crate::ways_out::{AGAIN, ELSEWHERE, FEWER_PIXELS, WayOut, buttons, ways_out, why_ended};
-use eframe::egui::{
-    Button, Context, DragValue, Grid, ProgressBar, Rect, RichText, TextEdit, Ui, Widget, Window,
-};
+use eframe::egui::{Button, Context, DragValue, Grid, ProgressBar, Rect, RichText, TextEdit, Ui, Widget};
 use std::path::PathBuf;
 use std::sync::Arc;
 use voltet_core::{Error, Result};
@@ -114,7 +113,7 @@ impl FilmPanel {
     ) {
         self.take_found();
         let mut is_open = self.is_open;
-        let window = Window::new("Film").open(&mut is_open).resizable(false).default_pos([60.0, 90.0]);
+        let window = focus::sheet("Film").open(&mut is_open).resizable(false).default_pos([60.0, 90.0]);
         window.default_width(380.0).show(ctx, |ui| {
             if let Some(made) = &self.made {
                 let (stage, fraction) = made.progress();

@@ -1,12 +1,13 @@
 //! The keys: one table, from which they are read and the help sheet is made; the bar at the top: menus, and what is done most; input events:
 //! their grouping into undo steps, and those that wait for the next frame.
 
+use crate::focus::{self, FollowFocus};
 use crate::invitation::template_buttons;
 use crate::scene::{Actions, Command, Scene, TimeMove};
 use crate::theme::{self, Help};
 use eframe::egui::{
     self, Button, Context, Event, Grid, Key, KeyboardShortcut, Label, Layout, MenuBar, Modifiers, RawInput,
-    RichText, ScrollArea, Ui, Vec2, Window, vec2,
+    RichText, ScrollArea, Ui, Vec2, vec2,
 };
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -325,7 +326,7 @@ fn rows(ctx: &Context) -> Vec<(String, &'static str)> {
     let others: [(&[(Modifiers, Key)], &str); 3] = [
         (&[(CTRL, Key::V)], "paste nodes"),
         (&[(NONE, Key::Tab)], "to the next node, grip, field or button; Shift+Tab: the one before"),
-        (&[(NONE, Key::Escape)], "out of a field, menu, sheet or question"),
+        (&[(NONE, Key::Escape)], "out of a field, menu, sheet, question, mode or comparison; stops playing"),
     ];
     let all = known.map(|&(_, _, _, keys, words)| (keys, words)).chain(others);
     all.map(|(keys, words)| (shortcut(ctx, keys), words)).collect()
@@ -372,9 +373,9 @@ pub(crate) fn sheet(ctx: &Context, open: &mut bool) {
         true => (Layout::left_to_right(egui::Align::Min), SHEET_WIDTH),
         false => (Layout::top_down(egui::Align::Min), 0.55 * SHEET_WIDTH),
     };
-    let window = Window::new("Keys and mouse").open(open).resizable(true);
+    let window = focus::sheet("Keys and mouse").open(open).resizable(true);
     window.default_size([room.x.min(width), room.y]).show(ctx, |ui| {
-        ScrollArea::both().max_height(room.y).max_width(room.x).show(ui, |ui| {
+        ScrollArea::both().max_height(room.y).max_width(room.x).show_followed(ui, |ui| {
             ui.with_layout(layout, |ui| {
                 let (before, after) = keys.split_at(first.min(keys.len()));
                 match is_wide {

@@ -4,6 +4,7 @@
 use crate::blocks::block_tree;
 use crate::expression::ExpressionField;
 use crate::fields::{array_list, channels, choice, color, number, number_field, numbers, texts};
+use crate::focus::FollowFocus;
 use crate::jobs::reads;
 use crate::scene::{Action, FilePurpose, Scene, error_text};
 use crate::theme::{self, Help, button};
@@ -145,6 +146,8 @@ pub(crate) struct ParameterPanel {
     values_at: f32,
     /// True if the first value is to get the focus.
     pub begins: bool,
+    /// True if something here had the focus in the last frame, from which Escape leads back.
+    pub has_focus: bool,
     /// True if the field before the first value has it, from which it goes on.
     goes_on: bool,
 }
@@ -191,14 +194,18 @@ impl ParameterPanel {
         self.typing.width = (ui.available_width() - 90.0).max(80.0);
         self.head(ui, scene, entry);
         let rows = scene.document.rows(scene.registry, name);
-        ScrollArea::vertical().auto_shrink([false, false]).id_salt(("parameters", name)).show(ui, |ui| {
-            let is_pointed_at = |fault: &&Error| rows.iter().any(|row| is_of_expression(entry, row, fault));
-            let own = scene.faults.iter().filter(|fault| fault.location.node.as_deref() == Some(name));
-            for fault in own.filter(|fault| !is_pointed_at(fault)) {
-                ui.label(RichText::new(error_text(fault, scene.document)).color(theme::wrong(dark)));
-            }
-            self.table(ui, Of { scene, node: name }, &Path::default(), &rows);
-        });
+        ScrollArea::vertical().auto_shrink([false, false]).id_salt(("parameters", name)).show_followed(
+            ui,
+            |ui| {
+                let is_pointed_at =
+                    |fault: &&Error| rows.iter().any(|row| is_of_expression(entry, row, fault));
+                let own = scene.faults.iter().filter(|fault| fault.location.node.as_deref() == Some(name));
+                for fault in own.filter(|fault| !is_pointed_at(fault)) {
+                    ui.label(RichText::new(error_text(fault, scene.document)).color(theme::wrong(dark)));
+                }
+                self.table(ui, Of { scene, node: name }, &Path::default(), &rows);
+            },
+        );
     }
 
     /// Gives the focus to the first value, as Tab in the remark before it does.

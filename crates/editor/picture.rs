@@ -109,6 +109,12 @@ impl PicturePanel {
         }
     }
 
+    /// Leaves what a hand does in the picture beside turning it, else ends the comparison; false if there was none.
+    pub fn leave_mode(&mut self) -> bool {
+        let was_probing = self.probes.take().is_some();
+        was_probing || std::mem::take(&mut self.measures) || self.compare.end()
+    }
+
     /// True while a hand moves a grip in the picture.
     pub fn moves_grip(&self) -> bool {
         self.handles.are_moved()
@@ -154,6 +160,7 @@ impl PicturePanel {
             triad(ui, picture.intersect(ui.clip_rect()), view);
             self.hand(ui, scene, &response, view);
         }
+        self.compare.controls(ui, scene, whole, picture);
         let before = self.hovered;
         self.hovered = scene.view.and_then(|_| hovered(ui, &response, picture, before));
         if before.is_some() && self.hovered.is_none() {

@@ -1,6 +1,7 @@
 //! The section: s on a plane through the data, where a click, a box or an outline finds values.
 
 use crate::fields::gradient;
+use crate::focus;
 use crate::outline::{Drawing, Outline, OutlineShape, enclosed};
 use crate::picture::{WHOLE, set_texture};
 use crate::scene::{Action, EARLIER, Scene};
@@ -10,7 +11,7 @@ use crate::ways_out::{show_error, ways_out_of_data};
 use crate::worker::{PixelProbe, Section, short, short_by};
 use eframe::egui::{
     Color32, ColorImage, Context, Pos2, Rect, Rgba, RichText, Sense, Slider, TextureHandle, TextureOptions,
-    Ui, Window, pos2, vec2,
+    Ui, pos2, vec2,
 };
 use glam::DVec3;
 use std::sync::Arc;
@@ -61,9 +62,11 @@ impl SectionPanel {
 
     pub fn show(&mut self, ctx: &Context, scene: &Scene) {
         let mut open = self.open;
-        Window::new("Section: s on a plane").open(&mut open).resizable(false).default_pos([20.0, 60.0]).show(
-            ctx,
-            |ui| {
+        focus::sheet("Section: s on a plane")
+            .open(&mut open)
+            .resizable(false)
+            .default_pos([20.0, 60.0])
+            .show(ctx, |ui| {
                 ui.horizontal(|ui| {
                     for (across, text, help) in [
                         (None, "as seen", "parallel to the picture"),
@@ -84,8 +87,7 @@ impl SectionPanel {
                     }
                 });
                 self.picture(ui, scene);
-            },
-        );
+            });
         self.open = open;
     }
 

@@ -1,12 +1,13 @@
 //! `study` at a click: every integrator on the picture that is shown, its time and its error; and the costs of the last full picture.
 
+use crate::focus::{self, FollowFocus};
 use crate::jobs::Job;
 use crate::picture::milliseconds;
 use crate::scene::{Action, EARLIER, Scene};
 use crate::theme::{self, Help};
 use crate::ways_out::{show_error, ways_out};
 use crate::worker::short;
-use eframe::egui::{Context, Grid, ProgressBar, RichText, ScrollArea, Ui, Window};
+use eframe::egui::{Context, Grid, ProgressBar, RichText, ScrollArea, Ui};
 use std::path::PathBuf;
 use std::sync::Arc;
 use voltet_core::{Result, with_commas};
@@ -72,7 +73,7 @@ impl StudyPanel {
     /// Shows the window; begins a study where that is asked for.
     pub fn show(&mut self, ctx: &Context, scene: &Scene) {
         let mut open = self.open;
-        let window = Window::new("Study: error against time").open(&mut open).default_pos([40.0, 110.0]);
+        let window = focus::sheet("Study: error against time").open(&mut open).default_pos([40.0, 110.0]);
         window.default_size([600.0, 460.0]).show(ctx, |ui| {
             ui.horizontal_wrapped(|ui| self.controls(ui, scene));
             ui.separator();
@@ -152,7 +153,7 @@ fn results(ui: &mut Ui, studied: &Studied) {
     for note in &studied.notes {
         ui.label(note);
     }
-    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+    ScrollArea::vertical().auto_shrink([false, false]).show_followed(ui, |ui| {
         Grid::new("settings").num_columns(4).striped(true).spacing([18.0, 3.0]).show(ui, |ui| {
             for title in ["setting", "time", "largest error", "root mean square"] {
                 ui.strong(title);
@@ -176,7 +177,7 @@ fn results(ui: &mut Ui, studied: &Studied) {
 }
 
 pub(crate) fn show_costs(ctx: &Context, open: &mut bool, scene: &Scene) {
-    let window = Window::new("Costs").open(open).resizable(true);
+    let window = focus::sheet("Costs").open(open).resizable(true);
     window.default_pos([150.0, 60.0]).default_size([560.0, 400.0]).show(ctx, |ui| {
         let Some(report) = &scene.report else {
             ui.label("Nothing was drawn yet.");
@@ -191,7 +192,7 @@ pub(crate) fn show_costs(ctx: &Context, open: &mut bool, scene: &Scene) {
         });
         estimate(ui, scene);
         ui.separator();
-        ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+        ScrollArea::vertical().auto_shrink([false, false]).show_followed(ui, |ui| {
             ui.columns(2, |columns| {
                 if let [left, right] = columns {
                     stages(left, report);

@@ -1,9 +1,10 @@
 //! The text of a pipeline file in which something is wrong beside its nodes: what it is, and a sheet in which it is mended.
 
+use crate::focus;
 use crate::scene::{Action, FilePurpose, Scene};
 use crate::theme::{self, Help};
 use eframe::egui::text::{CCursor, CCursorRange};
-use eframe::egui::{Context, Frame, Id, Rect, RichText, ScrollArea, TextEdit, Ui, UiBuilder, Window, vec2};
+use eframe::egui::{Context, Frame, Id, Rect, RichText, ScrollArea, TextEdit, Ui, UiBuilder, vec2};
 use voltet_core::Error;
 use voltet_document::Edit;
 
@@ -57,6 +58,10 @@ impl TextSheet {
         (self.is_open, self.line) = (true, line);
     }
 
+    pub fn is_open(&self) -> bool {
+        self.is_open
+    }
+
     /// Closes the sheet; true if it was open. What is typed stays.
     pub fn close(&mut self) -> bool {
         std::mem::take(&mut self.is_open)
@@ -81,7 +86,7 @@ impl TextSheet {
         }
         let (mut is_open, mut is_taken) = (true, false);
         let room = ctx.content_rect().size();
-        let window = Window::new("Text of the pipeline").open(&mut is_open).collapsible(false);
+        let window = focus::sheet("Text of the pipeline").open(&mut is_open).collapsible(false);
         let window = window.default_size(vec2(0.6 * room.x, 0.6 * room.y)).max_size(0.9 * room);
         window.show(ctx, |ui| {
             ui.horizontal_wrapped(|ui| {

@@ -1,7 +1,7 @@
 //! Colours, light and dark, and the shapes of ports.
 
 use eframe::egui::{
-    Button, Color32, Context, FontId, Order, Painter, PopupAnchor, Pos2, Rect, RectAlign, Response, Rgba,
+    Button, Color32, Context, FontId, Id, Order, Painter, PopupAnchor, Pos2, Rect, RectAlign, Response, Rgba,
     Shape, Stroke, TextStyle, TextWrapMode, Theme, Tooltip, Ui, Visuals, WidgetInfo, WidgetText, WidgetType,
     vec2,
 };
@@ -96,6 +96,22 @@ enum HelpPlace {
     Below,
 }
 
+/// Place in egui's memory of the time at which help was hidden.
+const HIDDEN_AT: &str = "help was hidden at";
+
+/// Hides help and words beside the pointer until it moves.
+pub(crate) fn hide_help(ctx: &Context) {
+    let now = ctx.input(|input| input.time);
+    ctx.data_mut(|data| data.insert_temp(Id::new(HIDDEN_AT), now));
+}
+
+fn is_help_hidden(ctx: &Context) -> bool {
+    let hidden_at = ctx.data(|data| data.get_temp::<f64>(Id::new(HIDDEN_AT)));
+    let moved_at = ctx.input(|input| input.time - f64::from(input.pointer.time_since_last_movement()));
+    // The time since is less exact than the time.
+    hidden_at.is_some_and(|hidden_at| moved_at < hidden_at + 1e-3)
+}
+
 /// Width of controls up to which help below them begins where they do, points.
 const WIDE_WIDTH: f32 = 160.0;
 
@@ -104,7 +120,9 @@ fn with_help(response: Response, place: HelpPlace, help: &str) -> Response {
     // egui keeps help open over all of the control, also where other things cover it.
     let mut seen = response.clone();
     seen.rect = response.interact_rect;
-    let Some(at) = response.ctx.pointer_hover_pos() else { return response };
+    let Some(at) = response.ctx.pointer_hover_pos().filter(|_| !is_help_hidden(&response.ctx)) else {
+        return response;
+    };
     if !response.ctx.rect_contains_pointer(response.layer_id, seen.rect) {
         return response;
     }
@@ -160,6 +178,9 @@ const GAP: f32 = 6.0;
 /// Shows words beside the pointer, a little away from it, so that they cover nothing that is pointed at.
 pub(crate) fn words_at_pointer(ui: &Ui, name: &str, words: impl Into<WidgetText>) {
     let (ctx, id) = (ui.ctx().clone(), ui.id().with(name));
+    if is_help_hidden(&ctx) {
+        return;
+    }
     let tooltip =
         Tooltip::always_open(ctx, ui.layer_id(), id, PopupAnchor::Pointer).gap(16.0).width(TOOLTIP_WIDTH);
     tooltip.show(|ui| ui.label(words));
@@ -171,6 +192,9 @@ const AREA_PER_POINT: f32 = 100.0;
 /// Shows words beside a rectangle of the window, near the pointer, where they cover little of others: next to it, else above or below all of
 /// them, or beside.
 pub(crate) fn words_beside(ui: &Ui, name: &str, rect: Rect, others: &[Rect], words: impl Into<WidgetText>) {
+    if is_help_hidden(ui.ctx()) {
+        return;
+    }
     let words = words.into();
     let galley = words.clone().into_galley(ui, Some(TextWrapMode::Wrap), TOOLTIP_WIDTH, TextStyle::Body);
     let size = galley.size() + ui.spacing().menu_margin.sum();

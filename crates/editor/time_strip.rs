@@ -84,7 +84,9 @@ impl TimeStrip {
     pub fn count(&self, camera: Option<&NodeEntry>) -> usize {
         match self.series.is_none() {
             false => self.series.count(),
-            true if camera.is_some() && (self.moves(camera) || self.is_open) => self.length.unwrap_or(LENGTH),
+            true if camera.is_some() && (self.moves(camera) || self.is_open || self.film.is_open) => {
+                self.length.unwrap_or(LENGTH)
+            }
             true => 0,
         }
     }

@@ -40,30 +40,35 @@ impl GraphView {
         ahead.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(name, _)| name)
     }
 
-    /// Goes by Tab from the node that has the focus to the next one, or the one before, as nodes lie above one another; at their end to
-    /// what follows them in the window.
-    pub(super) fn follow_tab(&mut self, ui: &Ui, scene: &Scene, node: &str) {
+    /// Goes by Tab from a node to the next one in the file, or the one before; at their end to what follows them in the window, and from
+    /// none to the first or the last one.
+    pub(super) fn follow_tab(&mut self, ui: &Ui, scene: &Scene, node: Option<&str>) {
         let mut pressed = |held: Modifiers| ui.input_mut(|input| input.consume_key(held, Key::Tab));
         let [back, on] = [Modifiers::SHIFT, Modifiers::NONE].map(&mut pressed);
         if !back && !on {
             return;
         }
-        let height = |name: &str| self.raised.iter().position(|raised| raised == name).map_or(0, |at| at + 1);
-        let mut order: Vec<&str> =
-            scene.document.pipeline().nodes.iter().map(|node| node.name.as_str()).collect();
-        order.sort_by_key(|name| height(name));
-        let at = order.iter().position(|name| *name == node);
-        let next = at.and_then(|at| if back { at.checked_sub(1) } else { Some(at + 1) });
-        match next.and_then(|at| order.get(at)) {
-            Some(next) => {
-                self.revealed = Some(next.to_string());
-                scene.actions.push(Action::Select(BTreeSet::from([next.to_string()])));
-            }
+        let nodes = &scene.document.pipeline().nodes;
+        let at = node.and_then(|node| nodes.iter().position(|entry| entry.name == node));
+        let next = match (at, back) {
+            (Some(at), false) => Some(at + 1),
+            (Some(at), true) => at.checked_sub(1),
+            (None, false) => Some(0),
+            (None, true) => nodes.len().checked_sub(1),
+        };
+        match next.and_then(|at| nodes.get(at)) {
+            Some(next) => self.choose(scene, &next.name),
             None => {
                 self.leaves = Some(if back { FocusDirection::Previous } else { FocusDirection::Next });
                 ui.ctx().request_repaint();
             }
         }
+    }
+
+    /// Selects a node, which is then in view.
+    pub(super) fn choose(&mut self, scene: &Scene, node: &str) {
+        self.revealed = Some(node.to_string());
+        scene.actions.push(Action::Select(BTreeSet::from([node.to_string()])));
     }
 
     /// True if a node has the focus, so that the keys are for the graph.

@@ -97,6 +97,10 @@ pub(crate) struct GraphView {
     revealed: Option<String>,
     /// The node that has the focus, by what a pointer takes hold of it by.
     focused: Option<Id>,
+    /// True if Tab was pressed where nothing had the focus: it goes on from the selected node.
+    pub takes_tab: bool,
+    /// True until the node that it leads to has the focus.
+    gains_focus: bool,
     /// Way out of the nodes that the focus takes in the next frame.
     leaves: Option<FocusDirection>,
 }

@@ -4,8 +4,8 @@ use super::package::{self, EyePress, Face, NodeGraph, Pictures, Response};
 use super::{Dragged, GraphView};
 use crate::scene::{Action, Command, Scene, command_buttons};
 use eframe::egui::{
-    Color32, EventFilter, Id, PointerButton, Rect, Response as EguiResponse, Sense, Stroke, StrokeKind, Ui,
-    Vec2, WidgetInfo, WidgetType, pos2,
+    Color32, EventFilter, FocusDirection, Id, Key, PointerButton, Rect, Response as EguiResponse, Sense,
+    Stroke, StrokeKind, Ui, Vec2, WidgetInfo, WidgetType, pos2,
 };
 use egui_node_editor::{GraphNodeWidget, NodeId, NodeRects, NodeResponse, PortLocations, show_zoomed};
 use std::collections::BTreeSet;
@@ -28,9 +28,6 @@ impl GraphView {
     /// The package's graph is made anew in each frame, with an empty node for each that is out of view: so each node has the key of
     /// its place in the document, by which egui knows it again.
     pub(super) fn nodes(&mut self, ui: &mut Ui, scene: &Scene, pictures: &Pictures) -> NodeGraph {
-        if let Some(way) = self.leaves.take() {
-            ui.memory_mut(|memory| memory.move_focus(way));
-        }
         let is_far = self.is_far(ui);
         let mut graph = NodeGraph::new();
         let mut order: Vec<(usize, NodeId)> = Vec::new();
@@ -44,8 +41,17 @@ impl GraphView {
         }
         order.sort_by_key(|(place, _)| *place);
         let order: Vec<NodeId> = order.into_iter().map(|(_, id)| id).collect();
-        // Before the nodes, which lie above and take precedence.
-        let ground = ui.interact(self.view.clip_rect, ui.id().with("ground"), Sense::click_and_drag());
+        let leaves = self.leaves.take();
+        if let Some(way) = leaves {
+            // From the node that egui takes for the last one in this direction.
+            let last = if way == FocusDirection::Next { order.last() } else { order.first() };
+            ui.memory_mut(|memory| {
+                last.inspect(|id| memory.request_focus(held_by(**id)));
+                memory.move_focus(way);
+            });
+        }
+        // Before the nodes, which lie above and take precedence; the focus passes it over.
+        let ground = ui.interact(self.view.clip_rect, ui.id().with("ground"), Sense::CLICK | Sense::DRAG);
         let (mut frames, mut ports) = (NodeRects::new(), PortLocations::new());
         let (mut responses, before) = (Vec::new(), std::mem::take(&mut self.places.drawn));
         show_zoomed(ui.style().clone(), self.view.zoomed_style.clone(), ui, |ui| {
@@ -80,12 +86,15 @@ impl GraphView {
         });
         self.places.write_down(&graph, &order, &frames, &ports, self.view.zoom);
         let before = self.focused;
-        // The package's key of what a pointer takes hold of a node by.
-        let held = |id: &NodeId| (&graph[*id].user_data.name, Id::new((*id, "window")));
+        let held = |id: &NodeId| (&graph[*id].user_data.name, held_by(*id));
         let held: Vec<(&String, Id)> = order.iter().map(held).collect();
         for (name, id) in &held {
             let Some(response) = ui.ctx().read_response(*id) else { continue };
-            self.name_node(ui, scene, name, &response);
+            self.name_node(ui, scene, name, &response, leaves.is_some());
+        }
+        if std::mem::take(&mut self.takes_tab) {
+            self.gains_focus = true;
+            self.follow_tab(ui, scene, scene.selection.first().map(String::as_str));
         }
         self.move_focus(ui, scene.selection, &held, before);
         self.hold_ports(ui, scene);
@@ -117,18 +126,23 @@ impl GraphView {
     }
 
     /// Gives what a pointer takes hold of a node by its name, and the keys: the node that has the focus is the selected one.
-    fn name_node(&mut self, ui: &Ui, scene: &Scene, name: &str, response: &EguiResponse) {
+    fn name_node(&mut self, ui: &Ui, scene: &Scene, name: &str, response: &EguiResponse, leaves: bool) {
         let is_selected = scene.selection.contains(name);
         let label = format!("node {name}");
         response.widget_info(|| WidgetInfo::selected(WidgetType::SelectableLabel, true, is_selected, &label));
         node_menu(scene, name, response);
-        if response.has_focus() {
+        if response.has_focus() && !leaves {
             // Arrows and Tab choose among nodes, also those out of view; arrows do not leave them for the next button.
             let [tab, horizontal_arrows, vertical_arrows, escape] = [true, true, true, false];
             let keys = EventFilter { tab, horizontal_arrows, vertical_arrows, escape };
             ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, keys));
             match self.focused.replace(response.id) == Some(response.id) {
-                true => self.follow_tab(ui, scene, name),
+                true => self.follow_tab(ui, scene, Some(name)),
+                // Tab comes to the nodes by the first one, whichever egui takes for that.
+                false if ui.input(|input| input.key_pressed(Key::Tab) && !input.modifiers.shift) => {
+                    let first = scene.document.pipeline().nodes.first();
+                    first.inspect(|first| self.choose(scene, &first.name));
+                }
                 false => scene.actions.push(Action::Select(BTreeSet::from([name.to_string()]))),
             }
         }
@@ -144,10 +158,17 @@ impl GraphView {
         before: Option<Id>,
     ) {
         let now = ui.memory(|memory| memory.focused());
-        self.focused = self.focused.filter(|id| Some(*id) == now);
-        let Some(focused) = self.focused.filter(|id| Some(*id) == before) else { return };
         let is_chosen = |(name, _): &&(&String, Id)| selection.len() == 1 && selection.contains(*name);
         let chosen = drawn.iter().find(is_chosen).map(|(_, id)| *id);
+        if now.is_some() {
+            self.gains_focus = false;
+        } else if let Some(chosen) = chosen.filter(|_| std::mem::take(&mut self.gains_focus)) {
+            ui.memory_mut(|memory| memory.request_focus(chosen));
+            self.focused = Some(chosen);
+            return;
+        }
+        self.focused = self.focused.filter(|id| Some(*id) == now);
+        let Some(focused) = self.focused.filter(|id| Some(*id) == before) else { return };
         if chosen != Some(focused) {
             ui.memory_mut(|memory| match chosen {
                 Some(chosen) => memory.request_focus(chosen),
@@ -196,6 +217,11 @@ impl GraphView {
         });
         self.carry(scene, delta);
     }
+}
+
+/// The package's key of what a pointer takes hold of a node by.
+fn held_by(node: NodeId) -> Id {
+    Id::new((node, "window"))
 }
 
 /// The menu of a node, by the right button at what a pointer takes hold of it by.

@@ -8,6 +8,7 @@ use super::scalar::scalar_menu;
 use super::screen_widget::{self, ScreenWidget};
 use super::{TransferPanel, edit};
 use crate::fields::{LIST_WIDTH, by_hand, drag, edited_color, list_area};
+use crate::focus::FollowFocus;
 use crate::scene::Command;
 use crate::theme::{self, Help, button};
 use crate::ways_out::{buttons, ways_out_of_data, why_ended};
@@ -252,6 +253,9 @@ impl TransferPanel {
                 .add_enabled(fits && look.histogram().is_some(), peak)
                 .help("a Gaussian where most of the volume is that no widget holds (P)")
                 .on_disabled_hover_text(NO_PEAK);
+            if look.widgets.is_empty() && std::mem::take(&mut self.begins) {
+                peak.request_focus();
+            }
             if peak.clicked() {
                 self.add_at_peak(look);
             }
@@ -414,6 +418,9 @@ impl TransferPanel {
         let kind = format!("widget {} {}", place + 1, widget.kind);
         let name = widget.name.as_ref().map_or(kind.clone(), |name| format!("{kind}: {name}"));
         let is_chosen = place == self.chosen;
+        if is_chosen && std::mem::take(&mut self.begins) {
+            response.request_focus();
+        }
         response.widget_info(|| WidgetInfo::selected(WidgetType::SelectableLabel, true, is_chosen, &name));
         if response.help(name).clicked() {
             self.choose(place, look);
@@ -530,7 +537,7 @@ impl TransferPanel {
 
     fn list_of_axis(&mut self, ui: &mut Ui, k: usize, choices: &[(ArrayRef, String)]) {
         let (mut axes, mut taken) = (self.axes(), None);
-        list_area().id_salt(("axis", k)).show(ui, |ui| {
+        list_area().id_salt(("axis", k)).show_followed(ui, |ui| {
             for (axis, label) in choices {
                 if ui.selectable_label(axes[k] == *axis, label).clicked() {
                     taken = Some(axis.clone());

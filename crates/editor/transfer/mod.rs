@@ -14,6 +14,7 @@ mod screen_widget;
 #[cfg(test)]
 mod tests;
 
+use crate::focus::FollowFocus;
 use crate::scene::{Command, Scene};
 use crate::theme::{self, Help};
 use crate::ways_out::{buttons, ways_out_of_data};
@@ -73,9 +74,11 @@ pub(crate) struct TransferPanel {
     /// True if the pointer was over the panel in the last frame.
     has_pointer: bool,
     /// True if keys go to the widgets wherever the pointer is.
-    by_keyboard: bool,
+    pub by_keyboard: bool,
     /// True if a widget was selected after the last node: it is what is deleted by a key.
     is_last: bool,
+    /// True if the widget in hand is to get the focus in the list of widgets.
+    pub begins: bool,
     /// A command of the menus for the widget in hand: to delete or duplicate it.
     pub asked: Option<Command>,
     /// True if nothing but a node has the focus, which would take the arrow keys.
@@ -160,7 +163,7 @@ impl TransferPanel {
         let most = (1.0 - PLANE_SHARE) * ui.available_height();
         let head =
             ScrollArea::vertical().auto_shrink([false, true]).max_height(most).min_scrolled_height(most);
-        head.show(ui, |ui| self.head(ui, &look));
+        head.show_followed(ui, |ui| self.head(ui, &look));
         let (whole, response) =
             ui.allocate_exact_size(ui.available_size().max(vec2(60.0, 60.0)), Sense::click_and_drag());
         let in_hand = look.widgets.get(self.chosen);

@@ -44,3 +44,24 @@ fn a_picture_is_remembered_and_later_ones_are_compared_with_it() {
     hand.click_on("forget the remembered picture");
     assert!(!said(&hand) && hand.texts("swipe").is_empty());
 }
+
+#[test]
+fn words_and_buttons_keep_inside_a_small_pane_and_stand_on_a_ground_over_the_line() {
+    let mut hand = Hand::before_window(TEXT, [700.0, 500.0], &|_| {});
+    hand.click_on("remember");
+    hand.key(Key::X, Modifiers::NONE);
+    hand.settle();
+    until(&mut hand, "it is compared", |hand| !hand.shown_beginning("largest difference").is_empty());
+    assert_eq!(screens::cut(&hand), [""; 0]);
+    let buttons = ["swipe", "beside", "difference"].map(|text| hand.texts(text)[0]);
+    let shape =
+        |is_it: &dyn Fn(&Shape) -> bool| hand.shapes().iter().rposition(|clipped| is_it(&clipped.shape));
+    let line = shape(
+        &|shape| matches!(shape, Shape::LineSegment { stroke, .. } if stroke.color == crate::theme::accent(true)),
+    );
+    let ground = shape(&|shape| {
+        matches!(shape, Shape::Rect(rect) if rect.fill == eframe::egui::Color32::BLACK
+            && buttons.iter().all(|at| rect.rect.contains(*at)) && rect.rect.height() < 40.0)
+    });
+    assert!(line.is_some() && ground > line, "{ground:?} over {line:?}");
+}

@@ -321,7 +321,6 @@ fn what_is_not_for_a_grip_is_for_the_picture_below_it() {
             hand.click_on(if shown { "box" } else { "probe" });
         }
         hand.click(*hand.texts(mode).last().unwrap());
-        hand.key(Key::Escape, Modifiers::NONE);
         hand.frames(2);
         assert_eq!(hand.sees("plane of clip: position"), shown, "{mode}");
     }

@@ -8,6 +8,7 @@ mod expression;
 mod eyes;
 mod files;
 mod first_steps;
+mod focus;
 mod graph;
 mod ground;
 mod handles;

@@ -67,7 +67,6 @@ fn an_outline_that_a_hand_draws_proposes_widgets_as_a_box_does() {
     // The room is small: the switches are in a menu.
     hand.click_on("probe");
     hand.click_on("outline");
-    hand.key(Key::Escape, Modifiers::NONE);
     hand.frames(2);
     let at = |k: usize| {
         let angle = k as f32 / 40.0 * std::f32::consts::TAU;
@@ -87,8 +86,6 @@ fn an_outline_that_a_hand_draws_proposes_widgets_as_a_box_does() {
     // Where the button is off, a drag turns it again.
     hand.click_on("outline");
     hand.click(*hand.texts("outline").last().unwrap());
-    hand.frames(2);
-    hand.key(Key::Escape, Modifiers::NONE);
     hand.frames(2);
     hand.drag(middle, middle + vec2(30.0, 0.0));
     assert_ne!(hand.text(), TEXT);

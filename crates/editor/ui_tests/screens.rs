@@ -12,7 +12,7 @@ fn on(size: [f32; 2], pixels_per_point: f32, text: &str) -> Hand {
 }
 
 /// Texts that do not fit where they are shown; those that end with "…" by themselves do.
-fn cut(hand: &Hand) -> Vec<String> {
+pub(super) fn cut(hand: &Hand) -> Vec<String> {
     fn of(shape: &Shape, clip: Rect, found: &mut Vec<String>) {
         match shape {
             Shape::Vec(shapes) => shapes.iter().for_each(|shape| of(shape, clip, found)),

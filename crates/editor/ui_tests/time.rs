@@ -200,6 +200,16 @@ fn before_blocks() -> Hand {
 
 /// Each newer picture takes precedence of the histogram.
 #[test]
+fn escape_stops_playing_as_its_key_does() {
+    let mut hand = before_series(&text_of_series(), [1280.0, 720.0]);
+    hand.key(Key::A, Modifiers::NONE);
+    until(&mut hand, "it plays", |hand| hand.editor.panels.time.moved.is_some_and(|frame| frame > 0));
+    hand.key(Key::Escape, Modifiers::NONE);
+    assert!(hand.editor.panels.time.playing.is_none());
+    assert!(stated(&hand).is_some(), "{}", hand.text());
+}
+
+#[test]
 fn while_it_plays_the_histogram_follows() {
     let mut hand = before_blocks();
     let highest = |hand: &Hand| {
