@@ -160,7 +160,7 @@ impl PicturePanel {
             // Its words and its mark are gone in the next frame.
             ui.ctx().request_repaint();
         }
-        hit_marks::show(ui, scene, picture, self.measures);
+        hit_marks::show(ui, scene, picture, self.measures, self.handles.places());
         let name = format!("picture {}", scene.shown_node.unwrap_or("none"));
         response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, &name));
         response.context_menu(|ui| command_buttons(ui, scene.actions, PICTURE_MENU));

@@ -20,7 +20,7 @@ use crate::ways_out::{buttons, ways_out_of_data};
 use crate::worker::{HISTOGRAM, short, short_by};
 use edited_function::{EditedFunction, axis_name, axis_title};
 pub(crate) use edited_function::{
-    data_scope, drawn_with, edited_node, fields_of, scales, volume_of, volumes_of,
+    data_scope, drawn_with, edited_node, fields_of, looks_at_g, scales, volume_of, volumes_of,
 };
 use eframe::egui::{
     self, Align, Align2, Button, FontId, Layout, Rect, ScrollArea, Sense, Stroke, StrokeKind, Ui, UiBuilder,
