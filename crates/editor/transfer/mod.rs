@@ -14,7 +14,7 @@ mod screen_widget;
 #[cfg(test)]
 mod tests;
 
-use crate::scene::{Command, Scene};
+use crate::scene::{Action, Command, Scene};
 use crate::theme::{self, Help};
 use crate::ways_out::{buttons, ways_out_of_data};
 use crate::worker::{HISTOGRAM, short, short_by};
@@ -33,6 +33,7 @@ use relative::PlaneAxes;
 pub(crate) use relative::in_numbers;
 use screen_widget::{Drag, HeldVolume, ScreenWidget};
 use std::collections::BTreeSet;
+use voltet_document::links::sources;
 use voltet_document::{Edit, Path};
 use voltet_graph::{ArrayRef, LocatedValue, ParameterValue, find_setting};
 
@@ -245,7 +246,13 @@ impl TransferPanel {
     fn invite(&mut self, ui: &mut Ui, look: &EditedFunction) {
         let rect = Rect::from_center_size(look.plane.rect.center(), vec2(280.0, 56.0));
         let builder = UiBuilder::new().max_rect(rect).layout(Layout::top_down(Align::Center));
+        let fed = look.node.inputs.iter().filter(|link| link.port == "widgets").flat_map(sources).next();
         ui.scope_builder(builder, |ui| {
+            if let Some(giving) = fed.map(|source| look.scene.giving(source).0) {
+                ui.label(format!("The widgets are those of '{giving}', by a wire."));
+                let show = Action::Select([giving.to_string()].into());
+                return buttons(ui, look.scene, &[(format!("Show '{giving}'"), show)]);
+            }
             ui.label("Nothing to see yet: there are no widgets.");
             let button = ui.add_enabled(look.histogram().is_some(), Button::new("Add a widget at the peak"));
             if button.help("where most of the volume is (P)").clicked() {
