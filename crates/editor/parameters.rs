@@ -226,7 +226,7 @@ impl ParameterPanel {
     fn head(&mut self, ui: &mut Ui, scene: &Scene, entry: &NodeEntry) {
         let dark = ui.visuals().dark_mode;
         ui.add_space(3.0);
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             let key = format!("name of {}", entry.name);
             if let Some(name) = self.typing.line(ui, &key, &entry.name, 130.0, "name")
                 && !name.is_empty()

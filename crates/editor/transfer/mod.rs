@@ -163,7 +163,7 @@ impl TransferPanel {
             ScrollArea::vertical().auto_shrink([false, true]).max_height(most).min_scrolled_height(most);
         head.show(ui, |ui| self.head(ui, &look));
         let (whole, response) =
-            ui.allocate_exact_size(ui.available_size().max(vec2(60.0, 60.0)), Sense::click_and_drag());
+            ui.allocate_exact_size(ui.available_size().max(vec2(60.0, 40.0)), Sense::click_and_drag());
         let in_hand = look.widgets.get(self.chosen);
         let has_curve = in_hand.is_some_and(|widget| widget.peak_of_curve().is_some());
         let rect = Rect::from_min_max(
