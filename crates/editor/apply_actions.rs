@@ -253,7 +253,10 @@ impl Editor {
             Command::Film => self.panels.time.film.is_open = true,
             Command::Strip => self.panels.time.is_open = !self.panels.time.is_open,
             Command::Study => self.panels.study.open = !self.panels.study.open,
-            Command::ReadAgain => self.read_again(),
+            Command::ReadAgain => {
+                self.read_again();
+                self.say_what_is_missing();
+            }
             Command::Help => self.panels.help = !self.panels.help,
         }
     }

@@ -450,7 +450,7 @@ fn parts(ui: &mut Ui, scene: &Scene, panels: &mut Panels) {
     let shown = Panel::right("right")
         .resizable(true)
         .default_size(right.share_or(0.5) * width)
-        .size_range(280.0..=0.75 * width)
+        .size_range(280f32.min(0.5 * width)..=0.75 * width)
         .show(ui, |ui| {
             if panels.transfer.is_wanted(scene) {
                 let height = ui.available_height();
@@ -458,7 +458,7 @@ fn parts(ui: &mut Ui, scene: &Scene, panels: &mut Panels) {
                 let shown = Panel::bottom("transfer")
                     .resizable(true)
                     .default_size(transfer.share_or(0.42) * height)
-                    .size_range(140.0..=0.75 * height)
+                    .size_range(140f32.min(0.4 * height)..=0.75 * height)
                     .frame(Frame::NONE)
                     .show(ui, |ui| panels.transfer.show(ui, scene));
                 transfer.keep(ctx, shown.response.rect.height(), height);
@@ -471,12 +471,14 @@ fn parts(ui: &mut Ui, scene: &Scene, panels: &mut Panels) {
             panels.picture.show(ui, scene);
         });
     right.keep(ctx, shown.response.rect.width(), width);
+    // A border of the panes at the left ends with them, however wide what they show is.
+    ui.shrink_clip_rect(ui.available_rect_before_wrap());
     let height = ui.available_height();
     parameters.fit(ctx, "parameters", height);
     let shown = Panel::bottom("parameters")
         .resizable(true)
         .default_size(parameters.share_or(0.42) * height)
-        .size_range(80.0..=0.75 * height)
+        .size_range(80f32.min(0.4 * height)..=0.75 * height)
         .show(ui, |ui| panels.parameters.show(ui, scene));
     parameters.keep(ctx, shown.response.rect.height(), height);
     panels.parameters.has_focus = focus::is_within(ctx, shown.response.rect);

@@ -21,6 +21,9 @@ const SPAN_OF_SLIDER: f64 = 1000.0;
 const SPEED: f64 = 0.01;
 const MIN_STEP: f64 = 1e-3;
 
+/// Width of what is said below a field, points.
+pub(crate) const REASON: f32 = 280.0;
+
 /// True if the user changed it; rounding for display, or clamping to its range, is no change.
 pub(crate) fn by_hand(response: &Response) -> bool {
     response.changed()

@@ -5,11 +5,18 @@ use crate::theme;
 use crate::view::View;
 use crate::worker::{Hit, HitCell, short, short_by};
 use eframe::egui::{
-    Align2, Color32, FontId, Painter, Pos2, Rect, Sense, Stroke, Ui, WidgetInfo, WidgetType, vec2,
+    Align2, Color32, FontId, Galley, Painter, Pos2, Rect, Sense, Stroke, Ui, WidgetInfo, WidgetType, vec2,
 };
 use glam::DVec3;
+use std::sync::Arc;
 use voltet_core::with_commas;
 use voltet_graph::ArrayRef;
+
+/// Corners for the words, the usual one first.
+const CORNERS: [Align2; 4] = [Align2::RIGHT_TOP, Align2::RIGHT_BOTTOM, Align2::LEFT_TOP, Align2::LEFT_BOTTOM];
+
+/// Distance of the words from a grip beside them, points.
+const GRIP_DISTANCE: f32 = 12.0;
 
 /// The picture in the window, on which marks are drawn.
 struct MarkPainter<'a> {
@@ -19,8 +26,8 @@ struct MarkPainter<'a> {
     ui: &'a Ui,
 }
 
-/// `measures`: a length is shown.
-pub(crate) fn show(ui: &Ui, scene: &Scene, picture: Rect, measures: bool) {
+/// `measures`: a length is shown; `grips`: places of handles, which words do not cover.
+pub(crate) fn show(ui: &Ui, scene: &Scene, picture: Rect, measures: bool, grips: &[Pos2]) {
     let Some(view) = scene.view else { return };
     let marks = MarkPainter {
         painter: ui.painter().with_clip_rect(picture.intersect(ui.clip_rect())),
@@ -35,7 +42,7 @@ pub(crate) fn show(ui: &Ui, scene: &Scene, picture: Rect, measures: bool) {
         marks.length(scene.measured);
     }
     if let Some(hit) = &scene.hovered {
-        marks.words(&words(scene, view, hit));
+        marks.words(&words(scene, view, hit), grips);
     }
 }
 
@@ -86,15 +93,26 @@ impl MarkPainter<'_> {
         }
     }
 
-    /// Words in the upper right corner.
-    fn words(&self, words: &str) {
-        self.text(words, self.painter.clip_rect().right_top() + vec2(-10.0, 8.0), Align2::RIGHT_TOP);
+    /// Words in the upper right corner, or in another one where they would cover a grip there.
+    fn words(&self, words: &str, grips: &[Pos2]) {
+        let within = self.painter.clip_rect().shrink2(vec2(10.0, 8.0));
+        let size = self.galley(words).size();
+        let place = |corner: &Align2| corner.align_size_within_rect(size, within);
+        let is_free = |corner: &Align2| {
+            let place = place(corner).expand(GRIP_DISTANCE);
+            !grips.iter().any(|grip| place.contains(*grip))
+        };
+        let corner = CORNERS.into_iter().find(is_free).unwrap_or(Align2::RIGHT_TOP);
+        self.text(words, corner.pos_in_rect(&within), corner);
+    }
+
+    fn galley(&self, text: &str) -> Arc<Galley> {
+        let (font, color) = (FontId::proportional(12.0), Color32::from_gray(230));
+        self.painter.layout(text.into(), font, color, self.painter.clip_rect().width() - 20.0)
     }
 
     fn text(&self, text: &str, at: Pos2, align: Align2) {
-        let (font, color) = (FontId::proportional(12.0), Color32::from_gray(230));
-        let room = self.painter.clip_rect().width() - 20.0;
-        let galley = self.painter.layout(text.into(), font, color, room);
+        let (galley, color) = (self.galley(text), Color32::from_gray(230));
         let place = align.anchor_size(at, galley.size());
         self.painter.rect_filled(place.expand(4.0), 4.0, Color32::from_black_alpha(200));
         let response = self.ui.interact(place, self.ui.id().with(("mark", align)), Sense::empty());

@@ -3,6 +3,7 @@
 mod apply_actions;
 mod blocks;
 mod compare;
+mod drawn_with;
 mod dropped;
 mod editor;
 mod expression;

@@ -3,11 +3,12 @@
 
 use crate::blocks::block_tree;
 use crate::expression::ExpressionField;
-use crate::fields::{array_list, channels, choice, color, number, number_field, numbers, texts};
+use crate::fields::{REASON, array_list, channels, choice, color, number, number_field, numbers, texts};
 use crate::focus::FollowFocus;
 use crate::jobs::reads;
 use crate::scene::{Action, FilePurpose, Scene, error_text};
 use crate::theme::{self, Help, button};
+use crate::ways_out::say_failure;
 use eframe::egui::collapsing_header::CollapsingState;
 use eframe::egui::{
     CollapsingHeader, Color32, ComboBox, FocusDirection, Grid, Label, Response, RichText, ScrollArea, Sense,
@@ -29,9 +30,6 @@ const NARROW_WIDTH: f32 = 480.0;
 
 /// Width of the column of names beside their values, points.
 const NAMES_WIDTH: f32 = 150.0;
-
-/// Width of what is said below a field, points.
-const REASON: f32 = 280.0;
 
 #[derive(Default)]
 struct Typing {
@@ -235,7 +233,7 @@ impl ParameterPanel {
     fn head(&mut self, ui: &mut Ui, scene: &Scene, entry: &NodeEntry) {
         let dark = ui.visuals().dark_mode;
         ui.add_space(3.0);
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             let key = format!("name of {}", entry.name);
             if let Some(name) = self.typing.line(ui, &key, &entry.name, 130.0, "name")
                 && !name.is_empty()
@@ -344,6 +342,7 @@ impl ParameterPanel {
                 ui.horizontal(line)
             };
             self.typing.say_why_refused(ui, &of.key(row));
+            say_failure(ui, of.scene, of.node, &row.path);
         });
         // The value's fields and buttons stand under the name of the parameter.
         shown.response.widget_info(|| WidgetInfo::labeled(WidgetType::Panel, true, of.key(row)));

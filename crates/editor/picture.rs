@@ -44,6 +44,9 @@ const OUTLINES: &[(&str, OutlineShape, &str)] = &[
 const HEAD: f32 = 770.0;
 const SHORT_HEAD: f32 = 512.0;
 
+/// Width below which all buttons go into one menu, points.
+const TINY_HEAD: f32 = 250.0;
+
 /// Factor of one notch of the wheel (50 points).
 const NOTCH: f64 = 1.15;
 
@@ -167,7 +170,7 @@ impl PicturePanel {
             // Its words and its mark are gone in the next frame.
             ui.ctx().request_repaint();
         }
-        hit_marks::show(ui, scene, picture, self.measures);
+        hit_marks::show(ui, scene, picture, self.measures, self.handles.places());
         let name = format!("picture {}", scene.shown_node.unwrap_or("none"));
         response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, &name));
         response.context_menu(|ui| command_buttons(ui, scene.actions, PICTURE_MENU));
@@ -194,7 +197,6 @@ impl PicturePanel {
             let pictures = scene.pictures();
             let shown = scene.shown_node.unwrap_or("no picture");
             let room = ui.available_size_before_wrap().x;
-            let (is_narrow, has_section) = (room < HEAD, room > SHORT_HEAD);
             ComboBox::from_id_salt("shown").selected_text(shown).width(90.0).show_ui(ui, |ui| {
                 let mut entries = Vec::new();
                 for name in pictures {
@@ -209,58 +211,68 @@ impl PicturePanel {
                 follow_arrows(ui, &entries);
             });
             ui.add_enabled_ui(scene.view.is_some(), |ui| {
-                use crate::scene::Command::{Along, Home, Isometric, Roll, Section};
-                let buttons = |ui: &mut Ui, all: &[(&str, Command, &str)]| {
-                    for (text, command, help) in all {
-                        // The name without a pointer is the help without its key.
-                        let name = help.split(" (").next().unwrap_or(help);
-                        if button(ui, text, name, help).clicked() {
-                            scene.actions.command(*command);
-                        }
-                    }
-                };
-                buttons(ui, &[("Home", Home, "all of the data into the picture (H)")]);
-                let views = [
-                    ("+x", Along(0, true), "seen from +x (X)"),
-                    ("−x", Along(0, false), "seen from −x (Shift+X)"),
-                    ("+y", Along(1, true), "seen from +y (Y)"),
-                    ("−y", Along(1, false), "seen from −y (Shift+Y)"),
-                    ("+z", Along(2, true), "seen from +z (Z)"),
-                    ("−z", Along(2, false), "seen from −z (Shift+Z)"),
-                    ("iso", Isometric, "seen from the positive sides of x, y and z alike (I)"),
-                    ("⟲", Roll(true), "roll to the left (,)"),
-                    ("⟳", Roll(false), "roll to the right (.)"),
-                ];
-                if is_narrow {
-                    ui.menu_button("views", |ui| ui.horizontal(|ui| buttons(ui, &views)));
+                if room < TINY_HEAD {
+                    ui.menu_button("more", |ui| self.buttons(ui, scene, room));
                 } else {
-                    buttons(ui, &views);
-                }
-                if is_narrow {
-                    let chosen = OUTLINES.iter().find(|(_, shape, _)| self.probes == Some(*shape));
-                    let title = chosen.map_or("probe", |(text, ..)| text);
-                    ui.menu_button(title, |ui| {
-                        ui.horizontal(|ui| {
-                            self.outlines(ui);
-                            (!has_section).then(|| self.measure(ui));
-                        })
-                    });
-                } else {
-                    self.outlines(ui);
-                }
-                has_section.then(|| self.measure(ui));
-                cut_menu(ui, scene);
-                let help = "a pixel of the picture is a pixel of the screen";
-                if switch(ui, self.is_own_size, "1:1", help).clicked() {
-                    self.is_own_size = !self.is_own_size;
-                    self.is_to_centre = self.is_own_size;
-                }
-                self.compare.button(ui, scene);
-                if has_section {
-                    buttons(ui, &[("section", Section, "s on a plane through the data (K)")]);
+                    self.buttons(ui, scene, room);
                 }
             });
         });
+    }
+
+    /// Buttons of views, probes and cuts, in a room of this width.
+    fn buttons(&mut self, ui: &mut Ui, scene: &Scene, room: f32) {
+        use crate::scene::Command::{Along, Home, Isometric, Roll, Section};
+        let (is_narrow, has_section) = (room < HEAD, room > SHORT_HEAD);
+        let buttons = |ui: &mut Ui, all: &[(&str, Command, &str)]| {
+            for (text, command, help) in all {
+                // The name without a pointer is the help without its key.
+                let name = help.split(" (").next().unwrap_or(help);
+                if button(ui, text, name, help).clicked() {
+                    scene.actions.command(*command);
+                }
+            }
+        };
+        buttons(ui, &[("Home", Home, "all of the data into the picture (H)")]);
+        let views = [
+            ("+x", Along(0, true), "seen from +x (X)"),
+            ("−x", Along(0, false), "seen from −x (Shift+X)"),
+            ("+y", Along(1, true), "seen from +y (Y)"),
+            ("−y", Along(1, false), "seen from −y (Shift+Y)"),
+            ("+z", Along(2, true), "seen from +z (Z)"),
+            ("−z", Along(2, false), "seen from −z (Shift+Z)"),
+            ("iso", Isometric, "seen from the positive sides of x, y and z alike (I)"),
+            ("⟲", Roll(true), "roll to the left (,)"),
+            ("⟳", Roll(false), "roll to the right (.)"),
+        ];
+        if is_narrow {
+            ui.menu_button("views", |ui| ui.horizontal(|ui| buttons(ui, &views)));
+        } else {
+            buttons(ui, &views);
+        }
+        if is_narrow {
+            let chosen = OUTLINES.iter().find(|(_, shape, _)| self.probes == Some(*shape));
+            let title = chosen.map_or("probe", |(text, ..)| text);
+            ui.menu_button(title, |ui| {
+                ui.horizontal(|ui| {
+                    self.outlines(ui);
+                    (!has_section).then(|| self.measure(ui));
+                })
+            });
+        } else {
+            self.outlines(ui);
+        }
+        has_section.then(|| self.measure(ui));
+        cut_menu(ui, scene);
+        let help = "a pixel of the picture is a pixel of the screen";
+        if switch(ui, self.is_own_size, "1:1", help).clicked() {
+            self.is_own_size = !self.is_own_size;
+            self.is_to_centre = self.is_own_size;
+        }
+        self.compare.button(ui, scene);
+        if has_section {
+            buttons(ui, &[("section", Section, "s on a plane through the data (K)")]);
+        }
     }
 
     /// Switch of the lengths that clicks measure.

@@ -69,8 +69,22 @@ impl Editor {
         };
         if self.disk.look(document, read, &self.watch) {
             self.read_again();
-            self.say("a data file has changed: the data are read again");
+            if !self.say_what_is_missing() {
+                self.say("a data file has changed: the data are read again");
+            }
         }
+    }
+
+    /// Says which data file is not there, if one is not.
+    pub(crate) fn say_what_is_missing(&mut self) -> bool {
+        let read = self.document.pipeline().nodes.iter().filter(|entry| jobs::reads(entry, &self.registry));
+        let missing = |path: &&str| !self.document.folder().join(path).exists();
+        let missing = read.filter_map(jobs::path_of).find(missing);
+        let Some(text) = missing.map(|path| format!("the data file '{path}' is missing")) else {
+            return false;
+        };
+        self.say(text);
+        true
     }
 
     /// Asks the worker for the picture where another is wanted than before.

@@ -1,5 +1,7 @@
 //! Ways out of an error, each a button: to the node that it is about, to another file, to the line of the text, to fewer pixels, and once more.
 
+use crate::drawn_with::inputs_of_picture;
+use crate::fields::{REASON, texts};
 use crate::scene::{Action, Command, FilePurpose, Scene, camera_of, error_text};
 use crate::theme;
 use crate::worker::size_of;
@@ -8,9 +10,10 @@ use std::ops::Range;
 use std::path::PathBuf;
 use voltet_core::Error;
 use voltet_core::error::ErrorKind;
+use voltet_core::parameters::nearest;
 use voltet_document::panel::{Control, Row};
 use voltet_document::{Edit, Path};
-use voltet_graph::{ParameterValue, SourceSpan};
+use voltet_graph::{NodeEntry, ParameterValue, SourceSpan};
 
 /// The words of a button, and what it does.
 pub(crate) type WayOut = (String, Action);
@@ -56,7 +59,11 @@ pub(crate) fn ways_out(scene: &Scene, error: &Error) -> Vec<WayOut> {
             let shows = (!scene.selection.contains(node) || scene.selection.len() > 1)
                 .then(|| (format!("Show '{node}'"), Action::Select([node.to_string()].into())));
             ways.extend(shows);
-            ways.extend(file_of(scene, node, error).map(|(path, file, writes)| {
+            ways.extend(scene.entry(node).into_iter().flat_map(|entry| joins(scene, entry, error)));
+            let of_arrays = other_arrays(scene, node, error);
+            let file = file_of(scene, node, error).filter(|_| of_arrays.is_empty());
+            ways.extend(of_arrays);
+            ways.extend(file.map(|(path, file, writes)| {
                 let words = if writes { ELSEWHERE } else { "Choose a file …" };
                 let purpose = FilePurpose::Parameter { node: node.to_string(), path, writes };
                 (words.to_string(), Action::ChooseFile(purpose, Some(file)))
@@ -116,25 +123,98 @@ pub(crate) fn buttons(ui: &mut Ui, scene: &Scene, ways: &[WayOut]) {
     }
 }
 
+/// Buttons that join the inputs which an error says are needed, as they are joined where the node's picture is drawn.
+fn joins(scene: &Scene, entry: &NodeEntry, error: &Error) -> Vec<WayOut> {
+    let Some(expected) = &error.expected else { return Vec::new() };
+    let is_needed = |port: &str| expected.contains(&format!("{port} = \""));
+    let inputs = inputs_of_picture(scene, entry).into_iter().filter(|(_, _, port)| is_needed(port));
+    let join = |(from, output, port): (String, String, &str)| {
+        let edit = scene.document.join(scene.registry, (&from, &output), (&entry.name, port)).ok()?;
+        Some((format!("Join '{from}' to '{port}'"), Action::Edit(edit.label(), vec![edit])))
+    };
+    inputs.filter_map(join).collect()
+}
+
+/// Rows of a node and of all that is within it.
+fn all_rows(scene: &Scene, node: &str) -> Vec<Row> {
+    fn collect(rows: Vec<Row>, all: &mut Vec<Row>) {
+        for mut row in rows {
+            collect(std::mem::take(&mut row.rows), all);
+            row.entries.drain(..).for_each(|entry| collect(entry.rows, all));
+            all.push(row);
+        }
+    }
+    let mut all = Vec::new();
+    collect(scene.document.rows(scene.registry, node), &mut all);
+    all
+}
+
+/// Most buttons for arrays of which none is near to the one that is named.
+const MAX_ARRAYS: usize = 3;
+
+/// The parameter of a node that names an array which an error says is not as it has to be; and that name.
+fn array_of(scene: &Scene, node: &str, error: &Error) -> Option<(Row, String)> {
+    let is_meant = |name: &String| !name.is_empty() && error.what.contains(&format!("'{name}'"));
+    let of_row = |row: Row| {
+        let is_of_arrays = matches!(row.control, Control::Array | Control::Arrays);
+        let names = row.set_value.as_ref().filter(|_| is_of_arrays).map(texts).unwrap_or_default();
+        names.into_iter().find(is_meant).map(|name| (row, name))
+    };
+    all_rows(scene, node).into_iter().find_map(of_row)
+}
+
+/// Buttons that name one of the arrays which an error says are there: the nearest, or the first ones.
+fn other_arrays(scene: &Scene, node: &str, error: &Error) -> Vec<WayOut> {
+    let (Some((row, wrong)), Some(expected)) = (array_of(scene, node, error), &error.expected) else {
+        return Vec::new();
+    };
+    let stem = wrong.rsplit_once(':').map_or(wrong.as_str(), |(stem, _)| stem);
+    let there: Vec<&str> = expected.split('\'').skip(1).step_by(2).collect();
+    let near = nearest(stem, there.iter().copied());
+    let offered = near.map_or_else(|| there.into_iter().take(MAX_ARRAYS).collect(), |near| vec![near]);
+    let way = |name: &str| {
+        let value = match row.control {
+            Control::Array => name.into(),
+            _ => {
+                let names = row.set_value.as_ref().map(texts).unwrap_or_default();
+                names.iter().map(|known| if *known == wrong { name } else { known.as_str() }).collect()
+            }
+        };
+        let edit = Edit::Set { node: node.to_string(), path: row.path.clone(), value };
+        (format!("Use '{name}'"), Action::Edit(edit.label(), vec![edit]))
+    };
+    offered.into_iter().map(way).collect()
+}
+
+/// Says below the value of a parameter why there is no picture, where that is because of the value.
+pub(crate) fn say_failure(ui: &mut Ui, scene: &Scene, node: &str, path: &Path) {
+    let failure = scene.failure.as_ref().filter(|error| error.location.node.as_deref() == Some(node));
+    let Some(error) = failure.filter(|error| !scene.faults.iter().any(|fault| fault.what == error.what))
+    else {
+        return;
+    };
+    let of_file = || file_of(scene, node, error).map(|(path, ..)| path);
+    let own = array_of(scene, node, error).map(|(row, _)| row.path).or_else(of_file);
+    if own.as_ref() == Some(path) {
+        ui.set_max_width(REASON);
+        let text = RichText::new(error_text(error, scene.document)).small();
+        ui.add(Label::new(text.color(theme::wrong(ui.visuals().dark_mode))).wrap());
+        ui.horizontal_wrapped(|ui| buttons(ui, scene, &other_arrays(scene, node, error)));
+    }
+}
+
 /// The parameter of a node that names the file that an error is about; `path`, where the error is of that parameter or of another file, as
 /// one of a series. With that file, and true if it is written.
 fn file_of(scene: &Scene, node: &str, error: &Error) -> Option<(Path, PathBuf, bool)> {
-    fn collect(rows: &[Row], files: &mut Vec<(Path, String, bool)>) {
-        for row in rows {
-            if let Some(ParameterValue::Text(text)) = &row.set_value {
-                let writes = matches!(row.control, Control::OutputFile);
-                if writes || row.parameter.parameter_type.is_input_path(text) {
-                    files.push((row.path.clone(), text.clone(), writes));
-                }
-            }
-            collect(&row.rows, files);
-            row.entries.iter().for_each(|entry| collect(&entry.rows, files));
-        }
-    }
-    let mut files = Vec::new();
-    collect(&scene.document.rows(scene.registry, node), &mut files);
+    let file = |row: Row| {
+        let Some(ParameterValue::Text(text)) = row.set_value else { return None };
+        let writes = matches!(row.control, Control::OutputFile);
+        let is_file = writes || row.parameter.parameter_type.is_input_path(&text);
+        is_file.then_some((row.path, text, writes))
+    };
+    let files = all_rows(scene, node).into_iter().filter_map(file);
     let in_folder = |(path, text, writes)| (path, scene.document.folder().join::<String>(text), writes);
-    let mut files = files.into_iter().map(in_folder).collect::<Vec<_>>();
+    let mut files = files.map(in_folder).collect::<Vec<_>>();
     let named = error.location.file.as_deref();
     let is_named = |(_, file, _): &(Path, PathBuf, bool)| named == Some(&*file.to_string_lossy());
     let place = files.iter().position(is_named);

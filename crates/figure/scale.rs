@@ -251,6 +251,12 @@ pub fn level_color_bar(
     Some(bar.pixels())
 }
 
+/// Width and height of the plane of s and g in a picture of a width and height, pixels.
+pub fn plane_size([width, height]: [f32; 2]) -> [f32; 2] {
+    let length = (0.3 * width).min(0.45 * height).round();
+    [length, (0.7 * length).round()]
+}
+
 /// Draws the plane of s and g in the lower corner of a side, s to the right and g upward, with ticks and names of both axes. `color`: the
 /// premultiplied linear colour of a value of each.
 ///
@@ -262,8 +268,7 @@ pub fn plane(
     color: impl Fn([f64; 2]) -> [f32; 4],
 ) -> Option<[[usize; 2]; 2]> {
     let (font, size) = (canvas.font(), canvas.size());
-    let width = (0.3 * size[0]).min(0.45 * size[1]).round();
-    let height = (0.7 * width).round();
+    let [width, height] = plane_size(size);
     if height < 4.0 * font {
         return None;
     }

@@ -2,9 +2,11 @@
 
 use super::package::Port;
 use super::places::{Places, usual_size};
+use crate::drawn_with::{Feeding, drawing, inputs_of_picture, nearest_first};
 use crate::expression::in_expression;
 use crate::jobs::{ArrayChoice, new_array};
 use crate::scene::Scene;
+use crate::transfer::fields_of;
 use eframe::egui::{Context, Rect, pos2};
 use voltet_core::Result;
 use voltet_document::panel::first_field;
@@ -110,7 +112,8 @@ fn free_name(node: &Node, arrays: &[&ArrayChoice]) -> Option<Field> {
 
 /// Joins the inputs of a new node: to the selected node where that fits; a required one also to the only node that fits, or to the nearest
 /// that feeds the selected node or the shown picture. Then its outputs: to the selected node where that lacks them, else where one node
-/// alone does; a surface to the selected node where that draws some; a picture made of another to the writers of that one.
+/// alone does; a surface to the selected node where that draws some; a picture made of another to the writers of that one. What is made of
+/// a picture takes what that is drawn with, too.
 fn join_to_others(
     scene: &Scene,
     with_it: &mut Document,
@@ -160,6 +163,11 @@ fn join_to_others(
             join(with_it, (&from.name, output.name), (name, input.name));
         }
     }
+    let of_picture =
+        links::node(&with_it.pipeline().nodes, name).map(|own| first_inputs_of_picture(scene, own));
+    for (from, output, input) in of_picture.unwrap_or_default() {
+        join(with_it, (&from, &output), (name, input));
+    }
     for output in node.outputs {
         let lacking = |entry: &&NodeEntry| {
             let inputs = scene.node_type(entry).map_or(&[][..], |node| node.inputs).iter();
@@ -194,25 +202,24 @@ fn join_to_others(
     }
 }
 
+/// Inputs that a new node takes of what draws its picture: none where another of its type is made of the picture already, and no transfer
+/// function of several fields, whose colours have no scale.
+fn first_inputs_of_picture(scene: &Scene, entry: &NodeEntry) -> Vec<Feeding> {
+    let is_alike = |other: &&NodeEntry| other.node_type.text() == entry.node_type.text();
+    if drawing(scene, entry).iter().any(is_alike) {
+        return Vec::new();
+    }
+    let has_scale = |(node, _, _): &Feeding| scene.entry(node).is_none_or(|look| fields_of(look).is_empty());
+    inputs_of_picture(scene, entry).into_iter().filter(has_scale).collect()
+}
+
 /// The node nearest along wires among one and those that feed it, of which something holds.
 fn nearest_upstream<'a>(
     scene: &Scene<'a>,
     from: &str,
     is_one: &dyn Fn(&&'a NodeEntry) -> bool,
 ) -> Option<&'a NodeEntry> {
-    let mut met: Vec<&NodeEntry> = scene.entry(from).into_iter().collect();
-    let mut place = 0;
-    while let Some(entry) = met.get(place).copied() {
-        if is_one(&entry) {
-            return Some(entry);
-        }
-        for text in entry.inputs.iter().flat_map(links::sources) {
-            let feeding = scene.entry(scene.giving(text).0);
-            met.extend(feeding.filter(|entry| !met.iter().any(|known| known.name == entry.name)));
-        }
-        place += 1;
-    }
-    None
+    nearest_first(scene, from).into_iter().find(is_one)
 }
 
 /// Inputs, each of a node that writes, which the picture feeds that a new node takes.

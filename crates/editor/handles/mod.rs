@@ -8,7 +8,7 @@ use crate::eyes::eye;
 use crate::scene::Scene;
 use crate::theme::{self, Help};
 use eframe::egui::{
-    Color32, CursorIcon, EventFilter, Key, PointerButton, Rect, Response, Sense, Stroke, Ui, Vec2,
+    Color32, CursorIcon, EventFilter, Key, PointerButton, Pos2, Rect, Response, Sense, Stroke, Ui, Vec2,
     WidgetInfo, WidgetType, vec2,
 };
 use movable::{Movable, PictureGrip};
@@ -47,12 +47,19 @@ pub(crate) struct Handles {
     drag: Option<GripDrag>,
     /// True if a key moved a grip in the last frame.
     is_nudged: bool,
+    /// Places of the grips in the window.
+    places: Vec<Pos2>,
 }
 
 impl Handles {
     /// True while a hand moves a grip.
     pub fn are_moved(&self) -> bool {
         self.drag.is_some() || self.is_nudged
+    }
+
+    /// Places of the grips in the window, in the last frame in which they were shown.
+    pub fn places(&self) -> &[Pos2] {
+        &self.places
     }
 
     /// Draws them over the picture and follows the hand. Shown after the picture, above which they lie. Returns the picture's response with
@@ -63,6 +70,7 @@ impl Handles {
         let color = theme::accent(true);
         let mut is_held = false;
         self.is_nudged = false;
+        self.places.clear();
         for object in objects(scene) {
             for ends in object.lines() {
                 // On a rim of black, so that it is seen over whatever the picture shows there.
@@ -87,6 +95,7 @@ impl Handles {
                 if !is_dragged && !painter.clip_rect().contains(at) {
                     continue;
                 }
+                self.places.push(at);
                 let rect = Rect::from_center_size(at, Vec2::splat(GRIP));
                 let response = ui.interact(rect, ui.id().with(&name), Sense::click_and_drag());
                 response.widget_info(|| WidgetInfo::labeled(WidgetType::Other, true, &name));

@@ -1,15 +1,23 @@
-//! Parts of an annotation: the scale of the colours, which stands at a border, and texts at a border or at a point.
+//! Parts of an annotation: the scale of the colours, which stands at a border or as a plane in a lower corner, and texts at a border or at a point.
 
 use super::movable::Movable;
 use crate::scene::Scene;
+use crate::transfer::looks_at_g;
 use std::rc::Rc;
 use voltet_core::arithmetic::decimal;
+use voltet_document::links::upstream;
 use voltet_document::{Edit, Path};
+use voltet_figure::font_size;
+use voltet_figure::scale::plane_size;
 use voltet_graph::{Field, LocatedValue, NodeEntry, ParameterValue, find_setting};
 
 /// Distance of the grip of a bar from its border, and of that of a text, which stands farther in; heights of the picture.
 const MARGIN: f64 = 0.05;
 const TEXT_MARGIN: f64 = 0.012;
+
+/// Distance of the plane from the sides and the lower border, where its numbers and names stand, heights of letters.
+const BESIDE_PLANE: f64 = 1.4;
+const BELOW_PLANE: f64 = 4.0;
 
 /// Distance of a grip from the point where a text stands, heights of the picture: it hides no letter.
 const GRIP_DISTANCE: f64 = 0.025;
@@ -23,6 +31,9 @@ const WRITTEN: f64 = 1e-3;
 enum Anchor {
     /// At a side: -1, 0 or 1 to the right and up.
     Bar([i8; 2]),
+    /// The plane of s and g in the lower right corner, or in the left one where the parameter says so; and its middle in the right one,
+    /// heights to the right and up.
+    Plane([i8; 2], [f64; 2]),
     /// In a corner or at the middle of a side, alike.
     Border([i8; 2]),
     /// Shares of width and height, from the upper left corner; and the way from there to the grip, heights to the right and up.
@@ -51,20 +62,40 @@ fn word([right, up]: [i8; 2]) -> String {
 
 /// The annotations among these nodes, in a picture of that width by its height.
 pub(super) fn objects<'a>(scene: &Scene, nodes: impl Iterator<Item = &'a NodeEntry>) -> Vec<Rc<dyn Movable>> {
-    let size = scene.picture_size.unwrap_or([4, 3]).map(f64::from);
-    let aspect = size[0] / size[1];
-    let note = |node: &NodeEntry| Note { node: node.name.clone(), parts: parts(node, aspect), aspect };
+    let size = scene.picture_size.unwrap_or([1024, 768]);
+    let aspect = f64::from(size[0]) / f64::from(size[1]);
+    let note = |node: &NodeEntry| {
+        let parts = parts(node, aspect, plane(scene, node, size));
+        Note { node: node.name.clone(), parts, aspect }
+    };
     let annotations = nodes.filter(|node| node.node_type.text() == Some("annotation"));
     annotations.map(|node| Rc::new(note(node)) as Rc<dyn Movable>).collect()
 }
 
-fn parts(node: &NodeEntry, aspect: f64) -> Vec<(String, Path, bool, Anchor)> {
+/// Middle of the plane of s and g in the lower right corner of a picture of this size, heights to the right and up; `None` where the scale of
+/// the annotation is a bar.
+fn plane(scene: &Scene, node: &NodeEntry, size: [u32; 2]) -> Option<[f64; 2]> {
+    let link = node.inputs.iter().find(|link| link.port == "transfer_function")?;
+    let giving = scene.giving(link.source.text()?).0;
+    let nodes = &scene.document.pipeline().nodes;
+    let feeding = upstream(nodes, giving);
+    nodes.iter().filter(|node| feeding.contains(&node.name)).find(|node| looks_at_g(node))?;
+    let height = f64::from(size[1]);
+    let scale = node.setting("scale").and_then(LocatedValue::number).unwrap_or(1.0);
+    let letters = scale * f64::from(font_size(size.map(|length| length as usize))) / height;
+    let [width, high] = plane_size(size.map(|length| length as f32)).map(|length| f64::from(length) / height);
+    let right = 0.5 * f64::from(size[0]) / height - BESIDE_PLANE * letters - 0.5 * width;
+    Some([right, BELOW_PLANE * letters + 0.5 * high - 0.5])
+}
+
+fn parts(node: &NodeEntry, aspect: f64, plane: Option<[f64; 2]>) -> Vec<(String, Path, bool, Anchor)> {
     let mut parts = Vec::new();
     let stated = node.setting("bar").and_then(LocatedValue::text);
     let has_scale = node.inputs.iter().any(|link| link.port == "transfer_function");
     let at = side(stated.unwrap_or("right"));
     if has_scale && at != [0, 0] {
-        parts.push(("bar".into(), Path::from("bar"), stated.is_some(), Anchor::Bar(at)));
+        let anchor = plane.map_or(Anchor::Bar(at), |middle| Anchor::Plane(at, middle));
+        parts.push(("bar".into(), Path::from("bar"), stated.is_some(), anchor));
     }
     let texts = node.setting("texts").and_then(LocatedValue::list).unwrap_or_default();
     for (place, text) in texts.iter().enumerate() {
@@ -109,6 +140,11 @@ fn farthest(aspect: f64, margin: f64) -> [f64; 2] {
     [0.5 * aspect - margin, 0.5 - margin]
 }
 
+/// The side that a plane is to have for the left corner (-1) or the right one (1): the one that it has where that means the same.
+fn corner_of_plane(side: [i8; 2], right: i8) -> [i8; 2] {
+    if (side[0] < 0) == (right < 0) { side } else { [right, 0] }
+}
+
 impl Note {
     fn place(&self, anchor: Anchor) -> [f64; 2] {
         match anchor {
@@ -117,6 +153,7 @@ impl Note {
                 let half = farthest(self.aspect, margin);
                 [0, 1].map(|k: usize| f64::from(side[k]) * half[k])
             }
+            Anchor::Plane([right, _], [x, y]) => [if right < 0 { -x } else { x }, y],
             Anchor::Point(shares, beside) => {
                 let point = from_middle(shares, self.aspect);
                 [0, 1].map(|k: usize| point[k] + beside[k])
@@ -133,6 +170,7 @@ impl Note {
         let nearest_side = if is_across { [beside(0), 0] } else { [0, beside(1)] };
         match anchor {
             Anchor::Bar(_) => Anchor::Bar(nearest_side),
+            Anchor::Plane(side, middle) => Anchor::Plane(corner_of_plane(side, beside(0)), middle),
             Anchor::Border(_) => {
                 let third = [0, 1].map(|k: usize| if shares[k].abs() < 1.0 / 3.0 { 0 } else { beside(k) });
                 Anchor::Border(if third == [0, 0] { nearest_side } else { third })
@@ -151,6 +189,10 @@ impl Note {
         match anchor {
             Anchor::Bar(_) if step[0] != 0 => Anchor::Bar([step[0], 0]),
             Anchor::Bar(_) => Anchor::Bar(step),
+            Anchor::Plane(side, middle) if step[0] != 0 => {
+                Anchor::Plane(corner_of_plane(side, step[0]), middle)
+            }
+            Anchor::Plane(..) => anchor,
             Anchor::Border(side) => {
                 let on = |side: [i8; 2]| [0, 1].map(|k: usize| (side[k] + step[k]).clamp(-1, 1));
                 let next = on(side);
@@ -170,7 +212,7 @@ impl Note {
         vec![match after {
             // As the file leaves it out.
             _ if after == *before && !is_stated => Edit::Unset { node, path },
-            Anchor::Bar(side) | Anchor::Border(side) => {
+            Anchor::Bar(side) | Anchor::Plane(side, _) | Anchor::Border(side) => {
                 Edit::Set { node, path, value: ParameterValue::Text(word(side)) }
             }
             Anchor::Point(shares, _) => Edit::Set { node, path, value: shares.into_iter().collect() },

@@ -152,6 +152,12 @@ pub(crate) fn fields_of(look: &NodeEntry) -> Vec<String> {
     all.into_iter().collect()
 }
 
+/// True if a widget of a transfer function looks at the gradient magnitude.
+pub(crate) fn looks_at_g(node: &NodeEntry) -> bool {
+    let is_one = node.node_type.text() == Some("transfer-function");
+    is_one && widgets_of(node).iter().filter_map(LocatedValue::table).any(screen_widget::looks_at_g)
+}
+
 /// Data that the relative numbers of a transfer function refer to; one step where it has none.
 pub(crate) fn data_scope(look: &NodeEntry) -> DataScope {
     let stated = look.setting(RELATIVE_TO.name).and_then(LocatedValue::text);

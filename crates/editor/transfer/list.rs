@@ -473,9 +473,7 @@ impl TransferPanel {
             let before = widget.extinction;
             // What a file states stays until a hand changes it, however wrong.
             let range = Range::at_least(before.min(0.0));
-            if !is_narrow(ui) {
-                ui.label("extinction");
-            }
+            ui.label("extinction");
             let mut remark = None;
             let step = (0.01 * before).max(1e-3);
             let (response, extinction) = drag(ui, before, &range, step, false, &mut remark);

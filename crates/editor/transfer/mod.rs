@@ -15,13 +15,13 @@ mod screen_widget;
 mod tests;
 
 use crate::focus::FollowFocus;
-use crate::scene::{Command, Scene};
+use crate::scene::{Action, Command, Scene};
 use crate::theme::{self, Help};
 use crate::ways_out::{buttons, ways_out_of_data};
 use crate::worker::{HISTOGRAM, short, short_by};
 use edited_function::{EditedFunction, axis_name, axis_title};
 pub(crate) use edited_function::{
-    data_scope, drawn_with, edited_node, fields_of, scales, volume_of, volumes_of,
+    data_scope, drawn_with, edited_node, fields_of, looks_at_g, scales, volume_of, volumes_of,
 };
 use eframe::egui::{
     self, Align, Align2, Button, FontId, Layout, Rect, ScrollArea, Sense, Stroke, StrokeKind, Ui, UiBuilder,
@@ -34,6 +34,7 @@ use relative::PlaneAxes;
 pub(crate) use relative::in_numbers;
 use screen_widget::{Drag, HeldVolume, ScreenWidget};
 use std::collections::BTreeSet;
+use voltet_document::links::sources;
 use voltet_document::{Edit, Path};
 use voltet_graph::{ArrayRef, LocatedValue, ParameterValue, find_setting};
 
@@ -165,7 +166,7 @@ impl TransferPanel {
             ScrollArea::vertical().auto_shrink([false, true]).max_height(most).min_scrolled_height(most);
         head.show_followed(ui, |ui| self.head(ui, &look));
         let (whole, response) =
-            ui.allocate_exact_size(ui.available_size().max(vec2(60.0, 60.0)), Sense::click_and_drag());
+            ui.allocate_exact_size(ui.available_size().max(vec2(60.0, 40.0)), Sense::click_and_drag());
         let in_hand = look.widgets.get(self.chosen);
         let has_curve = in_hand.is_some_and(|widget| widget.peak_of_curve().is_some());
         let rect = Rect::from_min_max(
@@ -248,7 +249,13 @@ impl TransferPanel {
     fn invite(&mut self, ui: &mut Ui, look: &EditedFunction) {
         let rect = Rect::from_center_size(look.plane.rect.center(), vec2(280.0, 56.0));
         let builder = UiBuilder::new().max_rect(rect).layout(Layout::top_down(Align::Center));
+        let fed = look.node.inputs.iter().filter(|link| link.port == "widgets").flat_map(sources).next();
         ui.scope_builder(builder, |ui| {
+            if let Some(giving) = fed.map(|source| look.scene.giving(source).0) {
+                ui.label(format!("The widgets are those of '{giving}', by a wire."));
+                let show = Action::Select([giving.to_string()].into());
+                return buttons(ui, look.scene, &[(format!("Show '{giving}'"), show)]);
+            }
             ui.label("Nothing to see yet: there are no widgets.");
             let button = ui.add_enabled(look.histogram().is_some(), Button::new("Add a widget at the peak"));
             if button.help("where most of the volume is (P)").clicked() {

@@ -221,6 +221,11 @@ fn keys(fields: &[Field]) -> Result<(&'static str, Parameters)> {
     Ok((known.name, Parameters::check(known.parameters, fields, &SourceSpan::Nowhere, &["kind"])?))
 }
 
+/// True if a widget's table says that it looks at the gradient magnitude.
+pub(super) fn looks_at_g(fields: &[Field]) -> bool {
+    with_placeholders(fields).is_some_and(|widget| widget.uses_gradient_magnitude())
+}
+
 /// A widget that looks at the same quantities, whatever its numbers are; `None` where what is stated makes none.
 fn with_placeholders(fields: &[Field]) -> Option<Widget> {
     let (kind, parameters) = keys(fields).ok()?;

@@ -229,7 +229,10 @@ fn texts_and_the_scale_of_an_annotation_are_brought_to_where_they_are_to_stand()
     let figure = "[nodes.figure]\ntype = \"annotation\"\nbar_range = [0.0, 300.0] # by hand\n\
                   texts = [{ kind = \"point\", text = \"here\", at = [0.5, 0.5] }, { kind = \"border\", text = \"there\" }]\n\
                   inputs = { image = \"picture\", transfer_function = \"look\", volume = \"gradient\" }\n\n[nodes.file]";
-    let text = TEXT.replace("[nodes.file]", figure);
+    // Of a function of s alone the scale is a bar.
+    let of_s = "kind = \"uniform\"\nregion = { s = [100.0, 200.0] }";
+    let text = TEXT.replace("[nodes.file]", figure).replace("kind = \"gaussian\"", of_s);
+    let text = text.replace("centre = [150.0, 20.0]\nsigma = [60.0, 40.0]\n", "");
     let mut hand = Hand::new(&text);
     assert!(!hand.sees("figure: bar"), "its node is not selected");
     hand.editor.selection = ["figure".to_string()].into();
@@ -419,5 +422,59 @@ fn the_menu_over_the_picture_cuts_the_volume_and_its_node_is_selected() {
         hand.key(Key::Z, Modifiers::COMMAND);
         hand.settle();
         assert_eq!(hand.text(), TEXT);
+    }
+}
+
+/// The pixel under the grip is one of the plane.
+#[test]
+fn the_grip_of_the_plane_of_colours_lies_on_it() {
+    let figure = "[nodes.figure]\ntype = \"annotation\"\n\
+                  inputs = { image = \"picture\", transfer_function = \"look\", volume = \"gradient\" }\n\n[nodes.file]";
+    let text = TEXT.replace("[nodes.file]", figure).replace("size = [160, 120]", "size = [640, 480]");
+    let mut hand = Hand::in_tall_window(&text);
+    hand.editor.selection = ["figure".to_string()].into();
+    hand.frames(3);
+    let under_grip = |hand: &mut Hand| {
+        hand.settle();
+        let (grip, within) = (hand.named("figure: bar"), hand.editor.panels.picture.rect.unwrap());
+        let drawn = hand.editor.worker().shown(|shown| shown.pixels.clone().unwrap().picture);
+        let share = (grip - within.min) / within.size();
+        let at = [share.x * drawn.width as f32, share.y * drawn.height as f32].map(|at| at as usize);
+        (share, drawn.rgba[at[1] * drawn.width + at[0]])
+    };
+    for (bar, is_right) in [("right", true), ("bottom", true), ("left", false)] {
+        hand.editor.edit("place".into(), &[voltet_document::Edit::set("figure", ["bar"], bar.into())]);
+        hand.frames(2);
+        let (share, pixel) = under_grip(&mut hand);
+        assert!(share.y > 0.5 && (share.x > 0.5) == is_right, "{bar} {share}");
+        assert_eq!(pixel[3], 1.0, "{bar}: the plane is opaque, unlike the picture there");
+    }
+    // A hand takes it to the other corner.
+    let grip = hand.named("figure: bar");
+    let middle = hand.editor.panels.picture.rect.unwrap().center();
+    hand.drag(grip, pos2(2.0 * middle.x - grip.x, grip.y));
+    assert!(hand.text().contains("bar = \"right\""), "{}", hand.text());
+}
+
+#[test]
+fn words_over_the_picture_leave_a_grip_uncovered() {
+    let figure = |at: &str| {
+        let text = format!("{{ kind = \"point\", text = \"a\", at = {at}, align = \"end\" }}");
+        let inputs = "inputs = { image = \"picture\" }";
+        let node =
+            format!("[nodes.figure]\ntype = \"annotation\"\ntexts = [{text}]\n{inputs}\n\n[nodes.file]");
+        TEXT.replace("[nodes.file]", &node)
+    };
+    for (at, is_at_top) in [("[0.5, 0.5]", true), ("[0.9, 0.04]", false)] {
+        let mut hand = Hand::in_tall_window(&figure(at));
+        hand.editor.selection = ["figure".to_string()].into();
+        hand.frames(3);
+        let picture = hand.editor.panels.picture.rect.unwrap();
+        hand.move_to(picture.center() + vec2(15.0, 15.0), Modifiers::NONE);
+        hand.pause = 0.2;
+        until(&mut hand, "nothing is found", |hand| hand.editor.scene().hovered.is_some());
+        hand.frames(2);
+        let words = hand.shown(&|text| text.contains("   at ("));
+        assert_eq!((words.len(), words[0].y < picture.center().y), (1, is_at_top), "{at} {words:?}");
     }
 }

@@ -23,6 +23,13 @@ fn an_annotation_stands_between_its_picture_and_the_writer() {
     assert_eq!(source(&hand, "annotation", "image"), Some("picture"));
     assert_eq!(source(&hand, "file", "image"), Some("annotation"), "{}", hand.text());
     assert_eq!(hand.editor.shown_node.as_deref(), Some("annotation"));
+    // It shows the scale of the colours at once.
+    let drawn_with = |hand: &Hand, name: &str| {
+        ["transfer_function", "volume", "camera"].map(|port| source(hand, name, port).map(str::to_string))
+    };
+    assert_eq!(drawn_with(&hand, "annotation"), ["look", "gradient", "view"].map(|name| Some(name.into())));
+    hand.settle();
+    assert!(hand.editor.scene().failure.is_none(), "{:?}", hand.editor.scene().failure);
     // A second one follows the first, also by a wire that is dropped.
     let (from, empty) =
         (hand.named("output annotation.image"), hand.rect("node view").max + vec2(40.0, 40.0));
@@ -32,6 +39,7 @@ fn an_annotation_stands_between_its_picture_and_the_writer() {
     hand.key(Key::Enter, Modifiers::NONE);
     hand.frames(2);
     assert_eq!(source(&hand, "annotation_2", "image"), Some("annotation"));
+    assert_eq!(drawn_with(&hand, "annotation_2"), [None, None, None], "the scale stands there already");
     assert_eq!(source(&hand, "file", "image"), Some("annotation_2"), "{}", hand.text());
     assert_eq!(hand.steps(), 2, "a node with its wires is one step");
     // A picture beside another takes none of its writers.

@@ -98,3 +98,36 @@ fn the_buttons_of_the_picture_stand_in_one_line() {
     hand.click_on("seen from +x");
     assert_eq!(hand.numbers("view", "eye")[1..], [0.0, 0.0], "{}", hand.text());
 }
+
+/// A window of 900 by 600 pixels at one and a half times and twice the usual size, with and without a line above all.
+#[test]
+fn panes_of_a_tiny_window_share_what_there_is() {
+    for size in [[600.0, 400.0], [450.0, 300.0], [450.0, 255.0]] {
+        let mut hand = on(size, 2.0, TEXT);
+        transfer::with_distribution(&mut hand);
+        for node in ["grid", "look", "view", "picture", "file"] {
+            hand.editor.selection = [node.to_string()].into();
+            hand.frames(4);
+            assert_eq!(cut(&hand), [""; 0], "{size:?} {node}");
+        }
+        let (picture, pane) = (hand.editor.panels.picture.rect.unwrap(), hand.rect("picture picture"));
+        assert!(picture.width() > 100.0 && picture.height() > 80.0, "{size:?}: {picture}");
+        let plane = hand.rect("plane of s and g");
+        assert!(plane.height() >= 40.0, "{size:?}: {plane}");
+        let head = hand.texts("+ at peak")[0];
+        assert!(pane.bottom() < head.y - 6.0 && plane.bottom() < size[1], "{size:?}: {pane} {head} {plane}");
+        assert!(!hand.texts("extinction").is_empty(), "{size:?}");
+        // No border of a pane at the left goes on at the right.
+        let border = pane.left() - 8.0;
+        let lines = hand.shapes().iter().filter_map(|clipped| match &clipped.shape {
+            Shape::LineSegment { points: [from, to], .. } if from.y == to.y => {
+                Some(Rect::from_two_pos(*from, *to).intersect(clipped.clip_rect))
+            }
+            _ => None,
+        });
+        let inside = |line: &Rect| line.center().y > pane.top() && line.center().y < plane.bottom();
+        for line in lines.filter(inside) {
+            assert!(line.left() > border - 2.0 || line.right() < border + 2.0, "{size:?}: {line} {border}");
+        }
+    }
+}

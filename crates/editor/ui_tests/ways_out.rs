@@ -311,3 +311,73 @@ fn the_error_of_an_annotated_picture_is_estimated() {
     until(&mut hand, "no estimate comes", |hand| hand.editor.scene().estimate.is_some());
     assert!(hand.editor.scene().estimate.unwrap().is_ok_and(|[most, _]| most < 0.01));
 }
+
+/// The first of two arrays has a name that is near to a mistyped one.
+#[test]
+fn an_array_that_the_file_lacks_is_another_one_of_it() {
+    const DATA: &str = "# vtk DataFile Version 3.0\ndata\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n\
+        0 0 0 1 0 0 0 1 0 0 0 1\nCELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\nPOINT_DATA 4\n\
+        SCALARS temperature double 1\nLOOKUP_TABLE default\n0 2 5 10\n\
+        SCALARS p double 1\nLOOKUP_TABLE default\n0 1 2 3\n";
+    for (wrong, offered, other) in
+        [("temprature", &["temperature"][..], "p"), ("velocity_of_gas", &["temperature", "p"], "q")]
+    {
+        let reader = format!("type = \"reader\"\npath = \"data.vtk\"\nscalar = \"{wrong}\" # coarse");
+        let text = TEXT.replace("type = \"wavelet\"\nresolution = [12, 12, 12] # coarse", &reader);
+        let mut hand = Hand::with_file(&text, "data.vtk", DATA);
+        hand.editor.selection = ["view".to_string()].into();
+        hand.frames(3);
+        let button = |name: &str| format!("Use '{name}'");
+        assert!(hand.sees("Show 'grid'") && !hand.sees("Choose a file …"), "{:?}", hand.harness);
+        assert!(offered.iter().all(|name| hand.sees(&button(name))) && !hand.sees(&button(other)), "{wrong}");
+        // Below the field, too.
+        hand.click_on("Show 'grid'");
+        hand.frames(2);
+        let field = hand.rect("grid.scalar");
+        let below = hand.all_named(&button("temperature"));
+        assert!(below.iter().any(|own| field.contains(own.center())), "{below:?} {field}");
+        hand.click_on(&button("temperature"));
+        hand.settle();
+        assert!(hand.text().contains("scalar = \"temperature\" # coarse"), "{}", hand.text());
+        assert!(hand.editor.scene().failure.is_none(), "{:?}", hand.editor.scene().failure);
+    }
+}
+
+#[test]
+fn a_data_file_that_is_missing_is_no_pipeline_and_no_changed_one() {
+    let reader = "type = \"reader\"\npath = \"scene.vtk\"";
+    let text = TEXT.replace("type = \"wavelet\"\nresolution = [12, 12, 12] # coarse", reader);
+    let mut hand = Hand::new(&text);
+    let expected = |hand: &Hand| hand.editor.scene().failure.clone().unwrap().expected.unwrap();
+    assert!(!expected(&hand).contains("scene.toml"), "{}", expected(&hand));
+    hand.key(Key::F5, Modifiers::NONE);
+    assert_eq!(hand.said(), "the data file 'scene.vtk' is missing");
+    std::fs::write(hand.folder.path().join("scene_1.vtk"), "").unwrap();
+    hand.settle();
+    hand.key(Key::F5, Modifiers::NONE);
+    hand.settle();
+    assert!(expected(&hand).contains("such as 'scene_1.vtk'"), "{}", expected(&hand));
+}
+
+#[test]
+fn an_annotation_without_the_data_of_its_plane_is_joined_to_them() {
+    let figure = "[nodes.figure]\ntype = \"annotation\"\ninputs = { image = \"picture\", transfer_function = \"look\" }\n\n[nodes.file]";
+    let mut hand = Hand::new(&TEXT.replace("[nodes.file]", figure));
+    assert!(hand.editor.scene().failure.is_some());
+    hand.click_on("Join 'gradient' to 'volume'");
+    hand.settle();
+    assert!(hand.editor.scene().failure.is_none(), "{:?}", hand.editor.scene().failure);
+    assert!(hand.text().contains("volume = \"gradient\" }\n\n[nodes.file]"), "{}", hand.text());
+}
+
+#[test]
+fn widgets_that_come_by_a_wire_are_those_of_another_node() {
+    let further =
+        "[nodes.further]\ntype = \"transfer-function\"\ninputs = { widgets = \"look\" }\n\n[nodes.view]";
+    let mut hand = Hand::new(&TEXT.replace("[nodes.view]", further));
+    hand.editor.selection = ["further".to_string()].into();
+    hand.frames(3);
+    assert!(hand.shown_beginning("Nothing to see yet").is_empty());
+    hand.click_on("Show 'look'");
+    assert!(hand.editor.selection.contains("look") && hand.sees("centre of widget 1"));
+}

@@ -102,7 +102,6 @@ pub use outline::Outline;
 pub use parts::PieceBorders;
 pub use quantities::{ArrayChoice, differ};
 pub use request::{Component, Request, SelectedArrays, TimeStep, list as quoted_names, shortened};
-pub use source::existing_file;
 pub use surfaces::{SURFACE_FILES, read_surface};
 pub use vectors::length;
 pub use voltet_core::grid::{Association, CellValues, Options};
@@ -112,7 +111,7 @@ use crate::memory::GridSize;
 use contents::{Dataset, Piece};
 use piece_share::Share;
 use request::Format;
-use source::{HEAD, Source, printable, text_of};
+use source::{HEAD, Source, file_beside, has_same_ending, printable, text_of};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -302,6 +301,16 @@ const FORMATS: &[Format] = &[
     nastran::FORMAT,
     plot3d::FORMAT,
 ];
+
+/// A clause for an error's `expected` where there is no data file at `path`: the one beside it that was meant, if any.
+pub fn existing_file(path: &Path) -> String {
+    let request = Request::default();
+    let is_data = |file: &Path| {
+        let matches = |head: &[u8]| FORMATS.iter().any(|format| (format.matches)(head, file, &request));
+        file.is_file() && Source::open_if(file, matches).is_some()
+    };
+    file_beside(path, |file| has_same_ending(path, file) || is_data(file))
+}
 
 /// The declaration of series of files, each of any format.
 const SERIES: Format = Format {

@@ -37,14 +37,23 @@ fn next_number() -> u64 {
     COUNT.fetch_add(1, Ordering::Relaxed)
 }
 
-/// A clause for an error's `expected` where there is no file at `path`: the file beside it that was meant, if any.
-pub fn existing_file(path: &Path) -> String {
-    let names = names_beside(path);
+/// A clause for an error's `expected` where there is no file at `path`: the file beside it that was meant, if any. `may_be_read`: true for
+/// those that may be; only near names are looked at.
+pub(super) fn file_beside(path: &Path, may_be_read: impl Fn(&Path) -> bool) -> String {
+    let mut names = names_beside(path);
     let wanted = path.file_name().unwrap_or_default().to_string_lossy();
-    match nearest(&wanted, names.iter().map(String::as_str)) {
-        Some(near) => format!("a file that is there, such as '{near}' beside it"),
-        None => "the path of a file that is there".into(),
+    while let Some(near) = nearest(&wanted, names.iter().map(String::as_str)).map(str::to_string) {
+        if may_be_read(&path.with_file_name(&near)) {
+            return format!("a file that is there, such as '{near}' beside it");
+        }
+        names.retain(|name| *name != near);
     }
+    "the path of a file that is there".into()
+}
+
+/// True for files of the same ending.
+pub(super) fn has_same_ending(path: &Path, other: &Path) -> bool {
+    path.extension() == other.extension()
 }
 
 impl Source {
@@ -59,7 +68,9 @@ impl Source {
         let failed = |what: &str, error: std::io::Error| Error::run(what).got(error).in_file(path);
         let file = File::open(path).map_err(|error| {
             if error.kind() == std::io::ErrorKind::NotFound {
-                Error::run("there is no such file").expected(existing_file(path)).in_file(path)
+                Error::run("there is no such file")
+                    .expected(file_beside(path, |file| has_same_ending(path, file)))
+                    .in_file(path)
             } else {
                 failed("the file cannot be opened", error)
             }
