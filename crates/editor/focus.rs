@@ -3,8 +3,8 @@
 use eframe::egui::scroll_area::ScrollAreaOutput;
 use eframe::egui::style::ScrollAnimation;
 use eframe::egui::{
-    Context, FocusDirection, Id, Key, LayerId, Modifiers, Order, Rect, Response, ScrollArea, StrokeKind, Ui,
-    Window, vec2,
+    Context, FocusDirection, Id, Key, LayerId, Modifiers, Order, Rect, ScrollArea, StrokeKind, Ui,
+    WidgetRect, Window, vec2,
 };
 
 /// Window of a sheet, with the id by which it has the keys.
@@ -169,8 +169,13 @@ fn scroll_by_key(ui: &Ui) {
     ui.scroll_with_delta_animation(vec2(0.0, -down), ScrollAnimation::none());
 }
 
-fn focused(ctx: &Context) -> Option<Response> {
-    ctx.memory(|memory| memory.focused()).and_then(|id| ctx.read_response(id))
+/// Place of what has the focus. Its response is not read: that would take the focus away again where a press elsewhere has just given it.
+fn focused(ctx: &Context) -> Option<WidgetRect> {
+    let id = ctx.memory(|memory| memory.focused())?;
+    ctx.viewport(|viewport| {
+        let [now, before] = [&viewport.this_pass, &viewport.prev_pass].map(|pass| pass.widgets.get(id));
+        now.or(before).copied()
+    })
 }
 
 /// True if what has the focus lies in a rectangle of the panes.
