@@ -222,11 +222,8 @@ impl Editor {
         let (camera, view) = (self.camera(), self.view());
         self.worker.shown(|shown| {
             let distribution = shown.distribution.answer();
-            let in_hand = self.panels.transfer.in_hand();
-            let is_newest = shown.share.asked().is_some_and(|asked| {
-                asked.picture == self.answers.picture_number
-                    && in_hand.is_some_and(|(look, _)| look == asked.look)
-            });
+            let is_newest =
+                shown.share.asked().is_some_and(|asked| asked.picture == self.answers.picture_number);
             let previews = shown.previews.iter();
             let preview = |(node, preview): (&String, &crate::worker::Preview)| {
                 Some((node.clone(), preview.last()?.as_ref().ok()?.clone()))

@@ -202,6 +202,9 @@ impl Editor {
             let (picture, look, wanted) = (self.answers.picture_number, look.to_string(), wanted.clone());
             let wanted = ShareQuery { picture, look, wanted, widget };
             self.worker.ask(|output| &mut output.share, wanted);
+        } else {
+            // The last answer is that of a widget of the picture.
+            self.worker.forget_query(|output| &mut output.share);
         }
     }
 

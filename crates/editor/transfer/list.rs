@@ -293,10 +293,12 @@ impl TransferPanel {
         if button(ui, "✖", "take the widget away", "take the widget away (Delete)").clicked() {
             self.remove(look);
         }
-        for (text, to, help) in [
+        // Where they have no room, the widget's menu and keys do the same.
+        let orders = [
             ("◀", place.saturating_sub(1), "earlier in the list (Shift+PageUp)"),
             ("▶", (place + 1).min(count - 1), "later in the list (Shift+PageDown)"),
-        ] {
+        ];
+        for (text, to, help) in orders.into_iter().filter(|_| !is_narrow(ui)) {
             let button = Button::new(text).small();
             if ui.add_enabled(to != place, button).help(help).clicked() {
                 self.reorder(look, to);
@@ -445,6 +447,10 @@ impl TransferPanel {
             ]);
         }
         if count > 1 {
+            entries.push(("Earlier in the list".into(), |panel, look| {
+                panel.reorder(look, panel.chosen.saturating_sub(1));
+            }));
+            entries.push(("Later in the list".into(), |panel, look| panel.reorder(look, panel.chosen + 1)));
             entries.push(("Next widget".into(), |panel, look| panel.choose(panel.chosen + 1, look)));
         }
         entries.push(("Add at the peak".into(), Self::add_at_peak));

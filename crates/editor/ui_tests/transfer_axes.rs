@@ -241,7 +241,8 @@ fn a_width_that_another_scale_cannot_have_stays_and_the_window_says_so() {
 fn a_widget_at_the_peak_lies_where_the_data_are() {
     let haze = "[[nodes.look.widgets]]\nkind = \"gaussian\"\ncolor = [0.5, 0.5, 0.6]\nextinction = 0.02\n\
                 centre = [150.0, 0.0]\nsigma = [400.0, inf]\n\n[nodes.view]";
-    let mut hand = Hand::new(&TEXT.replace("[nodes.view]", haze));
+    let text = TEXT.replace("[nodes.view]", haze).replace("sigma = [60.0, 40.0]", "sigma = [10.0, 5.0]");
+    let mut hand = Hand::new(&text);
     assert!(hand.editor.scene().distribution.is_none());
     hand.click_on("+ at peak");
     hand.frames(2);
@@ -269,7 +270,7 @@ fn a_widget_at_the_peak_lies_where_the_data_are() {
             axis.low + (i as f64 + 0.5) * (axis.high - axis.low) / axis.bins as f64
         };
         let [s, g] = [place % histogram.axes[0].bins, place / histogram.axes[0].bins];
-        let [x, y] = [(middle(0, s) - 150.0) / 60.0, (middle(1, g) - 20.0) / 40.0];
+        let [x, y] = [(middle(0, s) - 150.0) / 10.0, (middle(1, g) - 20.0) / 5.0];
         (-0.5 * (x * x + y * y)).exp() >= 0.1
     };
     let most = (0..histogram.volumes.len()).filter(|&place| !is_held(place)).map(volume).fold(0.0, f64::max);
