@@ -298,7 +298,8 @@ impl TransferPanel {
             ("◀", place.saturating_sub(1), "earlier in the list (Shift+PageUp)"),
             ("▶", (place + 1).min(count - 1), "later in the list (Shift+PageDown)"),
         ];
-        for (text, to, help) in orders.into_iter().filter(|_| !is_narrow(ui)) {
+        let has_room = !is_narrow(ui);
+        for (text, to, help) in orders.into_iter().filter(|_| has_room) {
             let button = Button::new(text).small();
             if ui.add_enabled(to != place, button).help(help).clicked() {
                 self.reorder(look, to);
