@@ -173,7 +173,7 @@ fn data_that_come_or_change_are_read_again() {
 fn a_file_is_found_by_a_part_of_its_name_or_by_the_arrows() {
     let mut hand = Hand::in_folder(TEXT, &|folder| {
         ["wing.vtu", "wake.vtu", "tail.vtu"].iter().for_each(|name| {
-            std::fs::write(folder.join(name), format!("no data, but {name}")).unwrap();
+            std::fs::write(folder.join(name), "").unwrap();
         });
     });
     let name = |hand: &Hand| hand.editor.file_dialog.as_ref().map(|dialog| dialog.name.clone()).unwrap();
@@ -208,5 +208,6 @@ fn a_file_is_found_by_a_part_of_its_name_or_by_the_arrows() {
         hand.editor.file_dialog.as_ref().is_some_and(|dialog| dialog.fault.is_some())
     });
     let fault = hand.editor.file_dialog.as_ref().unwrap().fault.clone().unwrap();
-    assert!(fault.contains("but tail.vtu"), "{fault}");
+    // As the tests' reading of data refuses all.
+    assert!(fault.contains("no data here"), "{fault}");
 }
