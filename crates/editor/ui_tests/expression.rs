@@ -203,7 +203,7 @@ fn arrays_are_offered_where_the_expression_is_computed() {
     }
 }
 
-/// What reads the file does what it is asked for: the name stands elsewhere.
+/// The reader does as it is asked: the wrong name stands in another node.
 #[test]
 fn an_array_that_is_not_there_is_a_fault_of_the_node_that_names_it() {
     let drawn = TEXT

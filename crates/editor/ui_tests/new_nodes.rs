@@ -14,7 +14,7 @@ fn select(hand: &mut Hand, name: &str) {
     hand.frames(2);
 }
 
-/// What the window shows is what a run writes.
+/// A run writes the picture that the window shows.
 #[test]
 fn an_annotation_stands_between_its_picture_and_the_writer() {
     let mut hand = Hand::new(TEXT);

@@ -236,7 +236,7 @@ fn ways_out_of_a_picture_cover_nothing_of_what_is_wrong() {
     }
 }
 
-/// Of what is computed beside the picture.
+/// Errors of figures that are computed beside the picture.
 #[test]
 fn errors_in_sheets_lead_to_their_node_and_are_tried_again() {
     let mut hand = Hand::new(TEXT);
