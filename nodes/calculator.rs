@@ -420,7 +420,7 @@ fn found(calculation: &Calculation, grid: &Grid, name: &str, array: &NamedArray)
     }
     let Some(found) = all.get(name) else {
         let error = Error::usage(format!("there is no array '{name}'"));
-        return Err(error.expected(suggest(name, all.keys().map(String::as_str))));
+        return Err(error.not_among(name, all.keys().map(String::as_str)));
     };
     match (array.derivative.map_or(1, Derivative::component_count), found.component_count) {
         (wanted, count) if wanted == count => Ok(found.clone()),

@@ -204,7 +204,7 @@ fn run(call: &mut RunContext) -> Result<Outputs> {
             if !call.is_wired("volume")? {
                 let what = "the view is relative to data, and no data are wired in";
                 let error = p.error(if is_relative { "fit" } else { view }, what);
-                return Err(error.expected("inputs = { volume = \"NODE\" } at the camera, or numbers in fit"));
+                return Err(error.needs_input("volume", " at the camera, or numbers in fit"));
             }
             let bounds = relative::bounds(call)?;
             camera(&placed(p, bounds)?, bounds)?

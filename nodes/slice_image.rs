@@ -65,7 +65,7 @@ fn demand(asking: &mut DemandContext) -> Result<()> {
     if asking.fed_by("transfer_function")?.is_none() {
         if p.is_set("thickness") {
             let error = p.error("thickness", "a colour map has no thickness");
-            return Err(error.expected("inputs = { transfer_function = \"NODE\" }"));
+            return Err(error.needs_input("transfer_function", ""));
         }
         return surfacing::ask(asking, [surfacing::color_by(p, Some("s")), None]);
     }

@@ -3,6 +3,7 @@
 //! The place is added on the way out, once, by whoever knows it (`in_file`, `at_node`, …). A message that is
 //! shown to a person is [`Error`]'s `Display`: `what: found …; expected … (at …)`.
 
+use crate::nearest::{nearest_first, suggest};
 use std::fmt;
 
 /// Result of the library.
@@ -24,6 +25,25 @@ pub enum ErrorKind {
     OtherProcess,
     /// A mistake of the program itself.
     Panic,
+}
+
+/// A change that would mend a mistake.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Remedy {
+    /// A picture of fewer pixels, which may succeed.
+    FewerPixels,
+    /// Another name: those that are known, the nearest first.
+    Names(Vec<String>),
+    /// A node that feeds this input.
+    Input(&'static str),
+}
+
+impl Remedy {
+    /// Names that are known, the nearest first.
+    pub fn names<'a>(names: impl IntoIterator<Item = &'a str>) -> Self {
+        Remedy::Names(names.into_iter().map(str::to_string).collect())
+    }
 }
 
 /// Location of an error, from the outermost to the innermost place known.
@@ -54,8 +74,8 @@ pub struct Error {
     pub expected: Option<String>,
     /// Location.
     pub location: Box<Location>,
-    /// True if the work may succeed with fewer pixels.
-    pub fewer_pixels: bool,
+    /// Change that would mend it, where a program can offer one.
+    pub remedy: Option<Box<Remedy>>,
 }
 
 impl Error {
@@ -82,7 +102,7 @@ impl Error {
             got: None,
             expected: None,
             location: Box::default(),
-            fewer_pixels: false,
+            remedy: None,
         }
     }
 
@@ -98,10 +118,22 @@ impl Error {
         self
     }
 
-    /// Says that the work may succeed with fewer pixels.
-    pub fn with_fewer_pixels(mut self) -> Self {
-        self.fewer_pixels = true;
+    /// Adds a change that would mend it.
+    pub fn with_remedy(mut self, remedy: Remedy) -> Self {
+        self.remedy = Some(Box::new(remedy));
         self
+    }
+
+    /// Adds what would be right where `name` is not one of the names that are known: [`suggest`].
+    pub fn not_among<'a>(self, name: &str, known: impl IntoIterator<Item = &'a str>) -> Self {
+        let known: Vec<&str> = known.into_iter().collect();
+        let accepted = suggest(name, known.iter().copied());
+        self.expected(accepted).with_remedy(Remedy::names(nearest_first(name, known)))
+    }
+
+    /// Adds that an input is missing, and what else would be right: "", or a clause that follows.
+    pub fn needs_input(self, port: &'static str, or: &str) -> Self {
+        self.expected(format!("inputs = {{ {port} = \"NODE\" }}{or}")).with_remedy(Remedy::Input(port))
     }
 
     /// Names the file, unless an inner place named one already.

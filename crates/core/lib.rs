@@ -15,6 +15,7 @@ pub mod expression;
 pub mod field;
 pub mod flat_picture;
 pub mod grid;
+mod nearest;
 pub mod parallel;
 pub mod parameters;
 pub mod picture;

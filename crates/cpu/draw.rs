@@ -15,6 +15,7 @@ use crate::shade::light::Surface;
 use crate::shade::shader::Shader;
 use rayon::prelude::*;
 use voltet_core::camera::Camera;
+use voltet_core::error::Remedy;
 use voltet_core::grid::extent::longest_edge_squared;
 use voltet_core::picture::Picture;
 use voltet_core::progress::{Progress, refuse_beyond_memory};
@@ -62,7 +63,7 @@ pub fn project(
     }
     if cells.traversal == Traversal::Project {
         refuse_beyond_memory(progress, || format!("drawing {}", counted(count, "cell")), bytes(None))
-            .map_err(Error::with_fewer_pixels)?;
+            .map_err(|error| error.with_remedy(Remedy::FewerPixels))?;
     }
     let max_optical_depth = max_optical_depth(transfer_function, cells.length).max(cells.optical_depth_floor);
     let policy = RayCastPolicy::new(transfer_function, max_optical_depth);

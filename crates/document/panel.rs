@@ -8,7 +8,7 @@ use voltet_core::{Error, Result};
 use voltet_graph::pipeline::value;
 use voltet_graph::{
     DefaultValue, Field, LocatedValue, Parameter, ParameterType, ParameterValue, Parameters, Range, Registry,
-    VariantSchema, find_setting, suggest,
+    VariantSchema, find_setting,
 };
 
 /// A parameter as a row.
@@ -367,7 +367,7 @@ pub fn typed(row: &Row, text: &str) -> Result<ParameterValue> {
         && !words.iter().any(|(word, _)| word == text)
     {
         let error = Error::usage(format!("'{}' does not know this word", row.parameter.name)).got(&datum);
-        return Err(error.expected(suggest(text, words.iter().map(|(word, _)| *word))));
+        return Err(error.not_among(text, words.iter().map(|(word, _)| *word)));
     }
     let field = Field::new(row.parameter.name, datum.clone());
     Parameters::check(&[*row.parameter], &[field], &Default::default(), &[]).map_err(

@@ -286,16 +286,21 @@ pub(crate) fn follow_arrows(ui: &Ui, entries: &[(Response, bool)]) {
     }
     let focused = entries.iter().position(|(entry, _)| entry.has_focus());
     let now = focused.or_else(|| entries.iter().position(|(_, is_chosen)| *is_chosen));
-    let next = match (pressed, now) {
-        ([true, ..], Some(place)) => place.saturating_sub(1),
-        ([_, true, ..], Some(place)) => place + 1,
-        ([true, ..] | [_, true, ..], None) => 0,
-        _ => return,
-    };
-    if let Some((entry, _)) = entries.get(next) {
+    let next = arrow_step([pressed[0], pressed[1]], now);
+    if let Some((entry, _)) = next.and_then(|next| entries.get(next)) {
         entry.request_focus();
         entry.scroll_to_me(None);
     }
+}
+
+/// Place in a list that the arrows up and down lead to, from a place or from none; `None` if neither is pressed.
+pub(crate) fn arrow_step([up, down]: [bool; 2], now: Option<usize>) -> Option<usize> {
+    let next = match now {
+        None => 0,
+        Some(place) if up => place.saturating_sub(1),
+        Some(place) => place + 1,
+    };
+    (up || down).then_some(next)
 }
 
 /// Choice of a word, with the gradients of colour maps; gives the word that is taken.

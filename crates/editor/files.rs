@@ -1,12 +1,13 @@
 //! Files: names, changes by other programs, recent ones, what is known of copies of unsaved work; and dialogs: a question with a few
 //! answers, and the choice of a file.
 
-use crate::focus::FollowFocus;
+use crate::fields::arrow_step;
+use crate::focus::{FollowFocus, Sheet};
 use crate::scene::FilePurpose;
 use crate::theme::{self, Help};
 use eframe::egui::{
-    Align, Align2, Context, FocusDirection, Id, Key, Layout, Modifiers, Response, RichText, ScrollArea,
-    TextEdit, Ui, Window,
+    Align, Align2, Context, FocusDirection, Key, Layout, Modifiers, Response, RichText, ScrollArea, TextEdit,
+    Ui, Window,
 };
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -387,16 +388,11 @@ impl FileDialog {
 
     /// Takes the next name of the list by the arrows, while the field has the focus; true if it did.
     fn follow_arrows(&mut self, ui: &Ui) -> bool {
-        let pressed = |key: Key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
-        let (up, down) = (pressed(Key::ArrowUp), pressed(Key::ArrowDown));
+        let pressed = [Key::ArrowUp, Key::ArrowDown]
+            .map(|key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key)));
         let fitting = self.fitting();
-        let next = match fitting.iter().position(|file| file.name == self.name) {
-            Some(place) if down => place + 1,
-            Some(place) if up => place.saturating_sub(1),
-            None if down || up => 0,
-            _ => return false,
-        };
-        let next = fitting.get(next).map(|file| file.name.clone());
+        let next = arrow_step(pressed, fitting.iter().position(|file| file.name == self.name));
+        let next = next.and_then(|next| fitting.get(next)).map(|file| file.name.clone());
         let is_moved = next.is_some();
         next.into_iter().for_each(|name| (self.name, self.warned) = (name, false));
         is_moved
@@ -519,7 +515,7 @@ pub(crate) fn show_dialog(
     let mut open = true;
     let mut chosen = None;
     Window::new(dialog.purpose.title())
-        .id(Id::new("asking for a file"))
+        .id(Sheet::FILE.id())
         .open(&mut open)
         .collapsible(false)
         .default_width(460.0)

@@ -1,10 +1,10 @@
 //! Films: a sheet that chooses the frames, their rate and size, and the file; made in the background as `voltet run --film` makes them.
 
-use crate::focus;
+use crate::focus::Sheet;
 use crate::jobs::Job;
 use crate::scene::{Action, FilePurpose, Scene, camera_of, error_text};
 use crate::theme::{self, Help};
-use crate::ways_out::{AGAIN, ELSEWHERE, FEWER_PIXELS, WayOut, buttons, ways_out, why_ended};
+use crate::ways_out::{AGAIN, ELSEWHERE, FEWER_PIXELS, WayOut, buttons, is_of_pixels, ways_out, why_ended};
 use eframe::egui::{Button, Context, DragValue, Grid, ProgressBar, Rect, RichText, TextEdit, Ui, Widget};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -113,7 +113,7 @@ impl FilmPanel {
     ) {
         self.take_found();
         let mut is_open = self.is_open;
-        let window = focus::sheet("Film").open(&mut is_open).resizable(false).default_pos([60.0, 90.0]);
+        let window = Sheet::FILM.window().open(&mut is_open).resizable(false).default_pos([60.0, 90.0]);
         window.default_width(380.0).show(ctx, |ui| {
             if let Some(made) = &self.made {
                 let (stage, fraction) = made.progress();
@@ -153,7 +153,7 @@ impl FilmPanel {
             let ways: Vec<WayOut> = ways_out(scene, &error).into_iter().filter(|way| !is_size(way)).collect();
             buttons(ui, scene, &ways);
             let Some(again) = self.request(scene, steps, frames) else { return };
-            if error.fewer_pixels && ui.small_button(FEWER_PIXELS).clicked() {
+            if is_of_pixels(&error) && ui.small_button(FEWER_PIXELS).clicked() {
                 let own = again.size.or(scene.picture_size).unwrap_or(USUAL_SIZE);
                 self.size = Some(own.map(|length| (length / 2).max(1)));
                 self.begin(FilmRequest { size: self.size, ..again }, ui.ctx());

@@ -7,9 +7,28 @@ use eframe::egui::{
     WidgetRect, Window, vec2,
 };
 
-/// Window of a sheet, with the id by which it has the keys.
-pub(crate) fn sheet(title: &str) -> Window<'_> {
-    Window::new(title).id(Id::new(title))
+/// A sheet over the panes, by the usual title of its window.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Sheet(&'static str);
+
+impl Sheet {
+    pub const TEXT: Self = Self("Text of the pipeline");
+    pub const KEYS: Self = Self("Keys and mouse");
+    pub const FILM: Self = Self("Film");
+    pub const STUDY: Self = Self("Study: error against time");
+    pub const COSTS: Self = Self("Costs");
+    pub const FILE: Self = Self("Choice of a file");
+    pub const SECTION: Self = Self("Section: s on a plane");
+
+    /// Its window.
+    pub fn window(self) -> Window<'static> {
+        Window::new(self.0).id(self.id())
+    }
+
+    /// The id of its window, by which it has the keys.
+    pub fn id(self) -> Id {
+        Id::new(self.0)
+    }
 }
 
 /// Way of a key in a sheet that scrolls, in steps down.

@@ -1,7 +1,7 @@
 //! The keys: one table, from which they are read and the help sheet is made; the bar at the top: menus, and what is done most; input events:
 //! their grouping into undo steps, and those that wait for the next frame.
 
-use crate::focus::{self, FollowFocus};
+use crate::focus::{FollowFocus, Sheet};
 use crate::invitation::template_buttons;
 use crate::scene::{Actions, Command, Scene, TimeMove};
 use crate::theme::{self, Help};
@@ -373,7 +373,7 @@ pub(crate) fn sheet(ctx: &Context, open: &mut bool) {
         true => (Layout::left_to_right(egui::Align::Min), SHEET_WIDTH),
         false => (Layout::top_down(egui::Align::Min), 0.55 * SHEET_WIDTH),
     };
-    let window = focus::sheet("Keys and mouse").open(open).resizable(true);
+    let window = Sheet::KEYS.window().open(open).resizable(true);
     window.default_size([room.x.min(width), room.y]).show(ctx, |ui| {
         ScrollArea::both().max_height(room.y).max_width(room.x).show_followed(ui, |ui| {
             ui.with_layout(layout, |ui| {

@@ -8,7 +8,7 @@ use crate::focus::FollowFocus;
 use crate::jobs::reads;
 use crate::scene::{Action, FilePurpose, Scene, error_text};
 use crate::theme::{self, Help, button};
-use crate::ways_out::say_failure;
+use crate::ways_out::RowFailure;
 use eframe::egui::collapsing_header::CollapsingState;
 use eframe::egui::{
     CollapsingHeader, Color32, ComboBox, FocusDirection, Grid, Label, Response, RichText, ScrollArea, Sense,
@@ -154,6 +154,7 @@ pub(crate) struct ParameterPanel {
 struct Of<'a> {
     scene: &'a Scene<'a>,
     node: &'a str,
+    failure: Option<&'a RowFailure>,
 }
 
 impl Of<'_> {
@@ -192,6 +193,7 @@ impl ParameterPanel {
         self.typing.width = (ui.available_width() - 90.0).max(80.0);
         self.head(ui, scene, entry);
         let rows = scene.document.rows(scene.registry, name);
+        let failure = RowFailure::find(scene, name, &rows);
         ScrollArea::vertical().auto_shrink([false, false]).id_salt(("parameters", name)).show_followed(
             ui,
             |ui| {
@@ -201,7 +203,7 @@ impl ParameterPanel {
                 for fault in own.filter(|fault| !is_pointed_at(fault)) {
                     ui.label(RichText::new(error_text(fault, scene.document)).color(theme::wrong(dark)));
                 }
-                self.table(ui, Of { scene, node: name }, &Path::default(), &rows);
+                self.table(ui, Of { scene, node: name, failure: failure.as_ref() }, &Path::default(), &rows);
             },
         );
     }
@@ -342,7 +344,9 @@ impl ParameterPanel {
                 ui.horizontal(line)
             };
             self.typing.say_why_refused(ui, &of.key(row));
-            say_failure(ui, of.scene, of.node, &row.path);
+            if let Some(failure) = of.failure {
+                failure.say(ui, of.scene, &row.path);
+            }
         });
         // The value's fields and buttons stand under the name of the parameter.
         shown.response.widget_info(|| WidgetInfo::labeled(WidgetType::Panel, true, of.key(row)));

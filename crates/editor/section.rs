@@ -1,7 +1,7 @@
 //! The section: s on a plane through the data, where a click, a box or an outline finds values.
 
 use crate::fields::gradient;
-use crate::focus;
+use crate::focus::Sheet;
 use crate::outline::{Drawing, Outline, OutlineShape, enclosed};
 use crate::picture::{WHOLE, set_texture};
 use crate::scene::{Action, EARLIER, Scene};
@@ -62,32 +62,28 @@ impl SectionPanel {
 
     pub fn show(&mut self, ctx: &Context, scene: &Scene) {
         let mut open = self.open;
-        focus::sheet("Section: s on a plane")
-            .open(&mut open)
-            .resizable(false)
-            .default_pos([20.0, 60.0])
-            .show(ctx, |ui| {
-                ui.horizontal(|ui| {
-                    for (across, text, help) in [
-                        (None, "as seen", "parallel to the picture"),
-                        (Some(0), "x", "across the x axis"),
-                        (Some(1), "y", "across the y axis"),
-                        (Some(2), "z", "across the z axis"),
-                    ] {
-                        ui.selectable_value(&mut self.across, across, text).help(help);
-                    }
-                    ui.add(Slider::new(&mut self.offset, -1.0..=1.0).show_value(false))
-                        .help("how far from the centre that was picked (double click in the picture)");
-                    if ui.small_button("0").help("through the centre that was picked").clicked() {
-                        self.offset = 0.0;
-                    }
-                    let help = "a drag takes the values in the outline that it draws, not in a box";
-                    if theme::switch(ui, self.is_free, "outline", help).clicked() {
-                        self.is_free = !self.is_free;
-                    }
-                });
-                self.picture(ui, scene);
+        Sheet::SECTION.window().open(&mut open).resizable(false).default_pos([20.0, 60.0]).show(ctx, |ui| {
+            ui.horizontal(|ui| {
+                for (across, text, help) in [
+                    (None, "as seen", "parallel to the picture"),
+                    (Some(0), "x", "across the x axis"),
+                    (Some(1), "y", "across the y axis"),
+                    (Some(2), "z", "across the z axis"),
+                ] {
+                    ui.selectable_value(&mut self.across, across, text).help(help);
+                }
+                ui.add(Slider::new(&mut self.offset, -1.0..=1.0).show_value(false))
+                    .help("how far from the centre that was picked (double click in the picture)");
+                if ui.small_button("0").help("through the centre that was picked").clicked() {
+                    self.offset = 0.0;
+                }
+                let help = "a drag takes the values in the outline that it draws, not in a box";
+                if theme::switch(ui, self.is_free, "outline", help).clicked() {
+                    self.is_free = !self.is_free;
+                }
             });
+            self.picture(ui, scene);
+        });
         self.open = open;
     }
 

@@ -1,6 +1,7 @@
 //! The keys of what lies over the panes, and of what has the focus where nothing else has: Escape, Tab, and keys that scroll a sheet.
 
 use crate::editor::Editor;
+use crate::focus::Sheet;
 use crate::scene::TimeMove;
 use crate::theme;
 use eframe::egui::{Context, FocusDirection, Id, Key, Modifiers, Popup};
@@ -54,13 +55,13 @@ impl Editor {
     pub(crate) fn follow_focus(&mut self, ctx: &Context) {
         let panels = &self.panels;
         let sheets = [
-            (self.file_dialog.is_some(), Id::new("asking for a file")),
-            (panels.text.is_open(), Id::new("Text of the pipeline")),
-            (panels.help, Id::new("Keys and mouse")),
-            (panels.time.film.is_open, Id::new("Film")),
-            (panels.study.open, Id::new("Study: error against time")),
-            (panels.costs, Id::new("Costs")),
-            (panels.section.open, Id::new("Section: s on a plane")),
+            (self.file_dialog.is_some(), Sheet::FILE.id()),
+            (panels.text.is_open(), Sheet::TEXT.id()),
+            (panels.help, Sheet::KEYS.id()),
+            (panels.time.film.is_open, Sheet::FILM.id()),
+            (panels.study.open, Sheet::STUDY.id()),
+            (panels.costs, Sheet::COSTS.id()),
+            (panels.section.open, Sheet::SECTION.id()),
         ];
         let mut over: Vec<Id> =
             sheets.into_iter().filter(|(is_open, _)| *is_open).map(|(_, id)| id).collect();

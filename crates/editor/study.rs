@@ -1,6 +1,6 @@
 //! `study` at a click: every integrator on the picture that is shown, its time and its error; and the costs of the last full picture.
 
-use crate::focus::{self, FollowFocus};
+use crate::focus::{FollowFocus, Sheet};
 use crate::jobs::Job;
 use crate::picture::milliseconds;
 use crate::scene::{Action, EARLIER, Scene};
@@ -73,7 +73,7 @@ impl StudyPanel {
     /// Shows the window; begins a study where that is asked for.
     pub fn show(&mut self, ctx: &Context, scene: &Scene) {
         let mut open = self.open;
-        let window = focus::sheet("Study: error against time").open(&mut open).default_pos([40.0, 110.0]);
+        let window = Sheet::STUDY.window().open(&mut open).default_pos([40.0, 110.0]);
         window.default_size([600.0, 460.0]).show(ctx, |ui| {
             ui.horizontal_wrapped(|ui| self.controls(ui, scene));
             ui.separator();
@@ -177,7 +177,7 @@ fn results(ui: &mut Ui, studied: &Studied) {
 }
 
 pub(crate) fn show_costs(ctx: &Context, open: &mut bool, scene: &Scene) {
-    let window = focus::sheet("Costs").open(open).resizable(true);
+    let window = Sheet::COSTS.window().open(open).resizable(true);
     window.default_pos([150.0, 60.0]).default_size([560.0, 400.0]).show(ctx, |ui| {
         let Some(report) = &scene.report else {
             ui.label("Nothing was drawn yet.");

@@ -1,6 +1,6 @@
 //! The text of a pipeline file in which something is wrong beside its nodes: what it is, and a sheet in which it is mended.
 
-use crate::focus;
+use crate::focus::Sheet;
 use crate::scene::{Action, FilePurpose, Scene};
 use crate::theme::{self, Help};
 use eframe::egui::text::{CCursor, CCursorRange};
@@ -86,7 +86,7 @@ impl TextSheet {
         }
         let (mut is_open, mut is_taken) = (true, false);
         let room = ctx.content_rect().size();
-        let window = focus::sheet("Text of the pipeline").open(&mut is_open).collapsible(false);
+        let window = Sheet::TEXT.window().open(&mut is_open).collapsible(false);
         let window = window.default_size(vec2(0.6 * room.x, 0.6 * room.y)).max_size(0.9 * room);
         window.show(ctx, |ui| {
             ui.horizontal_wrapped(|ui| {

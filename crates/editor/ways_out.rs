@@ -1,6 +1,7 @@
 //! Ways out of an error, each a button: to the node that it is about, to another file, to the line of the text, to fewer pixels, and once more.
 
 use crate::drawn_with::inputs_of_picture;
+use crate::expression::in_expression;
 use crate::fields::{REASON, texts};
 use crate::scene::{Action, Command, FilePurpose, Scene, camera_of, error_text};
 use crate::theme;
@@ -9,7 +10,8 @@ use eframe::egui::{Button, Label, RichText, Ui};
 use std::ops::Range;
 use std::path::PathBuf;
 use voltet_core::Error;
-use voltet_core::error::ErrorKind;
+use voltet_core::error::{ErrorKind, Remedy};
+use voltet_core::expression::Expression;
 use voltet_core::parameters::nearest;
 use voltet_document::panel::{Control, Row};
 use voltet_document::{Edit, Path};
@@ -60,8 +62,12 @@ pub(crate) fn ways_out(scene: &Scene, error: &Error) -> Vec<WayOut> {
                 .then(|| (format!("Show '{node}'"), Action::Select([node.to_string()].into())));
             ways.extend(shows);
             ways.extend(scene.entry(node).into_iter().flat_map(|entry| joins(scene, entry, error)));
-            let of_arrays = other_arrays(scene, node, error);
-            let file = file_of(scene, node, error).filter(|_| of_arrays.is_empty());
+            let rows = scene.document.rows(scene.registry, node);
+            let rows = all_rows(&rows);
+            let of_array = array_of(&rows, error);
+            let of_arrays = of_array.map(|(row, wrong)| other_arrays(node, row, &wrong, error));
+            let of_arrays = of_arrays.unwrap_or_default();
+            let file = file_of(scene, node, &rows, error).filter(|_| of_arrays.is_empty());
             ways.extend(of_arrays);
             ways.extend(file.map(|(path, file, writes)| {
                 let words = if writes { ELSEWHERE } else { "Choose a file …" };
@@ -75,7 +81,7 @@ pub(crate) fn ways_out(scene: &Scene, error: &Error) -> Vec<WayOut> {
                 .map(|line| (format!("Show the text at line {line}"), Action::ShowText(line))),
         ),
     }
-    if error.fewer_pixels
+    if is_of_pixels(error)
         && let Some((camera, size)) = node
             .or(scene.shown_node)
             .and_then(|node| camera_of(&scene.document.pipeline().nodes, node))
@@ -86,6 +92,11 @@ pub(crate) fn ways_out(scene: &Scene, error: &Error) -> Vec<WayOut> {
         ways.push((FEWER_PIXELS.to_string(), Action::Edit(FEWER_PIXELS.to_lowercase(), vec![edit])));
     }
     ways
+}
+
+/// True if what failed may succeed with fewer pixels.
+pub(crate) fn is_of_pixels(error: &Error) -> bool {
+    error.remedy.as_deref() == Some(&Remedy::FewerPixels)
 }
 
 /// The ways out of an error of what is computed of the data by itself, which a new reading computes once more.
@@ -123,11 +134,10 @@ pub(crate) fn buttons(ui: &mut Ui, scene: &Scene, ways: &[WayOut]) {
     }
 }
 
-/// Buttons that join the inputs which an error says are needed, as they are joined where the node's picture is drawn.
+/// Buttons that join the input which an error says is needed, as it is joined where the node's picture is drawn.
 fn joins(scene: &Scene, entry: &NodeEntry, error: &Error) -> Vec<WayOut> {
-    let Some(expected) = &error.expected else { return Vec::new() };
-    let is_needed = |port: &str| expected.contains(&format!("{port} = \""));
-    let inputs = inputs_of_picture(scene, entry).into_iter().filter(|(_, _, port)| is_needed(port));
+    let Some(Remedy::Input(needed)) = error.remedy.as_deref() else { return Vec::new() };
+    let inputs = inputs_of_picture(scene, entry).into_iter().filter(|(_, _, port)| port == needed);
     let join = |(from, output, port): (String, String, &str)| {
         let edit = scene.document.join(scene.registry, (&from, &output), (&entry.name, port)).ok()?;
         Some((format!("Join '{from}' to '{port}'"), Action::Edit(edit.label(), vec![edit])))
@@ -135,86 +145,113 @@ fn joins(scene: &Scene, entry: &NodeEntry, error: &Error) -> Vec<WayOut> {
     inputs.filter_map(join).collect()
 }
 
-/// Rows of a node and of all that is within it.
-fn all_rows(scene: &Scene, node: &str) -> Vec<Row> {
-    fn collect(rows: Vec<Row>, all: &mut Vec<Row>) {
-        for mut row in rows {
-            collect(std::mem::take(&mut row.rows), all);
-            row.entries.drain(..).for_each(|entry| collect(entry.rows, all));
-            all.push(row);
-        }
-    }
-    let mut all = Vec::new();
-    collect(scene.document.rows(scene.registry, node), &mut all);
-    all
+/// Rows and all that is within them.
+fn all_rows(rows: &[Row]) -> Vec<&Row> {
+    let within = rows.iter().flat_map(|row| row.entries.iter().map(|entry| &entry.rows).chain([&row.rows]));
+    rows.iter().chain(within.flat_map(|inner| all_rows(inner))).collect()
 }
 
 /// Most buttons for arrays of which none is near to the one that is named.
 const MAX_ARRAYS: usize = 3;
 
-/// The parameter of a node that names an array which an error says is not as it has to be; and that name.
-fn array_of(scene: &Scene, node: &str, error: &Error) -> Option<(Row, String)> {
+/// The parameter that names an array which an error says is not as it has to be; and that name.
+fn array_of<'a>(rows: &[&'a Row], error: &Error) -> Option<(&'a Row, String)> {
     let is_meant = |name: &String| !name.is_empty() && error.what.contains(&format!("'{name}'"));
-    let of_row = |row: Row| {
-        let is_of_arrays = matches!(row.control, Control::Array | Control::Arrays);
-        let names = row.set_value.as_ref().filter(|_| is_of_arrays).map(texts).unwrap_or_default();
-        names.into_iter().find(is_meant).map(|name| (row, name))
-    };
-    all_rows(scene, node).into_iter().find_map(of_row)
+    rows.iter().find_map(|row| array_names(row).into_iter().find(is_meant).map(|name| (*row, name)))
+}
+
+/// Names of arrays that the value of a parameter has.
+fn array_names(row: &Row) -> Vec<String> {
+    let named = row.set_value.as_ref().map(texts).unwrap_or_default();
+    match row.control {
+        Control::Array | Control::Arrays => named,
+        Control::Expression => {
+            let parsed = named.iter().filter_map(|text| Expression::parse(text).ok());
+            parsed.flat_map(|expression| expression.arrays.into_iter().map(|array| array.name)).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// The value of a parameter with another array in the place of one.
+fn with_array(row: &Row, wrong: &str, name: &str) -> ParameterValue {
+    let named = row.set_value.as_ref().map(texts).unwrap_or_default();
+    match row.control {
+        Control::Expression => {
+            let mut text = named.into_iter().next().unwrap_or_default();
+            let place = |text: &str| {
+                let arrays = Expression::parse(text).ok()?.arrays;
+                arrays.into_iter().find(|array| array.name == wrong).map(|array| array.span)
+            };
+            // An expression names an array as often as it likes.
+            while let Some(span) = place(&text).filter(|_| name != wrong) {
+                text.replace_range(span, &in_expression(name));
+            }
+            text.into()
+        }
+        Control::Arrays => named.iter().map(|known| if known == wrong { name } else { known }).collect(),
+        _ => name.into(),
+    }
 }
 
 /// Buttons that name one of the arrays which an error says are there: the nearest, or the first ones.
-fn other_arrays(scene: &Scene, node: &str, error: &Error) -> Vec<WayOut> {
-    let (Some((row, wrong)), Some(expected)) = (array_of(scene, node, error), &error.expected) else {
-        return Vec::new();
-    };
-    let stem = wrong.rsplit_once(':').map_or(wrong.as_str(), |(stem, _)| stem);
-    let there: Vec<&str> = expected.split('\'').skip(1).step_by(2).collect();
-    let near = nearest(stem, there.iter().copied());
-    let offered = near.map_or_else(|| there.into_iter().take(MAX_ARRAYS).collect(), |near| vec![near]);
+fn other_arrays(node: &str, row: &Row, wrong: &str, error: &Error) -> Vec<WayOut> {
+    let Some(Remedy::Names(there)) = error.remedy.as_deref() else { return Vec::new() };
+    let stem = wrong.rsplit_once(':').map_or(wrong, |(stem, _)| stem);
+    let near = nearest(stem, there.iter().map(String::as_str));
+    let offered =
+        near.map_or_else(|| there.iter().map(String::as_str).take(MAX_ARRAYS).collect(), |near| vec![near]);
     let way = |name: &str| {
-        let value = match row.control {
-            Control::Array => name.into(),
-            _ => {
-                let names = row.set_value.as_ref().map(texts).unwrap_or_default();
-                names.iter().map(|known| if *known == wrong { name } else { known.as_str() }).collect()
-            }
-        };
+        let value = with_array(row, wrong, name);
         let edit = Edit::Set { node: node.to_string(), path: row.path.clone(), value };
         (format!("Use '{name}'"), Action::Edit(edit.label(), vec![edit]))
     };
     offered.into_iter().map(way).collect()
 }
 
-/// Says below the value of a parameter why there is no picture, where that is because of the value.
-pub(crate) fn say_failure(ui: &mut Ui, scene: &Scene, node: &str, path: &Path) {
-    let failure = scene.failure.as_ref().filter(|error| error.location.node.as_deref() == Some(node));
-    let Some(error) = failure.filter(|error| !scene.faults.iter().any(|fault| fault.what == error.what))
-    else {
-        return;
-    };
-    let of_file = || file_of(scene, node, error).map(|(path, ..)| path);
-    let own = array_of(scene, node, error).map(|(row, _)| row.path).or_else(of_file);
-    if own.as_ref() == Some(path) {
-        ui.set_max_width(REASON);
-        let text = RichText::new(error_text(error, scene.document)).small();
-        ui.add(Label::new(text.color(theme::wrong(ui.visuals().dark_mode))).wrap());
-        ui.horizontal_wrapped(|ui| buttons(ui, scene, &other_arrays(scene, node, error)));
+/// Why there is no picture, where that is because of the value of a parameter.
+pub(crate) struct RowFailure {
+    path: Path,
+    text: String,
+    ways: Vec<WayOut>,
+}
+
+impl RowFailure {
+    /// Finds it among the parameters of a node.
+    pub fn find(scene: &Scene, node: &str, rows: &[Row]) -> Option<Self> {
+        let error = scene.failure.as_ref().filter(|error| error.location.node.as_deref() == Some(node))?;
+        if scene.faults.iter().any(|fault| fault.what == error.what) {
+            return None;
+        }
+        let rows = all_rows(rows);
+        let (path, ways) = match array_of(&rows, error) {
+            Some((row, wrong)) => (row.path.clone(), other_arrays(node, row, &wrong, error)),
+            None => (file_of(scene, node, &rows, error)?.0, Vec::new()),
+        };
+        Some(RowFailure { path, text: error_text(error, scene.document), ways })
+    }
+
+    /// Says it below the value of that parameter.
+    pub fn say(&self, ui: &mut Ui, scene: &Scene, path: &Path) {
+        if self.path == *path {
+            ui.set_max_width(REASON);
+            let text = RichText::new(&self.text).small();
+            ui.add(Label::new(text.color(theme::wrong(ui.visuals().dark_mode))).wrap());
+            ui.horizontal_wrapped(|ui| buttons(ui, scene, &self.ways));
+        }
     }
 }
 
 /// The parameter of a node that names the file that an error is about; `path`, where the error is of that parameter or of another file, as
 /// one of a series. With that file, and true if it is written.
-fn file_of(scene: &Scene, node: &str, error: &Error) -> Option<(Path, PathBuf, bool)> {
-    let file = |row: Row| {
-        let Some(ParameterValue::Text(text)) = row.set_value else { return None };
+fn file_of(scene: &Scene, node: &str, rows: &[&Row], error: &Error) -> Option<(Path, PathBuf, bool)> {
+    let file = |row: &&Row| {
+        let Some(ParameterValue::Text(text)) = &row.set_value else { return None };
         let writes = matches!(row.control, Control::OutputFile);
-        let is_file = writes || row.parameter.parameter_type.is_input_path(&text);
-        is_file.then_some((row.path, text, writes))
+        let is_file = writes || row.parameter.parameter_type.is_input_path(text);
+        is_file.then(|| (row.path.clone(), scene.document.folder().join(text), writes))
     };
-    let files = all_rows(scene, node).into_iter().filter_map(file);
-    let in_folder = |(path, text, writes)| (path, scene.document.folder().join::<String>(text), writes);
-    let mut files = files.map(in_folder).collect::<Vec<_>>();
+    let mut files = rows.iter().filter_map(file).collect::<Vec<_>>();
     let named = error.location.file.as_deref();
     let is_named = |(_, file, _): &(Path, PathBuf, bool)| named == Some(&*file.to_string_lossy());
     let place = files.iter().position(is_named);

@@ -7,7 +7,6 @@ use quick_xml::events::{BytesStart, Event};
 use serde_json::Value;
 use std::path::Path;
 use voltet_core::colormap::{ColorCurve, ColorSpace};
-use voltet_core::parameters::suggest;
 use voltet_core::{Error, Result};
 
 /// Largest file: every map that ParaView has takes less.
@@ -46,7 +45,7 @@ fn named_space(name: &str) -> Result<ColorSpace> {
         "Diverging" => Ok(ColorSpace::Diverging),
         _ => Err(Error::run("the colour space of the map is not known")
             .got(name)
-            .expected(suggest(name, ["RGB", "Lab", "Diverging"]))),
+            .not_among(name, ["RGB", "Lab", "Diverging"])),
     }
 }
 

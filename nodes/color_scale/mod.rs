@@ -118,7 +118,7 @@ impl ColorScale {
             (None, None, Some(volume)) => axes[0].positions(ends(Axis::over(&volume.scalar, 1))),
             (None, None, None) => drawn_range(&function, false).ok_or_else(|| {
                 let what = "the transfer function has no ends, so the range of the bar is not known";
-                p.error("bar", what).expected("inputs = { volume = \"NODE\" }, or bar_range = [low, high]")
+                p.error("bar", what).needs_input("volume", ", or bar_range = [low, high]")
             })?,
         };
         let s = title.unwrap_or_else(|| format!("{scalar}{}", bracketed(unit)));
@@ -190,9 +190,8 @@ fn drawn_range(function: &TransferFunction, of_own_colors: bool) -> Option<[f64;
 fn distribution(call: &RunContext, volume: Option<&Volume>, axes: [AxisScale; 2]) -> Result<Arc<Histogram>> {
     let without = |found: &str| {
         let what = "the transfer function looks at the gradient, so its colours lie in a plane";
-        let wanted =
-            "inputs = { volume = \"NODE\" }, a node of type \"gradient-magnitude\"; or bar = \"none\"";
-        call.parameters.error("bar", what).got(found).expected(wanted)
+        let or = ", a node of type \"gradient-magnitude\"; or bar = \"none\"";
+        call.parameters.error("bar", what).got(found).needs_input("volume", or)
     };
     let volume = volume.ok_or_else(|| without("no volume"))?;
     let g = volume.gradient_magnitude.as_ref().ok_or_else(|| without("a volume without gradient"))?;

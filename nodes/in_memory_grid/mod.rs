@@ -10,7 +10,7 @@ use voltet_core::grid::{Array, Grid};
 use voltet_core::{Error, Result, counted};
 use voltet_graph::{
     Node, NodeEntry, NodeOverride, Outputs, ParameterValue, PartWork, Port, PortType, Registry, RunContext,
-    Value, suggest,
+    Value,
 };
 use voltet_io::formats::{Component, length};
 
@@ -121,6 +121,6 @@ fn missing<'a>(wanted: &str, names: impl Iterator<Item = &'a String>) -> Error {
     let error = Error::run(format!("the grid holds no array '{wanted}'"));
     match names.is_empty() {
         true => error.got("no arrays"),
-        false => error.expected(suggest(wanted, names)),
+        false => error.not_among(wanted, names),
     }
 }

@@ -228,7 +228,7 @@ pub(crate) fn ask_for_series(asking: &mut DemandContext) -> Result<()> {
 /// The error where nothing is wired in that numbers could be relative to.
 fn unwired(widgets: &Widgets) -> Error {
     let error = Error::usage("a number is relative to data, and no data are wired in");
-    let error = error.expected("inputs = { volume = \"NODE\" } at the transfer-function, or a number");
+    let error = error.needs_input("volume", " at the transfer-function, or a number");
     match widgets.iter().flat_map(|(_, keys)| keys.relative_numbers()).next() {
         Some(number) => number.locate(error.got(&number.setting.datum)),
         None => error,

@@ -7,7 +7,7 @@ use crate::value::settings;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use voltet_core::{Error, Result};
-use voltet_graph::{NodeProgress, suggest};
+use voltet_graph::NodeProgress;
 use voltet_nodes::drawing::ENGINES;
 use voltet_optics::integrators::Integrator;
 use voltet_study::gradient_test::{
@@ -80,7 +80,7 @@ pub fn study_options(
         None => {
             let names = ENGINES.iter().map(|known| known.name).chain(["all"]);
             let error = Error::usage("'engine' names no engine").got(engine);
-            return Err(error.expected(suggest(engine, names)));
+            return Err(error.not_among(engine, names));
         }
     };
     let patience = work_precision::patience(patience, "'patience'")?;

@@ -12,7 +12,6 @@ pub use units::Dimension;
 
 use crate::Error;
 use crate::field::Derivative;
-use crate::parameters::suggest;
 use std::ops::Range;
 
 /// Result of reading, or an error with the bytes where it is.
@@ -380,7 +379,7 @@ impl<'a> Parser<'a> {
                 UNARY_FUNCTIONS.iter().map(|of| of.0).chain(BINARY_FUNCTIONS.iter().map(|of| of.0));
             let names = of_numbers.chain([MAGNITUDE]).chain(Derivative::ALL.iter().map(|of| of.0));
             let error = Error::usage("the expression calls a function that is not known").got(name);
-            return Err((error.expected(suggest(name, names)), span));
+            return Err((error.not_among(name, names), span));
         }
         self.sum()?;
         if two.is_some() {

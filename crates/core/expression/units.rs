@@ -3,7 +3,6 @@
 //! A unit is read for its dimension alone: "kPa" and "bar" have that of "Pa", and no number is converted. Unit texts: symbols with
 //! prefixes and powers, `kg/(m s^2)`, `m^2/s^2`, `W/m^2/K`, `m s-1`, `1/s`.
 
-use crate::parameters::suggest;
 use crate::{Error, Result};
 use std::fmt;
 
@@ -198,7 +197,7 @@ impl<'a> Reader<'a, '_> {
         let dimension = found.map(|(_, powers, _)| Dimension(powers.map(f64::from)));
         dimension.ok_or_else(|| {
             let error = Error::usage("a unit is not known").got(format!("'{symbol}' in '{}'", self.text));
-            error.expected(suggest(symbol, SYMBOLS.iter().map(|entry| entry.0)))
+            error.not_among(symbol, SYMBOLS.iter().map(|entry| entry.0))
         })
     }
 }

@@ -3,9 +3,9 @@
 use super::declaration::{
     DefaultValue, Parameter, ParameterType, Range, RelativeNumberType, Variant, VariantSchema,
 };
-use super::nearest::suggest;
 use super::relative::{ArrayRef, RelativeNumber};
 use super::setting::{Field, LocatedValue, ParameterValue, SourceSpan, differ_in_names, find_setting};
+use crate::nearest::suggest;
 use crate::{Error, Result};
 use std::path::Path;
 use std::sync::Arc;
@@ -76,7 +76,7 @@ impl Parameters {
         let variants = self.variants(name);
         variants.iter().find(|variant| variant.schema.name == word).ok_or_else(|| {
             let names = variants.iter().map(|variant| variant.schema.name);
-            self.error(name, format!("'{word}' is not registered")).expected(suggest(word, names))
+            self.error(name, format!("'{word}' is not registered")).not_among(word, names)
         })
     }
 

@@ -10,19 +10,18 @@
 mod check;
 mod declaration;
 mod named_paths;
-mod nearest;
 mod relative;
 mod setting;
 #[cfg(test)]
 mod tests;
 
+pub use crate::nearest::{edit_distance, nearest, nearest_first, suggest};
 pub use check::{FaultSink, Parameters, refuse_contradictions, repeated};
 pub use declaration::{
     AxisRef, DefaultValue, Parameter, ParameterType, Range, RelativeNumberType, StatisticKind, Variant,
     VariantSchema,
 };
 pub use named_paths::NamedPath;
-pub use nearest::{edit_distance, nearest, nearest_first, suggest};
 pub use relative::{ArrayRef, Relative, RelativeNumber};
 pub use setting::{
     ArrayOrigin, ENTRY_NAME, Field, LocatedValue, ParameterValue, SourceSpan, find_setting, key_text,

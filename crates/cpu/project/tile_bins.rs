@@ -6,6 +6,7 @@ use crate::tile::{Area, TILE, tiles_of};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
+use voltet_core::error::Remedy;
 use voltet_core::{Error, Result};
 use voltet_simd::{LaneSet, prefetch};
 
@@ -119,7 +120,7 @@ impl TileBins {
             return Err(Error::run("the picture has too many cells in its tiles")
                 .got(sum)
                 .expected("at most 4 thousand million; draw a part of the grid or a smaller picture")
-                .with_fewer_pixels());
+                .with_remedy(Remedy::FewerPixels));
         }
         starts.push(sum as u32);
         entries.clear();

@@ -1,7 +1,8 @@
 //! The focus of the keyboard: where Tab leads, what is in view then, and what Escape leaves.
 
 use super::*;
-use eframe::egui::{Id, Response};
+use crate::focus::Sheet;
+use eframe::egui::Response;
 
 fn focused(hand: &Hand) -> Option<Response> {
     hand.ctx.memory(|memory| memory.focused()).and_then(|id| hand.ctx.read_response(id))
@@ -60,7 +61,7 @@ fn the_sheet_of_keys_scrolls_by_keys_and_keeps_tab() {
     assert!((first(&hand) - start).abs() < 1.0, "{} after {start}", first(&hand));
     for held in [Modifiers::NONE, Modifiers::NONE, Modifiers::NONE, Modifiers::SHIFT] {
         press(&mut hand, Key::Tab, held);
-        assert_eq!(focused(&hand).map(|focused| focused.layer_id.id), Some(Id::new("Keys and mouse")));
+        assert_eq!(focused(&hand).map(|focused| focused.layer_id.id), Some(Sheet::KEYS.id()));
     }
     assert_eq!((hand.text(), &hand.editor.selection), (before, &node));
     // Once it is closed they are for the graph again.

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::film::FilmRequest;
+use voltet_core::error::Remedy;
 use voltet_core::progress::{Progress, refuse_beyond_memory};
 use voltet_document::Edit;
 use voltet_graph::Observer;
@@ -18,7 +19,7 @@ impl Progress for Nothing {
 }
 
 fn no_memory() -> Error {
-    refuse_beyond_memory(&Nothing, || "the picture".into(), 1).map_err(Error::with_fewer_pixels).unwrap_err()
+    refuse_beyond_memory(&Nothing, || "the picture".into(), 1).unwrap_err().with_remedy(Remedy::FewerPixels)
 }
 
 #[test]
@@ -116,7 +117,7 @@ fn a_picture_without_memory_is_drawn_with_fewer_pixels() {
     let drawn = hand.editor.worker().shown(|shown| shown.pixels.clone().unwrap().picture);
     assert_eq!(drawn.rgba.len(), 80 * 60);
     // A grid takes no less memory in a smaller picture.
-    let failed = Error { fewer_pixels: false, ..no_memory() }.at_node("grid");
+    let failed = Error { remedy: None, ..no_memory() }.at_node("grid");
     hand.editor.message =
         Some(crate::ways_out::Message { text: failed.to_string(), error: Some(failed), again: None });
     hand.frames(2);
@@ -241,7 +242,7 @@ fn ways_out_of_a_picture_cover_nothing_of_what_is_wrong() {
 fn errors_in_sheets_lead_to_their_node_and_are_tried_again() {
     let mut hand = Hand::new(TEXT);
     transfer::with_distribution(&mut hand);
-    let failed = || Error { fewer_pixels: false, ..no_memory() }.at_node("grid");
+    let failed = || Error { remedy: None, ..no_memory() }.at_node("grid");
     let is_offered = |hand: &Hand| hand.sees("Show 'grid'");
     // The share of the widget.
     until(&mut hand, "no share comes", |hand| matches!(hand.editor.scene().share, Some(Ok(_))));
@@ -312,13 +313,14 @@ fn the_error_of_an_annotated_picture_is_estimated() {
     assert!(hand.editor.scene().estimate.unwrap().is_ok_and(|[most, _]| most < 0.01));
 }
 
-/// The first of two arrays has a name that is near to a mistyped one.
+/// A file of two arrays, the first with a name that is near to a mistyped one.
+const DATA: &str = "# vtk DataFile Version 3.0\ndata\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n\
+    0 0 0 1 0 0 0 1 0 0 0 1\nCELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\nPOINT_DATA 4\n\
+    SCALARS temperature double 1\nLOOKUP_TABLE default\n0 2 5 10\n\
+    SCALARS p double 1\nLOOKUP_TABLE default\n0 1 2 3\n";
+
 #[test]
 fn an_array_that_the_file_lacks_is_another_one_of_it() {
-    const DATA: &str = "# vtk DataFile Version 3.0\ndata\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 double\n\
-        0 0 0 1 0 0 0 1 0 0 0 1\nCELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\nPOINT_DATA 4\n\
-        SCALARS temperature double 1\nLOOKUP_TABLE default\n0 2 5 10\n\
-        SCALARS p double 1\nLOOKUP_TABLE default\n0 1 2 3\n";
     for (wrong, offered, other) in
         [("temprature", &["temperature"][..], "p"), ("velocity_of_gas", &["temperature", "p"], "q")]
     {
@@ -341,6 +343,22 @@ fn an_array_that_the_file_lacks_is_another_one_of_it() {
         assert!(hand.text().contains("scalar = \"temperature\" # coarse"), "{}", hand.text());
         assert!(hand.editor.scene().failure.is_none(), "{:?}", hand.editor.scene().failure);
     }
+}
+
+#[test]
+fn an_array_that_an_expression_names_in_vain_is_another_one_wherever_it_stands() {
+    let sum = "[nodes.sum]\ntype = \"calculator\"\nexpression = \"temprature + 2 * p * temprature\"\n\
+        name = \"sum\"\ninputs = { grid = \"grid\" }\n\n[nodes.gradient]";
+    let reader = "type = \"reader\"\npath = \"data.vtk\"\nscalar = \"p\" # coarse";
+    let text = TEXT.replace("type = \"wavelet\"\nresolution = [12, 12, 12] # coarse", reader);
+    let text = text.replace("grid = \"grid\" }", "grid = \"sum\" }").replace("[nodes.gradient]", sum);
+    let mut hand = Hand::with_file(&text, "data.vtk", DATA);
+    hand.editor.selection = ["sum".to_string()].into();
+    hand.frames(3);
+    hand.click_on("Use 'temperature'");
+    hand.settle();
+    assert!(hand.text().contains("\"temperature + 2 * p * temperature\""), "{}", hand.text());
+    assert!(hand.editor.scene().failure.is_none(), "{:?}", hand.editor.scene().failure);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use crate::device::adapter::{Adapters, describe, kind};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
+use voltet_core::error::Remedy;
 use voltet_core::{Error, Result};
 use voltet_optics::engine::{Stage, StageTiming};
 use wgpu::{BufferUsages, SubmissionIndex};
@@ -132,7 +133,7 @@ impl Device {
         if pollster::block_on(memory.pop()).is_some() {
             return Err(Error::run(format!("{} has no memory left for {what}", self.name))
                 .expected("a smaller grid or picture, another adapter, or engine = \"cpu\"")
-                .with_fewer_pixels());
+                .with_remedy(Remedy::FewerPixels));
         }
         self.check(what)?;
         match internal.or(validation) {
@@ -161,7 +162,7 @@ impl Device {
             Some(why) => Err(Error::run(format!("{} was lost at {what}", self.name))
                 .got(why)
                 .expected("a smaller picture or fewer samples, another adapter, or engine = \"cpu\"")
-                .with_fewer_pixels()),
+                .with_remedy(Remedy::FewerPixels)),
         }
     }
 

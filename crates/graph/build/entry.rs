@@ -2,7 +2,7 @@
 
 use crate::api::node::Node;
 use std::collections::BTreeMap;
-use voltet_core::parameters::{Field, LocatedValue, ParameterValue, SourceSpan, suggest};
+use voltet_core::parameters::{Field, LocatedValue, ParameterValue, SourceSpan};
 use voltet_core::{Error, Result};
 
 /// A node as a pipeline file or a program states it, not checked yet.
@@ -52,7 +52,7 @@ impl NodeEntry {
 
 /// The error for a name that none of the nodes has.
 pub fn unknown_node<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -> Error {
-    Error::usage(format!("there is no node '{name}'")).expected(suggest(name, names))
+    Error::usage(format!("there is no node '{name}'")).not_among(name, names)
 }
 
 /// A wire as stated: an input port and the node (or `"node.port"`) that feeds it.

@@ -10,7 +10,7 @@ use crate::api::value::{Edge, PortType, Wiring};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::field::{Method, Plugin};
-use voltet_core::parameters::{LocatedValue, Parameters, SourceSpan, suggest};
+use voltet_core::parameters::{LocatedValue, Parameters, SourceSpan};
 use voltet_core::{Error, Result};
 
 /// A checked graph.
@@ -372,7 +372,7 @@ pub(super) fn wires(
     for link in &entry.inputs {
         let Some(port) = node.all_inputs().position(|p| p.name == link.port) else {
             let error = Error::usage(format!("the node type '{}' has no input '{}'", node.name, link.port))
-                .expected(suggest(&link.port, node.all_inputs().map(|p| p.name)));
+                .not_among(&link.port, node.all_inputs().map(|p| p.name));
             fault(&link.port, link.origin.locate(error));
             continue;
         };
@@ -392,12 +392,8 @@ pub(super) fn wires(
     }
     for port in node.inputs.iter().filter(|port| !entry.inputs.iter().any(|link| link.port == port.name)) {
         let error = Error::usage(format!("the input '{}' is not wired", port.name));
-        let accepted = format!(
-            "inputs = {{ {} = \"…\" }}, the name of a node that gives {}",
-            port.name,
-            port.port_type.with_article()
-        );
-        fault(port.name, error.expected(accepted));
+        let or = format!(", a node that gives {}", port.port_type.with_article());
+        fault(port.name, error.needs_input(port.name, &or));
     }
     edges.into_iter().flatten().collect()
 }
@@ -455,7 +451,7 @@ fn source(text: &str, types: &Types) -> Result<Option<(usize, &'static Node, usi
         (Some(port), _) => match outputs.iter().position(|o| o.name == port) {
             Some(output) => Ok(Some((i, node, output))),
             None => Err(Error::usage(format!("the node '{name}' has no output '{port}'"))
-                .expected(suggest(port, outputs.iter().map(|o| o.name)))),
+                .not_among(port, outputs.iter().map(|o| o.name))),
         },
     }
 }

@@ -97,7 +97,7 @@ fn variant(
         return Some(Some(word));
     }
     let names = registry.variants(parameter.name).map(|variant| variant.schema.name);
-    let error = Error::usage(format!("unknown {} '{word}'", parameter.name)).expected(suggest(&word, names));
+    let error = Error::usage(format!("unknown {} '{word}'", parameter.name)).not_among(&word, names);
     fault(parameter.name, origin.locate(error));
     None
 }
@@ -117,7 +117,7 @@ fn unknown(
     let own = node.parameters.iter().map(|p| p.name);
     let key = &field.name;
     if nearest(key, own.clone()).is_some() {
-        return Error::usage(format!("unknown parameter '{key}'")).expected(suggest(key, own));
+        return Error::usage(format!("unknown parameter '{key}'")).not_among(key, own);
     }
     let beside = match kind.parameters {
         [] => "no parameter beside it".to_string(),

@@ -191,7 +191,7 @@ fn unknown_keys(fields: &[Field], known: &[&str], place: &str) -> impl Iterator<
     let unknown = fields.iter().filter(|field| !known.contains(&field.name.as_str()));
     unknown.map(move |field| {
         let what = format!("unknown key '{}' in {place}", field.name);
-        field.origin.locate(Error::usage(what).expected(suggest(&field.name, known.iter().copied())))
+        field.origin.locate(Error::usage(what).not_among(&field.name, known.iter().copied()))
     })
 }
 

@@ -27,7 +27,6 @@ use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 use voltet_core::{Error, Result};
 use voltet_files::{argument, names_beside};
-use voltet_graph::suggest;
 
 /// All formats; the first is written to streams.
 pub const FORMATS: &[PictureFormat] =
@@ -110,7 +109,7 @@ fn unreadable(path: &Path, error: std::io::Error) -> Error {
     let wanted = path.file_name().unwrap_or_default().to_string_lossy();
     let error = Error::usage("the pipeline file cannot be read").got(error).in_file(path);
     match pipelines.clone().next() {
-        Some(_) => error.expected(suggest(&wanted, pipelines)),
+        Some(_) => error.not_among(&wanted, pipelines),
         None => error.expected("the path of a pipeline file (.toml)"),
     }
 }

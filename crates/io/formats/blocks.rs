@@ -13,7 +13,6 @@ use super::source::Source;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use voltet_core::grid::{Association, Cells};
-use voltet_core::parameters::suggest;
 use voltet_core::progress::refuse_beyond_memory;
 use voltet_core::{Error, Result, agreeing, counted};
 
@@ -47,7 +46,7 @@ fn unknown(blocks: &[String], word: &str) -> Error {
             .expected("a file with blocks, such as .vtm or Exodus, or no names of blocks");
     }
     let error = Error::run("there is no such block").got(format_args!("'{word}'"));
-    error.expected(suggest(word, blocks.iter().map(String::as_str)))
+    error.not_among(word, blocks.iter().map(String::as_str))
 }
 
 /// True if a text, or a part of it that ends before a `/`, is a pattern's, in which `*` stands for any letters.

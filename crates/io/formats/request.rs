@@ -6,6 +6,7 @@ use super::source::Source;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use voltet_core::error::Remedy;
 use voltet_core::grid::{Association, Options};
 use voltet_core::parameters::{ArrayOrigin, Parameters, nearest_first};
 use voltet_core::reading::GridReader;
@@ -352,7 +353,8 @@ fn unknown(
     if all.is_empty() {
         return error.got("no arrays");
     }
-    error.expected(list(nearest_first(stem, all.iter().map(|entry| entry.0))))
+    let near = nearest_first(stem, all.iter().map(|entry| entry.0));
+    error.expected(list(near.iter().copied())).with_remedy(Remedy::names(near))
 }
 
 /// Names in quotes, each once, shortened where there are many.

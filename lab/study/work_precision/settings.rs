@@ -6,7 +6,7 @@ use std::time::Duration;
 use voltet_core::camera::Camera;
 use voltet_core::parameters::Parameter;
 use voltet_core::{Error, Result};
-use voltet_graph::{ParameterType, ParameterValue, Registry, suggest};
+use voltet_graph::{ParameterType, ParameterValue, Registry};
 use voltet_integrators::{DEFAULT_OVERSAMPLING, DEFAULT_PIECES, DEFAULT_PLANES};
 use voltet_optics::WidgetBlend;
 use voltet_optics::integrators::{INTEGRATOR, Integrator, can_serve, kinds};
@@ -116,7 +116,7 @@ impl StudyOptions {
     pub fn check(&self, integrators: &[&str], named: impl Fn(&str) -> String) -> Result<()> {
         if let Some(name) = self.only.iter().find(|name| !integrators.contains(&name.as_str())) {
             let error = Error::usage(format!("{} names no integrator that can be studied", named("only")));
-            return Err(error.got(name).expected(suggest(name, integrators.iter().copied())));
+            return Err(error.got(name).not_among(name, integrators.iter().copied()));
         }
         let wrong = |name: &str, found: String, expected: &str| {
             Err(Error::usage(format!("{} is out of range", named(name))).got(found).expected(expected))

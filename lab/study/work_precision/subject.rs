@@ -3,7 +3,7 @@
 use super::variant::RendererVariant;
 use std::sync::Arc;
 use voltet_core::{Error, Result};
-use voltet_graph::{Demand, Graph, GraphNode, Observer, Parameters, Session, Value, diagonal, suggest};
+use voltet_graph::{Demand, Graph, GraphNode, Observer, Parameters, Session, Value, diagonal};
 use voltet_nodes::drawing::{self, NATIVE};
 use voltet_nodes::relative::placed;
 use voltet_optics::engine::EngineInfo;
@@ -171,7 +171,7 @@ fn drawing_node(graph: &Graph, name: Option<&str>) -> Result<usize> {
         (Some(name), _) => names.iter().position(|known| *known == name).map(|i| found[i]).ok_or_else(|| {
             Error::usage("no node of this name draws what the pipeline writes")
                 .got(name)
-                .expected(suggest(name, names.iter().copied()))
+                .not_among(name, names.iter().copied())
         }),
         (None, [place]) => Ok(*place),
         (None, []) => Err(Error::usage("the pipeline draws no volume").expected(

@@ -27,7 +27,7 @@ use super::present::print;
 use super::process::command_line;
 use crate::Document;
 use crate::core::{Error, Result, counted};
-use crate::graph::{Registry, suggest};
+use crate::graph::Registry;
 use crate::io::{formats, memory};
 use crate::lanes::LaneSet;
 use crate::nodes::files;
@@ -112,7 +112,7 @@ fn unknown_command(name: &str, registry: &Result<Registry>) -> Error {
         }
         _ => "command",
     };
-    Error::usage(format!("unknown {what} '{name}'")).expected(suggest(name, names))
+    Error::usage(format!("unknown {what} '{name}'")).not_among(name, names)
 }
 
 /// Starts the worker threads while there is memory for them: later their failure would look like a defect of the program. A

@@ -4,7 +4,7 @@ use super::shared::{DONE, Outcome};
 use crate::cli::arguments::Nodes;
 use crate::cli::present::print;
 use crate::core::{Error, Result};
-use crate::graph::{DefaultValue, Node, Parameter, ParameterType, Port, Registry, VariantSchema, suggest};
+use crate::graph::{DefaultValue, Node, Parameter, ParameterType, Port, Registry, VariantSchema};
 
 pub fn nodes(arguments: &Nodes, registry: &Registry) -> Outcome {
     let page = || registry.iter().map(|node| node_markdown(node, registry) + "\n").collect::<String>();
@@ -34,7 +34,7 @@ pub(super) fn one(name: &str, markdown: bool, registry: &Registry) -> Result<Str
         Some(filter) => Ok(if markdown { filter_markdown(&filter) } else { filter_text(&filter) }),
         None => {
             let error = Error::usage(format!("unknown node type or gradient filter '{name}'"));
-            Err(error.expected(suggest(name, names(registry))))
+            Err(error.not_among(name, names(registry)))
         }
     }
 }

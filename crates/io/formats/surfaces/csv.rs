@@ -6,7 +6,6 @@ use crate::formats::elements::Elements;
 use crate::formats::numbers::{NumberType, parse};
 use glam::DVec3;
 use voltet_core::grid::Association;
-use voltet_core::parameters::suggest;
 use voltet_core::{Error, Result, counted};
 
 /// Names of the places' columns, in lower case.
@@ -31,7 +30,7 @@ pub(super) fn read(bytes: &[u8], array: Option<&str>) -> Result<Elements> {
     let column = array.map(|name| {
         names.iter().position(|own| own == name).ok_or_else(|| {
             Error::run(format!("the table has no column '{name}'"))
-                .expected(suggest(name, names.iter().map(String::as_str)))
+                .not_among(name, names.iter().map(String::as_str))
         })
     });
     let column = column.transpose()?;

@@ -8,7 +8,6 @@ use ply_rs_bw::ply::{
     ElementDef, Property, PropertyAccess, PropertyAccessResult, PropertyDef, PropertyType, ScalarType,
 };
 use voltet_core::grid::Association;
-use voltet_core::parameters::suggest;
 use voltet_core::{Error, Result};
 
 /// Values of an element: single ones in the order of the header, and its last list of whole numbers.
@@ -110,7 +109,7 @@ pub(super) fn read(bytes: &[u8], colors: SurfaceColors<'_>) -> Result<Elements> 
     }
     if let (Some(name), None) = (colors.array(), &values) {
         return Err(Error::run(format!("the file holds no array '{name}'"))
-            .expected(suggest(name, names.iter().map(String::as_str))));
+            .not_among(name, names.iter().map(String::as_str)));
     }
     let count = elements.kinds.len();
     elements.values = values.map(|own| of_all(own, f64::NAN, count));
