@@ -1,6 +1,7 @@
 //! Application of the actions that the parts of the window requested: edits, commands, the clipboard, runs; the document's file, which is
 //! opened or made for data, saved, changed by another program.
 
+use crate::drawn_with::wires_past;
 use crate::editor::{Editor, Next, Panels};
 use crate::eyes;
 use crate::files::{Disk, FileDialog, is_pipeline};
@@ -202,7 +203,10 @@ impl Editor {
             Command::Duplicate => self.duplicate(),
             Command::Delete => {
                 if !self.selection.is_empty() {
-                    self.edit_one(Edit::RemoveNodes(self.selected()));
+                    let removal = Edit::RemoveNodes(self.selected());
+                    let mut edits = wires_past(&self.scene(), &self.selected());
+                    edits.push(removal.clone());
+                    self.edit(removal.label(), &edits);
                 }
             }
             Command::SelectAll => {

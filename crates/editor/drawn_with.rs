@@ -1,8 +1,10 @@
-//! Inputs that a picture is drawn with (transfer function, volume, camera), for nodes that are made of the picture.
+//! Wires of nodes that come into a chain or go from it: what a picture is drawn with, for nodes that are made of it (transfer function,
+//! volume, camera), and what feeds a node that goes.
 
 use crate::scene::Scene;
+use voltet_document::Edit;
 use voltet_document::links::sources;
-use voltet_graph::{NodeEntry, PortType};
+use voltet_graph::{LinkEntry, NodeEntry, PortType};
 
 /// A node and its output, and the input that it may feed.
 pub(crate) type Feeding = (String, String, &'static str);
@@ -44,4 +46,27 @@ pub(crate) fn inputs_of_picture(scene: &Scene, entry: &NodeEntry) -> Vec<Feeding
         Some((node, output, port.name))
     };
     lacking.filter_map(feeding).collect()
+}
+
+/// Wires that lead past nodes which are to go: what one of them feeds gets what feeds that with the same type.
+pub(crate) fn wires_past(scene: &Scene, gone: &[String]) -> Vec<Edit> {
+    let is_gone = |text: &str| gone.iter().any(|name| name == scene.giving(text).0);
+    let before = |text: &str| {
+        let (name, _, port) = scene.giving(text);
+        let (entry, port_type) = (scene.entry(name)?, port?.port_type);
+        let input = scene.node_type(entry)?.all_inputs().find(|input| input.port_type == port_type)?;
+        entry.inputs.iter().find(|link| link.port == input.name)?.source.text()
+    };
+    let stay = scene.document.pipeline().nodes.iter().filter(|node| !gone.contains(&node.name));
+    let links = stay.flat_map(|node| node.inputs.iter().map(move |link| (node, link)));
+    let past = |(node, link): (&NodeEntry, &LinkEntry)| {
+        let mut text = link.source.text().filter(|text| is_gone(text))?;
+        // Each step passes one of them; more would be a circle.
+        for _ in gone {
+            text = if is_gone(text) { before(text)? } else { text };
+        }
+        let (node, port) = (node.name.clone(), link.port.clone());
+        (!is_gone(text)).then(|| Edit::Connect { node, port, source: text.to_string(), beside: false })
+    };
+    links.filter_map(past).collect()
 }

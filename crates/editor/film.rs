@@ -239,8 +239,8 @@ impl FilmPanel {
         self.rate = Some(rate).filter(|rate| *rate != usual_rate);
         let can = self.make.is_some() && scene.document.path().is_some();
         let begins = ui.add_enabled(can, Button::new("Make the film"));
-        let begins = begins
-            .on_disabled_hover_text("save the pipeline first: paths of the film are relative to its file");
+        let begins =
+            begins.why_disabled("save the pipeline first: paths of the film are relative to its file");
         ui.label("The pictures of the frames are written as the pipeline names them; those that are there already, as they would be drawn, stay.");
         if let Some(request) = self.request(scene, steps, frames).filter(|_| begins.clicked()) {
             self.begin(request, ui.ctx());

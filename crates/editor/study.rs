@@ -112,8 +112,7 @@ impl StudyPanel {
         let path = scene.document.path();
         let can = self.make.is_some() && path.is_some() && scene.shown_node.is_some();
         let button = ui.add_enabled(can, eframe::egui::Button::new("Study this picture"));
-        let button =
-            button.on_disabled_hover_text("save the pipeline first: the study is written beside its file");
+        let button = button.why_disabled("save the pipeline first: the study is written beside its file");
         if let (true, Some(path)) = (button.clicked(), path) {
             self.begin(
                 StudyRequest {

@@ -126,7 +126,10 @@ fn with_help(response: Response, place: HelpPlace, help: &str) -> Response {
     if !response.ctx.rect_contains_pointer(response.layer_id, seen.rect) {
         return response;
     }
-    let mut tooltip = Tooltip::for_enabled(&seen);
+    let mut tooltip = match response.enabled() {
+        true => Tooltip::for_enabled(&seen),
+        false => Tooltip::for_disabled(&seen),
+    };
     match place {
         HelpPlace::Beside(rect) => {
             let beside = Rect::from_x_y_ranges(rect.x_range(), seen.rect.y_range());
@@ -152,17 +155,27 @@ pub(crate) trait Help {
     /// control.
     fn help(self, help: impl AsRef<str>) -> Self;
 
+    /// Shows, as help of a control that is disabled, why it is.
+    fn why_disabled(self, why: &str) -> Self;
+
     /// Shows help at the right, of controls that stand below each other.
     fn help_at_right(self, help: impl AsRef<str>) -> Self;
 }
 
 impl Help for Response {
     fn help(self, help: impl AsRef<str>) -> Response {
+        if !self.enabled() {
+            return self;
+        }
         let id = self.layer_id.id;
         let is_panes = self.layer_id.order == Order::Background;
         let sheet = self.ctx.memory(|memory| memory.area_rect(id)).filter(|_| !is_panes);
         let near = sheet.filter(|sheet| sheet.right() - self.rect.right() < WIDE_WIDTH);
         with_help(self, near.map_or(HelpPlace::Below, HelpPlace::Beside), help.as_ref())
+    }
+
+    fn why_disabled(self, why: &str) -> Response {
+        if self.enabled() { self } else { with_help(self, HelpPlace::Below, why) }
     }
 
     fn help_at_right(self, help: impl AsRef<str>) -> Response {

@@ -252,7 +252,7 @@ impl TransferPanel {
             let peak = ui
                 .add_enabled(fits && look.histogram().is_some(), peak)
                 .help("a Gaussian where most of the volume is that no widget holds (P)")
-                .on_disabled_hover_text(NO_PEAK);
+                .why_disabled(NO_PEAK);
             if look.widgets.is_empty() && std::mem::take(&mut self.begins) {
                 peak.request_focus();
             }

@@ -136,6 +136,36 @@ fn nodes_are_added_selected_copied_and_deleted_by_keys() {
 }
 
 #[test]
+fn deleted_nodes_leave_what_fed_them_to_what_they_fed() {
+    let notes = "[nodes.note]\ntype = \"annotation\"\ninputs = { image = \"picture\" }\n\n\
+        [nodes.notes]\ntype = \"annotation\"\ninputs = { image = \"note.image\" }\n\n[nodes.file]";
+    let text =
+        TEXT.replace("[nodes.file]", notes).replace("{ image = \"picture\" }", "{ image = \"notes\" }");
+    let text = text.replacen("{ image = \"notes\" }", "{ image = \"picture\" }", 1);
+    for gone in [&["note", "notes"][..], &["notes"], &["note"], &["gradient"]] {
+        let mut hand = Hand::new(&text);
+        hand.editor.select(gone.iter().map(|name| name.to_string()).collect());
+        hand.frames(2);
+        hand.key(Key::Delete, Modifiers::NONE);
+        let fed = |name: &str| {
+            node(&hand, name).and_then(|node| node.inputs.first()?.source.text()).map(str::to_string)
+        };
+        assert!(gone.iter().all(|name| node(&hand, name).is_none()));
+        let (of_file, of_notes) = match gone {
+            ["note", "notes"] => ("picture", None),
+            ["notes"] => ("note.image", None),
+            ["note"] => ("notes", Some("picture")),
+            _ => ("notes", Some("note.image")),
+        };
+        assert_eq!((fed("file").as_deref(), fed("notes").as_deref()), (Some(of_file), of_notes), "{gone:?}");
+        // A volume is not what a grid is.
+        assert!(gone != ["gradient"] || fed("picture").as_deref() != Some("grid"));
+        hand.key(Key::Z, Modifiers::COMMAND);
+        assert_eq!(hand.text(), text);
+    }
+}
+
+#[test]
 fn a_box_selects_and_a_click_on_the_ground_takes_it_back() {
     let mut hand = Hand::new(TEXT);
     let (first, last) = (hand.rect("node look"), hand.rect("node view"));
