@@ -5,7 +5,6 @@ use serde_json::Value;
 use voltet_core::{Error, Result};
 use voltet_graph::{Node, Outputs, Parameter, ParameterType, Parameters, Port, PortType, RunContext};
 
-/// The formats.
 const JSON: &str = "json";
 const CSV: &str = "csv";
 

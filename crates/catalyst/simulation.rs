@@ -22,11 +22,9 @@ use voltet_graph::{Demand, GRADIENT_LAYERS, Graph, GraphNode, MEAN_LAYERS, PortT
 pub struct Simulation {
     scripts: Vec<Script>,
     step_count: usize,
-    /// The processes of the simulation.
     ranks: Arc<Lockstep>,
 }
 
-/// A pipeline.
 struct Script {
     name: String,
     /// As the file states it: names of output files have their marks.

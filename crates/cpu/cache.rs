@@ -18,7 +18,6 @@ impl<T: Default> FreeList<T> {
         self.with(Vec::pop).unwrap_or_default()
     }
 
-    /// Returns a buffer.
     pub fn put(&self, buffer: T) {
         self.with(|buffers| buffers.push(buffer));
     }

@@ -352,7 +352,6 @@ impl NativeVolume {
 /// Bytes of a view's cached segments at most.
 const MAX_CACHE_BYTES: u64 = 1 << 30;
 
-/// Timer of consecutive stages.
 struct StageTimer {
     last: Instant,
     stages: Vec<StageTiming>,

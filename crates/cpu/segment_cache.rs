@@ -52,7 +52,6 @@ impl SegmentCache {
         }
     }
 
-    /// A tile, if it has segments.
     pub fn tile(&self, tile: usize) -> Option<&CachedTile> {
         self.tiles.get(tile)?.as_ref()
     }
@@ -175,11 +174,9 @@ struct RecentView {
 
 #[derive(Debug, Clone)]
 pub(crate) enum Plan {
-    /// Draw from the cells.
     Cells,
     /// Record the segments of the cells, for an optical depth ([`SegmentCache::max_optical_depth`]), and draw from them.
     Record(f64),
-    /// Draw from cached segments.
     Cached(Arc<SegmentCache>),
 }
 

@@ -52,7 +52,6 @@ struct Remembered {
 
 /// Difference of the remembered picture and another, found on a thread of its own.
 struct Difference {
-    /// The other picture.
     of: Arc<Picture>,
     job: Option<Job<Comparison>>,
     /// True if its image is found, too.

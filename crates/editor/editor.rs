@@ -61,9 +61,7 @@ pub(crate) struct Panels {
 pub(crate) enum Next {
     /// Another document in its place.
     Take(Box<Document>),
-    /// A file.
     Open(PathBuf),
-    /// The choice of one.
     Choose(FilePurpose),
     /// Work that another window left behind.
     Recover,

@@ -360,7 +360,6 @@ pub(crate) fn array_list(
     taken
 }
 
-/// Channels of a colour.
 pub(crate) fn channels(datum: &ParameterValue) -> Option<[f64; 3]> {
     LocatedValue::from(datum.clone()).color()
 }

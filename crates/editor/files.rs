@@ -273,7 +273,6 @@ pub(crate) struct FileDialog {
     pub fault: Option<String>,
 }
 
-/// A file or folder of the list.
 #[derive(Debug)]
 struct ListedFile {
     name: String,

@@ -292,7 +292,6 @@ impl FilmPanel {
     }
 }
 
-/// A field under a name.
 fn named(ui: &mut Ui, name: &str, field: impl Widget) {
     let response = ui.add(field);
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));

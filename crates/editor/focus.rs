@@ -20,7 +20,6 @@ impl Sheet {
     pub const FILE: Self = Self("Choice of a file");
     pub const SECTION: Self = Self("Section: s on a plane");
 
-    /// Its window.
     pub fn window(self) -> Window<'static> {
         Window::new(self.0).id(self.id())
     }
@@ -134,7 +133,6 @@ impl SheetKeys {
 
 /// Areas that scroll to what gains the focus by a key, and sheets that scroll by keys.
 pub(crate) trait FollowFocus {
-    /// Shows the area.
     fn show_followed<R>(self, ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> ScrollAreaOutput<R>;
 }
 

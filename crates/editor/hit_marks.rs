@@ -76,7 +76,6 @@ impl MarkPainter<'_> {
         }
     }
 
-    /// The edges of the cell.
     fn cell(&self, cell: &HitCell) {
         cell.edges.iter().for_each(|ends| self.line(*ends, 1.2));
     }

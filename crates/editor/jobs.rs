@@ -180,7 +180,6 @@ impl DataSource {
     }
 }
 
-/// Arrays of a data file.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct FileArrays {
     pub choices: Vec<ArrayChoice>,

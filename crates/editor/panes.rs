@@ -99,7 +99,6 @@ impl Layouts {
         let _ = made.map(|_| write_whole(file, text.as_bytes()));
     }
 
-    /// Size of the last window.
     pub fn last_size(&self) -> Option<[f32; 2]> {
         self.last.map(|layout| layout.size)
     }

@@ -50,7 +50,6 @@ const TINY_HEAD: f32 = 250.0;
 /// Factor of one notch of the wheel (50 points).
 const NOTCH: f64 = 1.15;
 
-/// Menu of the picture.
 const PICTURE_MENU: &[(&str, Command)] = &[
     ("All of the data", Command::Home),
     ("Isometric", Command::Isometric),
@@ -84,7 +83,6 @@ pub(crate) struct PicturePanel {
     /// True if the middle of the picture is to be seen.
     is_to_centre: bool,
     pub compare: Compare,
-    /// The picture in the window.
     pub rect: Option<Rect>,
     /// Pixels that it can show.
     pub room: [u32; 2],

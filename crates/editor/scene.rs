@@ -226,7 +226,6 @@ impl<'a> Scene<'a> {
     }
 }
 
-/// The camera of a picture.
 pub(crate) fn camera_of<'a>(nodes: &'a [NodeEntry], picture: &str) -> Option<&'a NodeEntry> {
     let feeding = upstream(nodes, picture);
     nodes.iter().find(|node| node.node_type.text() == Some("camera") && feeding.contains(&node.name))
@@ -293,9 +292,7 @@ pub enum ProbePurpose {
 pub enum FilePurpose {
     Open,
     SaveAs,
-    /// Data for a template.
     Data(Template),
-    /// Names the file of a film.
     Film,
     /// Names it in a parameter of a node, which reads or writes it.
     Parameter {

@@ -53,7 +53,6 @@ impl TextSheet {
         });
     }
 
-    /// Opens the sheet, at a line.
     pub fn open_at(&mut self, line: Option<usize>) {
         (self.is_open, self.line) = (true, line);
     }
@@ -119,7 +118,6 @@ impl TextSheet {
         &self.typed
     }
 
-    /// Begins with the text of the document.
     fn begin(&mut self, text: &str) {
         if self.begun != text || self.typed != text {
             (self.typed, self.begun) = (text.to_string(), text.to_string());

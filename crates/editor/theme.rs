@@ -32,7 +32,6 @@ pub(crate) fn apply(ctx: &Context) {
     }
 }
 
-/// Colour of panels.
 pub(crate) fn panel(dark: bool) -> Color32 {
     Color32::from_gray(if dark { 30 } else { 243 })
 }

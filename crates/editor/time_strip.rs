@@ -103,7 +103,6 @@ impl TimeStrip {
         self.count(camera) > 1 || self.fault.is_some() && scene.failure.is_none()
     }
 
-    /// Frame that is shown.
     pub fn frame(&self, nodes: &[NodeEntry]) -> usize {
         match self.series.is_none() {
             true => self.at,

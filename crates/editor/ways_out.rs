@@ -33,7 +33,6 @@ pub(crate) const ELSEWHERE: &str = "Save elsewhere …";
 #[derive(Debug, Clone)]
 pub(crate) struct Message {
     pub text: String,
-    /// The error that it says.
     pub error: Option<Error>,
     /// The command that failed by it, to be given once more.
     pub again: Option<Command>,

@@ -61,7 +61,6 @@ static FONT: LazyLock<Face<'static>> = LazyLock::new(|| {
 /// Width of lines as a share of the font's size.
 const LINE: f32 = 0.08;
 
-/// Opacity of the rim.
 const RIM: f32 = 0.6;
 
 /// Distance from one line of a text to the next, in font sizes.

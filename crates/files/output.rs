@@ -4,7 +4,6 @@ use std::fs::File;
 use std::io::{self, Write};
 use std::sync::OnceLock;
 
-/// The private descriptor.
 static PRIVATE: OnceLock<File> = OnceLock::new();
 
 /// Takes the standard output for what this program writes by [`crate::standard_output`] and [`crate::write_whole`]. Prints of others

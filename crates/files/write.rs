@@ -13,9 +13,7 @@ use std::sync::{Mutex, PoisonError, TryLockError};
 use tempfile::NamedTempFile;
 use voltet_core::{Error, Result};
 
-/// Target of a path to write.
 enum Target {
-    /// The standard output.
     StandardOutput,
     /// A device or a pipe, which takes what is written and is not replaced.
     Through,

@@ -21,7 +21,6 @@ use wgpu::{
 pub(crate) struct CellPrimitive {
     /// Entry points for vertices and for pixels.
     entry_points: [&'static str; 2],
-    /// The triangles of a cell, by its vertices.
     triangles: &'static [[u32; 3]],
     vertices: u32,
 }

@@ -73,7 +73,6 @@ impl Inputs {
 }
 
 impl Input {
-    /// The bytes as they are now.
     fn now(&self) -> &[u8] {
         // SAFETY: the input is still there, which `Inputs::add` requires; no function of the plug-in runs now.
         unsafe { std::slice::from_raw_parts(self.address, self.byte_count) }

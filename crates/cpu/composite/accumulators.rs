@@ -280,9 +280,7 @@ impl Sink for UnboundedFragmentLists {
 pub(crate) struct Fragment {
     /// Premultiplied colour and opacity.
     pub rgba: [f32; 4],
-    /// Depth of the entry.
     pub entry: f32,
-    /// Depth of the exit.
     pub exit: f32,
 }
 

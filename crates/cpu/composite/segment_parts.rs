@@ -34,7 +34,6 @@ pub(crate) struct SegmentCutter {
     /// Colours of the segments that were cut, in order of their slots: premultiplied, with opacities; where the scene has one colour, the
     /// last is the optical depth, or the opacity after light.
     colors: Vec<(usize, [f32; 4])>,
-    /// Results of shading parts.
     pub shaded: ShadedBatch,
     /// Parts that are drawn, each with its pixel, where stretches of rays are recorded.
     recorded: Vec<(usize, Fragment)>,
@@ -53,7 +52,6 @@ struct Cursor {
 
 /// A part of a segment that is cut, or a surface among its parts.
 struct CutFragment {
-    /// Slot of the segment in its batch.
     slot: usize,
     /// A surface's colour, or none for the next part.
     surface: Option<[f32; 4]>,
@@ -381,7 +379,6 @@ struct CutRow<'a, 'f> {
     frame: &'a FrameContext<'f>,
     batch: &'a mut Batch,
     count: usize,
-    /// Pixel of each lane.
     pixels: [usize; TILE],
     rays: &'a Rays,
 }

@@ -35,7 +35,6 @@ struct StraightenRow<'a, 'f> {
     source: &'a Batch,
     slots: Range<usize>,
     batch: &'a mut Batch,
-    /// Pixel of each lane.
     pixels: [usize; TILE],
     rays: &'a Rays,
 }

@@ -53,7 +53,6 @@ pub(crate) struct Batch {
     pub length: Box<Column>,
     /// Depth of the entry from the distance origin (orders segments; × stretch = distance).
     pub entry: Box<Column>,
-    /// Depth of the exit.
     pub exit: Box<Column>,
     /// Values at the entry, attribute by attribute.
     pub front: Vec<Column>,

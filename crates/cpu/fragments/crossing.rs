@@ -257,7 +257,6 @@ impl<L: Lanes> Crossing<L> {
         }
     }
 
-    /// Depth of the exit.
     #[inline(always)]
     fn exit(&self) -> L::F {
         self.depth_at(1)

@@ -116,7 +116,6 @@ struct PendingGaussian<L: Lanes> {
     share: L::F,
     cut: L::M,
     meets: L::M,
-    /// Number of the widget.
     number: usize,
 }
 

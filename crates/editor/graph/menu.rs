@@ -14,7 +14,6 @@ use voltet_graph::Node;
 /// Width and greatest height, points.
 const SIZE: [f32; 2] = [300.0, 360.0];
 
-/// Choices that a menu offers.
 enum Offers {
     /// Node types, those that fit a wire in the hand.
     Nodes(Option<Port>),

@@ -69,7 +69,6 @@ pub(super) struct Face {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Nothing;
 
-/// A press of the eye of a node.
 #[derive(Debug, Clone)]
 pub(super) struct EyePress(pub String);
 

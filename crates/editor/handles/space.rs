@@ -44,7 +44,6 @@ enum Part {
     /// Face of a box: its axis, and true for the upper one.
     Face(usize, bool),
     Radius,
-    /// End of a cylinder.
     End(usize),
 }
 
@@ -134,7 +133,6 @@ pub(super) fn objects<'a>(
     found
 }
 
-/// The parameters of the kind of a clip.
 fn clip_kind(stated: &[Field]) -> Option<&'static [Parameter]> {
     let ParameterType::Kinds(kinds) = CLIP.parameter_type else { return None };
     let kind = find_setting(stated, "kind").and_then(LocatedValue::text)?;

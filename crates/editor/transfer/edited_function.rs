@@ -207,7 +207,6 @@ pub(crate) fn volumes_of(scene: &Scene, look: &str) -> BTreeSet<(String, String)
     sources.iter().map(|text| scene.output_of(text)).collect()
 }
 
-/// An axis with what it is.
 pub(super) fn axis_title(look: &EditedFunction, axis: &ArrayRef) -> String {
     match axis {
         ArrayRef::Named("s") => look.scene.scalar().map_or("s".into(), |name| format!("s = {name}")),

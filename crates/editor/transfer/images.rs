@@ -30,7 +30,6 @@ type Key = (PathBuf, Option<SystemTime>);
 #[derive(Clone, Default)]
 pub(super) struct Images {
     ctx: Context,
-    /// Folder of relative paths.
     folder: PathBuf,
     known: Arc<Mutex<HashMap<Key, State>>>,
 }

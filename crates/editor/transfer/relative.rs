@@ -22,7 +22,6 @@ const MAX_DIGITS: usize = 14;
 /// Share of the range that a percentile may be off by, where the pointer does not resolve less.
 const NEAR: f64 = 2e-4;
 
-/// Axes of the plane.
 pub(super) struct PlaneAxes<'a> {
     /// Scales of s and g.
     pub scales: [AxisScale; 2],

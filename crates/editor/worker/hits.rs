@@ -129,7 +129,6 @@ fn crossings(surface: &Surface, origin: DVec3, direction: DVec3) -> Vec<[f64; 2]
     surface.triangles.par_iter().enumerate().filter_map(crossing).collect()
 }
 
-/// The cell that a point lies in.
 fn find_cell(volume: &Volume, point: DVec3) -> Option<HitCell> {
     let cells = (0..volume.grid.tetrahedra.len()).into_par_iter();
     let found = cells.filter_map(|cell| in_cell(volume, cell, point));

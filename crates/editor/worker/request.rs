@@ -130,7 +130,6 @@ impl RenderRequest {
     }
 }
 
-/// Changes from a request to a newer one.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Change {
     /// The nodes whose output is another, or is not needed any more.

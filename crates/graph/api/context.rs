@@ -137,9 +137,7 @@ pub(crate) trait RunServices {
     fn origins(&self) -> Origins;
     /// The value kept under a key, made if there is none.
     fn get_or_make(&self, key: (Revision, TypeId), make: Make) -> Result<RetainedValue>;
-    /// See [`RunContext::step_count`].
     fn step_count(&self, edge: usize) -> Result<usize>;
-    /// See [`RunContext::each_step`].
     fn each_step(
         &self,
         edge: usize,
@@ -147,7 +145,6 @@ pub(crate) trait RunServices {
         steps: Option<&[usize]>,
         of_step: &mut dyn FnMut(usize, Value) -> Result<()>,
     ) -> Result<()>;
-    /// See [`RunContext::keep_over_steps`].
     fn keep_over_steps(
         &self,
         edge: usize,
@@ -163,14 +160,11 @@ pub(crate) trait RunServices {
     fn parts(&self) -> Vec<usize>;
     /// Notes that all parts were gone through.
     fn end_parts(&self);
-    /// See [`RunContext::swept_parts`].
     fn swept_parts(&self, edge: usize) -> Option<SweptParts>;
     /// Runs what feeds the node for a part, and hands the services and the values at its inputs to `of_part`. Nothing where the part
     /// has no cells.
     fn with_part(&self, part: usize, of_part: &mut PartCallback) -> Result<()>;
-    /// See [`RunContext::keep_for_parts`].
     fn keep_for_parts(&self, value_type: TypeId, make: Make) -> Result<RetainedValue>;
-    /// See [`RunContext::set_diagonal`].
     fn set_diagonal(&self, diagonal: f64);
     /// The processes of the run.
     fn ranks(&self) -> &dyn Ranks;

@@ -199,7 +199,6 @@ impl PieceArray {
         PieceArray::new(association, Stored::computed(source, name, component_count, tuple_count, compute))
     }
 
-    /// Its header.
     pub fn head(&self) -> FileArray {
         let Stored { name, component_count, .. } = &self.stored;
         FileArray { name: name.clone(), association: self.association, component_count: *component_count }

@@ -24,7 +24,6 @@ struct ChunkPlace(u64, u32);
 pub(super) struct ChunkRows {
     /// The chunks, those of a row side by side.
     chunks: Vec<ChunkPlace>,
-    /// Rows and columns of a chunk.
     chunk: [usize; 2],
     pub columns: usize,
     /// Rows of the array before the first of its part.

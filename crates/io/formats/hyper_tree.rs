@@ -39,7 +39,6 @@ pub(super) struct TreeList {
 
 /// A tree, by its place in a list.
 pub(super) struct HyperTree {
-    /// Number of its root.
     pub root: u64,
     pub parents: Range<u64>,
     pub vertices: Range<u64>,

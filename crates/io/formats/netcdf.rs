@@ -216,7 +216,6 @@ impl Header {
         (0..count).map(|_| element(self)).collect()
     }
 
-    /// The attributes of text.
     fn attributes(&mut self) -> Result<Vec<(String, String)>> {
         let attributes = self.list(ATTRIBUTES, |header| {
             let (name, code) = (header.name()?, header.number(4)?);

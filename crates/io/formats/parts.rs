@@ -167,7 +167,6 @@ fn shared_keys(own: NumberedKeys, share: &Share, progress: &dyn Progress) -> Res
     Ok(shared)
 }
 
-/// Keys of points of pieces, with the pieces' numbers.
 type NumberedKeys = Vec<(usize, PointKeys)>;
 
 struct OwnPieces<'a> {

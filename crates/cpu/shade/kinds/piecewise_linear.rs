@@ -110,7 +110,6 @@ impl LaneLinear {
         array!(|quantity| tables.at(quantity, k, offset).max(L::F::splat(0.0)))
     }
 
-    /// Optical depth.
     #[inline(always)]
     pub fn depth<L: Lanes>(&self, segments: &SegmentLanes<L>) -> L::F {
         let tables = self.tables::<L>();

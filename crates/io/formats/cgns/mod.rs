@@ -338,7 +338,6 @@ fn sections(zone: &[Node], is_3_0: bool) -> Result<Vec<Section>> {
     Ok(sections)
 }
 
-/// Adds the arrays of a solution.
 fn add_solution(
     solution: &Node,
     sizes: &Sizes,

@@ -9,7 +9,6 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use voltet_core::{Error, Result, counted};
 
-/// Ending of root files.
 const ROOT: &str = "mfem_root";
 
 pub(super) fn is_root(path: &Path) -> bool {

@@ -44,7 +44,6 @@ impl Item {
         Stored { name: name.to_owned(), component_count, tuple_count, ..self.stored }
     }
 
-    /// All numbers of a small item.
     pub fn numbers(&self) -> Result<Vec<f64>> {
         self.stored.load(&crate::formats::contents::Meter::new(&voltet_core::progress::NoProgress, 1))
     }
