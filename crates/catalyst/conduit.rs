@@ -149,10 +149,7 @@ impl<'a> Node<'a> {
         (!pointer.is_null()).then(|| self.inner(pointer, path))
     }
 
-    /// The node at a path below it.
-    ///
-    /// # Errors
-    /// - there is none.
+    /// The node at a path below it. Errors: there is none.
     pub fn require(&self, path: &str) -> Result<Node<'a>> {
         self.get(path).ok_or_else(|| {
             let missing =
@@ -197,10 +194,7 @@ impl<'a> Node<'a> {
         }
     }
 
-    /// The numbers of a leaf.
-    ///
-    /// # Errors
-    /// - a node that is no leaf of numbers of this machine.
+    /// The numbers of a leaf. Errors: a node that is no leaf of numbers of this machine.
     pub fn numbers(&self) -> Result<Numbers<'a>> {
         let (id, numbers) = self.leaf()?;
         let Some(kind) = NumberKind::ALL.into_iter().find(|kind| *kind as Index == id) else {
@@ -250,10 +244,7 @@ impl<'a> Node<'a> {
         Ok((id, numbers))
     }
 
-    /// The text of a leaf.
-    ///
-    /// # Errors
-    /// - a node that is no text in UTF-8.
+    /// The text of a leaf. Errors: a node that is no text in UTF-8.
     pub fn text(&self) -> Result<String> {
         let id = self.kind();
         if id != TEXT {
@@ -267,10 +258,7 @@ impl<'a> Node<'a> {
             .map_err(|error| self.wrong("is no UTF-8", error.utf8_error(), "text in UTF-8"))
     }
 
-    /// Texts: those of its children, or its own.
-    ///
-    /// # Errors
-    /// - numbers, or a child that is no text.
+    /// Texts: those of its children, or its own. Errors: numbers, or a child that is no text.
     pub fn texts(&self) -> Result<Vec<String>> {
         match self.kind() {
             TEXT => Ok(vec![self.text()?]),
@@ -285,18 +273,12 @@ impl<'a> Node<'a> {
         unsafe { (self.functions.datatype_id)((self.functions.node_dtype)(self.pointer)) }
     }
 
-    /// The text of a leaf below it.
-    ///
-    /// # Errors
-    /// - no such node, or no text.
+    /// The text of a leaf below it. Errors: no such node, or no text.
     pub fn text_at(&self, path: &str) -> Result<String> {
         self.require(path)?.text()
     }
 
-    /// The only number of a leaf.
-    ///
-    /// # Errors
-    /// - a node with another count of numbers than one.
+    /// The only number of a leaf. Errors: a node with another count of numbers than one.
     pub fn number(&self) -> Result<f64> {
         let numbers = self.numbers()?;
         match numbers.count {
@@ -305,10 +287,7 @@ impl<'a> Node<'a> {
         }
     }
 
-    /// The only number of a leaf, which is whole and not negative.
-    ///
-    /// # Errors
-    /// - another number.
+    /// The only number of a leaf, which is whole and not negative. Errors: another number.
     pub fn count(&self) -> Result<usize> {
         let number = self.number()?;
         match number {
@@ -466,9 +445,7 @@ impl Numbers<'_> {
     }
 
     /// A copy of whole numbers, each checked and converted by `convert`.
-    ///
-    /// # Errors
-    /// - numbers that are not whole, or that `convert` refuses; the first is named. `accepted`: what would be right.
+    /// Errors: numbers that are not whole, or that `convert` refuses; the first is named. `accepted`: what would be right.
     pub fn to_whole<T: Send>(
         &self,
         accepted: impl std::fmt::Display,

@@ -101,10 +101,7 @@ pub unsafe extern "C" fn catalyst_initialize_voltet(parameters: *const c_void) -
 }
 
 /// The processes of the communicator `catalyst/mpi_comm`, by its number in Fortran; without one those of MPI's world.
-///
-/// # Errors
-/// - a communicator that is none;
-/// - several processes, and MPI has not been started.
+/// Errors: a communicator that is none; several processes, and MPI has not been started.
 #[cfg(feature = "mpi")]
 fn processes(parameters: &Node) -> Result<Arc<dyn Ranks>> {
     let number = |node: Node| {
@@ -125,10 +122,7 @@ fn processes(parameters: &Node) -> Result<Arc<dyn Ranks>> {
     Err(error.expected("catalyst_initialize after MPI_Init"))
 }
 
-/// The only process: each of several would write the same files.
-///
-/// # Errors
-/// - several processes.
+/// The only process: each of several would write the same files. Errors: several processes.
 #[cfg(not(feature = "mpi"))]
 fn processes(_parameters: &Node) -> Result<Arc<dyn Ranks>> {
     match launched_count() {

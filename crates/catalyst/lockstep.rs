@@ -11,10 +11,7 @@ use voltet_graph::ranks::Ranks;
 const GOES_ON: u8 = 0;
 const HAS_FAILED: u8 = 1;
 
-/// Outcome of work, of which a panic is an error of that kind: other processes wait for it.
-///
-/// # Errors
-/// - those of the work.
+/// Outcome of work, of which a panic is an error of that kind: other processes wait for it. Errors: those of the work.
 pub fn caught<T>(work: impl FnOnce() -> Result<T>) -> Result<T> {
     let outcome = catch_unwind(AssertUnwindSafe(work));
     outcome.unwrap_or_else(|panic| Err(Error::new(ErrorKind::Panic, voltet::panic_message(panic.as_ref()))))
@@ -36,20 +33,13 @@ impl Lockstep {
         Lockstep { ranks, is_broken: AtomicBool::new(false), failed: Mutex::new(None) }
     }
 
-    /// The outcome of work that all processes do, once all are done or one has failed.
-    ///
-    /// # Errors
-    /// - that of the work;
-    /// - another process failed.
+    /// The outcome of work that all processes do, once all are done or one has failed. Errors: that of the work; another process failed.
     pub fn agree<T>(&self, outcome: Result<T>) -> Result<T> {
         self.agree_on(outcome, |_| String::new())
     }
 
     /// Like [`Lockstep::agree`], for work that has to come to the same on all processes. `lines`: what it comes to, in lines.
-    ///
-    /// # Errors
-    /// - as of [`Lockstep::agree`];
-    /// - another process came to something else: the same error on all, with the first line that differs.
+    /// Errors: as of [`Lockstep::agree`]; another process came to something else: the same error on all, with the first line that differs.
     pub fn agree_on<T>(&self, outcome: Result<T>, lines: impl Fn(&T) -> String) -> Result<T> {
         if self.count() == 1 {
             return outcome;

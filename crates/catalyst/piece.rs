@@ -18,9 +18,7 @@ use voltet_graph::ranks::Ranks;
 type Outline = (usize, Option<[DVec3; 2]>, u64, bool, bool);
 
 /// Numbers the blocks of all processes by their names, in the order of these. All processes call it together.
-///
-/// # Errors
-/// - another process ended, or the network failed.
+/// Errors: another process ended, or the network failed.
 pub fn number_blocks(mesh: &mut Mesh, ranks: &dyn Ranks) -> Result<()> {
     let mut names = gather(&mesh.blocks, ranks)?.concat();
     names.sort_unstable();
@@ -32,11 +30,7 @@ pub fn number_blocks(mesh: &mut Mesh, ranks: &dyn Ranks) -> Result<()> {
 }
 
 /// Builds the piece of this process: `None` where its domains have no cells. `layers`: rings of cells of others that nodes may look at. All
-/// processes call it together.
-///
-/// # Errors
-/// - no process has a domain with the fields;
-/// - domains that contradict each other.
+/// processes call it together. Errors: no process has a domain with the fields; domains that contradict each other.
 pub fn build(mesh: Mesh, layers: usize, options: &Options, ranks: &dyn Ranks) -> Result<Option<HostGrid>> {
     let mut own: Vec<RawGrid> = mesh.pieces.into_iter().filter(|piece| piece.cells.count() > 0).collect();
     let outline = |piece: &RawGrid| -> Outline {

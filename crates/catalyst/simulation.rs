@@ -293,10 +293,7 @@ impl Script {
         }
     }
 
-    /// Notes the files that a step writes.
-    ///
-    /// # Errors
-    /// - one that the step before has written.
+    /// Notes the files that a step writes. Errors: one that the step before has written.
     fn note_files(&mut self, step: &Step, marks: &MarkValues) -> Result<()> {
         for (node, named) in written(&self.graph).filter(|(_, named)| !is_stream(&named.path)) {
             let path = names::path_of(&named.path, marks, &[Varying::Step])?;

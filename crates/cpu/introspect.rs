@@ -56,11 +56,7 @@ pub fn lanes_of(engine: &dyn Engine) -> Option<LaneSet> {
 }
 
 /// Integrates segments on a lane set, as if they were the cells of one scene in exhaustive mode. `ordered`: segments are put in
-/// order also where one colour needs no order.
-///
-/// # Errors
-///
-/// - Those of drawing with this transfer function and shading.
+/// order also where one colour needs no order. Errors: those of drawing with this transfer function and shading.
 pub fn integrate_segments(
     lanes: LaneSet,
     transfer_function: &TransferFunction,

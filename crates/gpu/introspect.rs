@@ -27,10 +27,7 @@ const CHAIN_PART: usize = 1 << 14;
 /// Single segments.
 impl Device {
     /// Integrates a segment by the closed forms. The inner error is the reason that the device refuses it before it draws.
-    ///
-    /// # Errors
-    ///
-    /// - A device that fails on the way.
+    /// Errors: a device that fails on the way.
     pub fn integrate_segment(
         &self,
         transfer_function: &TransferFunction,
@@ -108,11 +105,7 @@ impl Device {
         self.run_on_rows("evaluate", &shader, &[], &[], &rows, values)
     }
 
-    /// Composites segments front to back: r, g, b, A as it is summed, 1 − A, and A.
-    ///
-    /// # Errors
-    ///
-    /// - A device that fails on the way.
+    /// Composites segments front to back: r, g, b, A as it is summed, 1 − A, and A. Errors: a device that fails on the way.
     pub fn composite_chain(&self, segments: &[Contribution]) -> Result<[f64; 6]> {
         let row = |c: &Contribution| [c.color[0], c.color[1], c.color[2], c.opacity].map(|x| x as f32);
         let rows: Vec<[f32; 4]> = segments.iter().map(row).collect();
@@ -124,11 +117,7 @@ impl Device {
         Ok(std::array::from_fn(|i| f64::from(values[i])))
     }
 
-    /// ψ, F, B and ζ of linear extinction from a to b.
-    ///
-    /// # Errors
-    ///
-    /// - A device that fails on the way.
+    /// ψ, F, B and ζ of linear extinction from a to b. Errors: a device that fails on the way.
     pub fn partial_integrals(&self, a: f64, b: f64) -> Result<[f64; 4]> {
         let rows = [[a as f32, b as f32, (0.5 * (a + b)) as f32, 0.0]];
         let values = self.evaluate("measured/partial_integrals", &rows, &[f32::NAN; 4])?;

@@ -21,10 +21,7 @@ pub(crate) fn around(times: &[f64], time: f64) -> Option<StepPair> {
     Some(StepPair { steps: [first, first + 1], share: (time - before) / (after - before) })
 }
 
-/// A grid with values between those of two, of which the second counts `share`.
-///
-/// # Errors
-/// - meshes that differ, arrays that one of them lacks.
+/// A grid with values between those of two, of which the second counts `share`. Errors: meshes that differ, arrays that one of them lacks.
 pub(crate) fn interpolated(first: Grid, second: &Grid, share: f64) -> Result<Grid> {
     if !is_same_mesh(&first, second) {
         let error =

@@ -24,10 +24,7 @@ pub fn command_line() -> &'static [OsString] {
     GIVEN.get().unwrap_or_else(|| OWN.get_or_init(|| std::env::args_os().collect()))
 }
 
-/// The file that starts this program.
-///
-/// # Errors
-/// - the system does not say.
+/// The file that starts this program. Errors: the system does not say.
 pub fn own_program() -> Result<PathBuf> {
     if let Some(program) = GIVEN.get().and_then(|words| words.first()) {
         return Ok(program.into());

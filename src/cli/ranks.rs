@@ -29,9 +29,7 @@ pub struct Launch {
 impl Launch {
     /// Joins the other processes, if a launcher started any. Those after the first say nothing from here on but why they fail.
     /// `is_apart`: each has pictures of its own, and none waits for another.
-    ///
-    /// # Errors
-    /// - several processes of a program that was built without MPI; a launcher that does not number them.
+    /// Errors: several processes of a program that was built without MPI; a launcher that does not number them.
     pub fn join(is_apart: bool) -> Result<Launch> {
         let count = launched_count();
         let launch = match count {

@@ -198,9 +198,7 @@ impl Volume {
     }
 
     /// The volume as engines take it, with gradient magnitude and gradient vectors where they are needed.
-    ///
-    /// # Errors
-    /// - those of the gradient filter, and cancellation.
+    /// Errors: those of the gradient filter, and cancellation.
     pub(super) fn built(
         &self,
         needs_magnitude: bool,

@@ -73,10 +73,7 @@ impl TransferFunction {
         TransferFunction { unit_distance: UnitDistance::Length(length), ..self }
     }
 
-    /// The transfer function for a grid with these bounds.
-    ///
-    /// # Errors
-    /// - a number that is out of range or not finite.
+    /// The transfer function for a grid with these bounds. Errors: a number that is out of range or not finite.
     pub(super) fn scaled(&self, bounds: Option<[glam::DVec3; 2]>) -> Result<ScaledTransferFunction> {
         let unit_distance = match self.unit_distance {
             UnitDistance::Auto => diagonal(bounds) / 100.0,

@@ -50,10 +50,7 @@ fn shape_named(node: &Node, name: &str) -> Result<&'static Shape> {
     })
 }
 
-/// True if a topology may have cells with volume.
-///
-/// # Errors
-/// - an unknown type or shape.
+/// True if a topology may have cells with volume. Errors: an unknown type or shape.
 pub(super) fn has_volume(domain: &Node, topology: &Node) -> Result<bool> {
     let kind = topology.require("type")?;
     match kind.text()?.as_str() {
@@ -76,9 +73,7 @@ pub(super) fn has_volume(domain: &Node, topology: &Node) -> Result<bool> {
 }
 
 /// Numbers of points and cells of a topology that states its counts alone; `None` of others.
-///
-/// # Errors
-/// - a count that is missing, wrong or too large.
+/// Errors: a count that is missing, wrong or too large.
 pub(super) fn stated_counts(domain: &Node, topology: &Node) -> Result<Option<[usize; 2]>> {
     if !["uniform", "rectilinear"].contains(&topology.text_at("type")?.as_str()) {
         return Ok(None);
@@ -88,10 +83,7 @@ pub(super) fn stated_counts(domain: &Node, topology: &Node) -> Result<Option<[us
     Ok(counts.map(|counts| [product(counts), product(counts.map(|count| count.saturating_sub(1)))]))
 }
 
-/// Points and cells of a topology.
-///
-/// # Errors
-/// - what is missing, of the wrong length or out of range, with its path.
+/// Points and cells of a topology. Errors: what is missing, of the wrong length or out of range, with its path.
 pub(super) fn topology(domain: &Node, node: &Node, loan: &Loan) -> Result<Topology> {
     if let Some(function) = node.get("grid_function") {
         return Err(function.wrong(

@@ -13,10 +13,7 @@ pub(super) struct Coordinates<'a> {
 }
 
 impl<'a> Coordinates<'a> {
-    /// The coordinate set that a topology names.
-    ///
-    /// # Errors
-    /// - no such set, or one of an unknown type.
+    /// The coordinate set that a topology names. Errors: no such set, or one of an unknown type.
     pub fn find(domain: &Node<'a>, topology: &Node<'a>) -> Result<Coordinates<'a>> {
         let name = topology.text_at("coordset")?;
         let node = domain.require(&format!("coordsets/{name}"))?;
@@ -30,10 +27,7 @@ impl<'a> Coordinates<'a> {
         }
     }
 
-    /// Number of dimensions of the space.
-    ///
-    /// # Errors
-    /// - coordinates that are not Cartesian.
+    /// Number of dimensions of the space. Errors: coordinates that are not Cartesian.
     pub fn dimension(&self) -> Result<usize> {
         let (values, names) = match self.kind.as_str() {
             "uniform" => (self.node.require("dims")?, AXES.map(|axis| axis.1)),
@@ -51,10 +45,7 @@ impl<'a> Coordinates<'a> {
     }
 
     /// Numbers of points along the axes of a set of lines; `None` of explicit points.
-    ///
-    /// # Errors
-    /// - a count that is missing or wrong;
-    /// - more points than have numbers of 32 bits.
+    /// Errors: a count that is missing or wrong; more points than have numbers of 32 bits.
     pub fn counts(&self) -> Result<Option<[usize; 3]>> {
         let mut counts = [0; 3];
         for (count, (x, i)) in counts.iter_mut().zip(AXES) {
@@ -72,10 +63,7 @@ impl<'a> Coordinates<'a> {
         Ok(Some(counts))
     }
 
-    /// The points, the first axis running fastest.
-    ///
-    /// # Errors
-    /// - arrays that are missing or of different lengths.
+    /// The points, the first axis running fastest. Errors: arrays that are missing or of different lengths.
     pub fn points(&self, loan: &Loan) -> Result<SharedSlice<DVec3>> {
         let lines = match self.kind.as_str() {
             "explicit" => return self.explicit(loan),

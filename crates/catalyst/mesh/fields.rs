@@ -93,10 +93,7 @@ pub(super) fn check_lengths(
 }
 
 /// Adds the selected fields of a topology, ghost cells and global numbers of points to a piece.
-///
-/// # Errors
-/// - values that are missing, or of another number than points or cells;
-/// - a field of an order above the mesh's.
+/// Errors: values that are missing, or of another number than points or cells; a field of an order above the mesh's.
 pub(super) fn add(
     piece: &mut RawGrid,
     domain: &Node,

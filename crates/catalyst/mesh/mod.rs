@@ -25,10 +25,7 @@ pub struct Mesh {
 
 /// The mesh of a channel, with the selected fields: without pieces where the channel holds no domain. The parts of a `multimesh` become
 /// blocks. Domains without the fields or without volume are left out.
-///
-/// # Errors
-/// - a type of channel that is not read;
-/// - a node that the Blueprint demands and that is missing or wrong, with its path.
+/// Errors: a type of channel that is not read; a node that the Blueprint demands and that is missing or wrong, with its path.
 pub fn read(channel: &Node, selection: &FieldSelection, loan: &Loan) -> Result<Mesh> {
     let (data, kind) = (channel.require("data")?, channel.require("type")?);
     let meshes = match kind.text()?.as_str() {

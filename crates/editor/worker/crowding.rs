@@ -14,10 +14,7 @@ pub(crate) struct Crowding(BTreeMap<String, (RenderRequest, u32)>);
 impl Crowding {
     /// The picture whose sides are divided by the first divisor, or by the greatest one that is worth a try; where a tile of it is too crowded
     /// for a device, one of twice the resolution, and so on up to the second divisor, in which a tile has the fewest cells. `draw`: draws
-    /// with a divisor.
-    ///
-    /// # Errors
-    /// - those of `draw`; that of a crowded tile where the finest picture has one.
+    /// with a divisor. Errors: those of `draw`; that of a crowded tile where the finest picture has one.
     pub fn finer_where_crowded<T>(
         &mut self,
         wanted: &RenderRequest,

@@ -131,7 +131,7 @@ pub(crate) type RetainedValue = Arc<dyn Any + Send + Sync>;
 /// The revision of what is made from no output, and stays as long as the session. Outputs count from 1.
 pub(crate) const FOR_THE_SESSION: Revision = Revision(0);
 
-/// Services of a session to a node that it runs.
+/// Services of a session to a node that it runs. Those with the name of a function of [`RunContext`] are for that.
 pub(crate) trait RunServices {
     /// Origins of the values at the node's inputs.
     fn origins(&self) -> Origins;

@@ -23,10 +23,7 @@ struct Words {
 }
 
 /// Makes a film; gives a line about it. Pictures that are there, as they would be drawn, are taken.
-///
-/// # Errors
-/// - those of `voltet run`;
-/// - frames that cannot be drawn: the first of them; the others are drawn, and stay for the next film.
+/// Errors: those of `voltet run`; frames that cannot be drawn: the first of them; the others are drawn, and stay for the next film.
 pub fn film_of(request: &FilmRequest, registry: &Registry, observer: &dyn Observer) -> Result<String> {
     made(request, registry, observer).map_err(|failure| failure.error)
 }

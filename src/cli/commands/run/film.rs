@@ -55,10 +55,7 @@ fn kind(path: &Path) -> Result<Kind> {
 }
 
 /// Checks, before any work, the film and the sheet that are asked for.
-///
-/// # Errors
-/// - a film of no known format, one that cannot be written or is a file of the call;
-/// - a pipeline without a picture, or with several.
+/// Errors: a film of no known format, one that cannot be written or is a file of the call; a pipeline without a picture, or with several.
 pub(super) fn check(arguments: &Run, documents: &[Document]) -> std::result::Result<(), LocatedError> {
     let options = &arguments.frames;
     if let Some(path) = &options.film {

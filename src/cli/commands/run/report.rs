@@ -21,10 +21,7 @@ pub(super) struct ReportSpool {
 }
 
 impl ReportSpool {
-    /// A report without runs.
-    ///
-    /// # Errors
-    /// - no file can be made in the folder for temporary files.
+    /// A report without runs. Errors: no file can be made in the folder for temporary files.
     pub fn new() -> Result<ReportSpool> {
         let file = files::nameless().map_err(|error| unwritable(&error))?;
         Ok(ReportSpool { file: BufWriter::new(file), run_count: 0, step_count: 0 })

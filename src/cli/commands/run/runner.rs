@@ -39,10 +39,7 @@ impl Observer for OneOfSeveral<'_> {
 
 impl<'a> Runner<'a> {
     /// A call before its first run. `streams`: a file goes to the standard output; `wrong`: the exit code so far, and the
-    /// files that failed.
-    ///
-    /// # Errors
-    /// - the report cannot be begun.
+    /// files that failed. Errors: the report cannot be begun.
     pub fn new(
         arguments: &'a Run,
         registry: &'a Registry,

@@ -14,10 +14,7 @@ const MAX_WIDTH: usize = 4096;
 /// Least height of letters, pixels.
 const MIN_FONT: f32 = 11.0;
 
-/// Writes the sheet of pictures; gives a line about it.
-///
-/// # Errors
-/// - pictures that cannot be read, or a file that cannot be written.
+/// Writes the sheet of pictures; gives a line about it. Errors: pictures that cannot be read, or a file that cannot be written.
 pub(super) fn write(path: &Path, pictures: &[DrawnFrame], background: [f64; 3]) -> Result<String> {
     let columns = (pictures.len() as f64).sqrt().ceil() as usize;
     let (first, _) = read_picture(&pictures[0].path)?;
