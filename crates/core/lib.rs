@@ -34,4 +34,4 @@ pub use counted::{agreeing, counted, noun_of, with_commas};
 pub use error::{Error, Result};
 /// Vectors and matrices, in the version that the types here are made of.
 pub use glam;
-pub use shared::SharedSlice;
+pub use shared::{SharedSlice, hash_of_bytes};

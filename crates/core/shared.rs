@@ -141,6 +141,22 @@ impl<'a, T> IntoIterator for &'a SharedSlice<T> {
     }
 }
 
+/// Hash of bytes: four sums side by side, each step of which is a bijection, so that a change in one word of 8 bytes always shows.
+pub fn hash_of_bytes(bytes: &[u8]) -> u64 {
+    let mix = |sum: u64, word: u64| (sum.rotate_left(29) ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let (groups, rest) = bytes.as_chunks::<32>();
+    let mut sums = [bytes.len() as u64; 4];
+    for group in groups {
+        let (words, _) = group.as_chunks::<8>();
+        sums.iter_mut().zip(words).for_each(|(sum, word)| *sum = mix(*sum, u64::from_le_bytes(*word)));
+    }
+    let mut last = [0; 32];
+    last[..rest.len()].copy_from_slice(rest);
+    let (words, _) = last.as_chunks::<8>();
+    sums.iter_mut().zip(words).for_each(|(sum, word)| *sum = mix(*sum, u64::from_le_bytes(*word)));
+    sums.into_iter().fold(0, mix)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,6 +4,7 @@
 use crate::host::State;
 use bytemuck::NoUninit;
 use rayon::prelude::*;
+use voltet_core::hash_of_bytes;
 
 /// Bytes that are compared or hashed at a time.
 const BLOCK: usize = 1 << 20;
@@ -90,7 +91,7 @@ impl Input {
                 Some(format!("element {}", (block * BLOCK + offset) / self.element_bytes))
             }
             Before::Hashes(before) => {
-                let (block, bytes) = now.find_first(|(i, bytes)| before[*i] != hash(bytes))?;
+                let (block, bytes) = now.find_first(|(i, bytes)| before[*i] != hash_of_bytes(bytes))?;
                 let (first, rest) = (block * BLOCK / self.element_bytes, bytes.len() / self.element_bytes);
                 Some(format!("element {first} or one of the {rest} after it"))
             }
@@ -116,23 +117,7 @@ fn copy(bytes: &[u8]) -> Vec<u8> {
 }
 
 fn hashes(bytes: &[u8]) -> Vec<u64> {
-    bytes.par_chunks(BLOCK).map(hash).collect()
-}
-
-/// Hash of bytes: four sums side by side, each step of which is a bijection, so that a change in one word of 8 bytes always shows.
-pub(crate) fn hash(bytes: &[u8]) -> u64 {
-    let mix = |sum: u64, word: u64| (sum.rotate_left(29) ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    let (groups, rest) = bytes.as_chunks::<32>();
-    let mut sums = [bytes.len() as u64; 4];
-    for group in groups {
-        let (words, _) = group.as_chunks::<8>();
-        sums.iter_mut().zip(words).for_each(|(sum, word)| *sum = mix(*sum, u64::from_le_bytes(*word)));
-    }
-    let mut last = [0; 32];
-    last[..rest.len()].copy_from_slice(rest);
-    let (words, _) = last.as_chunks::<8>();
-    sums.iter_mut().zip(words).for_each(|(sum, word)| *sum = mix(*sum, u64::from_le_bytes(*word)));
-    sums.into_iter().fold(0, mix)
+    bytes.par_chunks(BLOCK).map(hash_of_bytes).collect()
 }
 
 #[cfg(test)]

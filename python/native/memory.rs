@@ -10,9 +10,9 @@ use rayon::prelude::*;
 use std::cell::UnsafeCell;
 use std::ffi::c_int;
 use std::sync::Arc;
-use voltet_core::Error;
 use voltet_core::picture::Picture;
 use voltet_core::volume::Volume;
+use voltet_core::{Error, hash_of_bytes};
 
 /// Memory of a Python object that stays where it is: the object is held, and pinned.
 #[derive(Clone)]
@@ -138,7 +138,7 @@ pub struct Watched {
 impl Watched {
     /// As the bytes are now; on all cores.
     pub fn new(memory: Lent<u8>) -> Watched {
-        let prints = memory.values().par_chunks(TOGETHER).map(fingerprint).collect();
+        let prints = memory.values().par_chunks(TOGETHER).map(hash_of_bytes).collect();
         Watched { memory, prints }
     }
 
@@ -153,32 +153,13 @@ pub type Piece<'a> = (&'a [u8], u64);
 
 /// True if the bytes have changed.
 pub fn is_changed((bytes, print): &Piece<'_>) -> bool {
-    fingerprint(bytes) != *print
+    hash_of_bytes(bytes) != *print
 }
 
 /// True if any piece has changed; on all cores.
 pub fn any_changed(pieces: &[Piece<'_>]) -> bool {
     pieces.par_iter().any(is_changed)
 }
-
-/// A number made of all bytes: other bytes have another, but for chance. Eight lanes of 64-bit words, each multiplied by an odd
-/// number, so that the memory is what it waits for.
-fn fingerprint(bytes: &[u8]) -> u64 {
-    let (words, rest) = bytes.as_chunks::<64>();
-    let mut lanes: [u64; 8] = std::array::from_fn(|i| (i as u64 + 1).wrapping_mul(MULTIPLIER) | 1);
-    for word in words {
-        for (lane, eight) in lanes.iter_mut().zip(word.as_chunks::<8>().0) {
-            *lane = (*lane ^ u64::from_le_bytes(*eight)).wrapping_mul(MULTIPLIER).rotate_left(29);
-        }
-    }
-    for &byte in rest {
-        lanes[0] = (lanes[0] ^ u64::from(byte)).wrapping_mul(MULTIPLIER);
-    }
-    lanes.iter().fold(0, |sum, &lane| (sum ^ lane ^ (lane >> 32)).wrapping_mul(MULTIPLIER))
-}
-
-/// Multiplier of Steele and Vigna (2021), for 64 bits.
-const MULTIPLIER: u64 = 0xd134_2543_de82_ef95;
 
 /// The scalar, and g and ∇s where they are requested and available; NaN at points of no cell.
 pub fn in_caller_order<'py>(

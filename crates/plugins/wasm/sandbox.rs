@@ -2,12 +2,12 @@
 
 use crate::ffi::{AddressSpace, CheckResult};
 use crate::host::State;
-use crate::inputs;
 use crate::interface::{CANCELLED, ENTRY, ERROR, MAJOR, MINOR, OK, PATCH};
 use bytemuck::Pod;
 use std::mem::MaybeUninit;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use voltet_core::hash_of_bytes;
 use wasmtime::{
     AsContext, AsContextMut, Caller, Config, Engine, Extern, Func, Instance, Linker, Memory, Module, Ref,
     Store, StoreLimits, StoreLimitsBuilder, Table, Trap, TypedFunc, UpdateDeadline, WasmParams, WasmResults,
@@ -269,7 +269,7 @@ impl GuestInputs {
     /// Makes the call fail if one of its inputs has changed.
     pub fn refuse_changes(&self, guest: Guest, state: &State) {
         for GuestInput { name, address, byte_count, hash } in &self.0 {
-            if guest.bytes.get(*address..address + byte_count).map(inputs::hash) != Some(*hash) {
+            if guest.bytes.get(*address..address + byte_count).map(hash_of_bytes) != Some(*hash) {
                 state.refuse(format!("it wrote into {name}, which it must leave as they are"));
             }
         }
@@ -294,7 +294,7 @@ impl GuestArgs {
     /// Appends numbers that the module must leave as they are; returns their address.
     pub fn input<T: Pod>(&mut self, name: &'static str, values: &[T]) -> u32 {
         let (address, bytes) = (self.put(values), bytemuck::cast_slice(values));
-        let hash = inputs::hash(bytes);
+        let hash = hash_of_bytes(bytes);
         self.inputs.0.push(GuestInput { name, address: address as usize, byte_count: bytes.len(), hash });
         address
     }
