@@ -32,7 +32,7 @@ mod view;
 
 pub use cells::Cells;
 pub use counts::Counts;
-pub use cull::{VolumeCache, cull, keep_all};
+pub use cull::{VolumeCache, cull};
 pub use draw::{composite, draw, integrator, needs_gradient, prepare, prepare_scene, project, sort};
 pub use frame_renderer::FrameRenderer;
 pub use memory::drawing_bytes;

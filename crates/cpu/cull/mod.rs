@@ -31,14 +31,3 @@ pub fn cull(
 ) -> Result<Cells> {
     VolumeCache::new(volume)?.cull(transfer_function, camera, progress)
 }
-
-/// Keeps every tetrahedron and every widget, for comparison with [`cull`]: [`VolumeCache::all`].
-///
-/// Errors: those of [`VolumeCache::new`] and [`VolumeCache::all`].
-pub fn keep_all(
-    volume: &Arc<Volume>,
-    transfer_function: &TransferFunction,
-    camera: &Camera,
-) -> Result<Cells> {
-    VolumeCache::new(volume)?.all(transfer_function, camera)
-}

@@ -8,7 +8,7 @@ use voltet_core::picture::Picture;
 use voltet_core::progress::{NoProgress, Progress};
 use voltet_core::transfer::TransferFunction;
 use voltet_core::volume::Volume;
-use voltet_cpu::{Cells, Counts, Traversal, VolumeCache, composite, cull, keep_all, project};
+use voltet_cpu::{Cells, Counts, Traversal, VolumeCache, composite, cull, project};
 use voltet_optics::shading::Ordering;
 use voltet_simd::LaneSet;
 use voltet_testing::pictures::compare::{NamedScene, SHADING, referee, within};
@@ -325,7 +325,7 @@ fn what_rays_do_not_serve_is_projected() -> Result<()> {
     let unordered =
         |cells: &mut Cells| (cells.traversal, cells.ordering) = (Traversal::RayCast, Ordering::Submission);
     assert!(drawn(&scene, unordered).2, "without order");
-    let mut all = keep_all(&scene.volume, &scene.look, &scene.camera)?;
+    let mut all = VolumeCache::new(&scene.volume)?.all(&scene.look, &scene.camera)?;
     always(&mut all);
     let projection = project(&all, &scene.look, &scene.camera, false, &NoProgress)?;
     assert!(projection.cells_projected().is_none(), "with nothing left out");

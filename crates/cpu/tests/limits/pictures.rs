@@ -4,7 +4,7 @@ use super::*;
 use voltet_core::SharedSlice;
 use voltet_core::camera::Projection;
 use voltet_core::grid::generate::box_of_tetrahedra;
-use voltet_cpu::{Traversal, cull, draw, keep_all};
+use voltet_cpu::{Traversal, VolumeCache, cull, draw};
 use voltet_optics::shading::{Light, Shading};
 use voltet_testing::pictures::looks::perspective;
 
@@ -19,7 +19,7 @@ fn culling_changes_no_pixel_by_more_than_a_millionth() {
         let culled = cull(&cube, &look, &camera, &NoProgress).expect("culls");
         // All of it together has a depth of 1e-7 at most.
         assert_eq!(culled.ids.is_empty(), depth < 1e-7, "depth {depth:e}");
-        let all = keep_all(&cube, &look, &camera).expect("keeps all");
+        let all = VolumeCache::new(&cube).and_then(|cache| cache.all(&look, &camera)).expect("keeps all");
         let pictures =
             [culled, all].map(|cells| draw(&cells, &look, &camera, &SHADING, &NoProgress).expect("draws").0);
         let difference = largest_difference(&pictures[0], &pictures[1]);
@@ -108,7 +108,7 @@ fn a_face_nearly_edge_on_parts_its_cells_where_it_should() {
         let (red, blue) = ([1.0, 0.2, 0.1], [0.1, 0.3, 1.0]);
         let look = look(vec![uniform([-1.0, 0.5], 0.7, red), uniform([0.5, 2.0], 0.2, blue)]);
         let volume = volume(grid, |p| if p.x > 2.5 { 1.0 } else { 0.0 });
-        let all = keep_all(&volume, &look, &camera).expect("keeps all");
+        let all = VolumeCache::new(&volume).and_then(|cache| cache.all(&look, &camera)).expect("keeps all");
         let found = draw(&all, &look, &camera, &SHADING, &NoProgress).expect("draws").0;
         let exact = drawn_exactly(volume, look, camera);
         let lit = exact.rgba.iter().filter(|pixel| pixel[3] > 0.1).count();
@@ -157,7 +157,7 @@ fn one_cell(corners: [[f64; 3]; 4], s: [f64; 4]) -> Arc<Volume> {
 /// By how much a picture of all cells, seen along −z from the origin, is off; at least `lit` of its pixels show something.
 fn off(volume: Arc<Volume>, look: TransferFunction, fov_y: f64, lit: usize) -> f32 {
     let camera = Camera { up: DVec3::Y, ..perspective([0.0; 3], [0.0, 0.0, -1.0], fov_y, [65, 65]) };
-    let all = keep_all(&volume, &look, &camera).expect("keeps all");
+    let all = VolumeCache::new(&volume).and_then(|cache| cache.all(&look, &camera)).expect("keeps all");
     let found = draw(&all, &look, &camera, &SHADING, &NoProgress).expect("draws").0;
     let exact = drawn_exactly(volume, look, camera);
     let shown = exact.rgba.iter().filter(|pixel| pixel[3] > 0.1).count();

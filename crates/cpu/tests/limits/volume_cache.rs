@@ -207,7 +207,7 @@ fn culling_that_would_not_pay_is_not_done() -> voltet_core::Result<()> {
         let expected: Vec<u32> = (0..total as u32).filter(is_touched).collect();
         assert!(expected.len() < total && *each.ids == expected, "{share}");
         assert!(few.ids.len() >= each.ids.len() && each.culling_skipped.is_none(), "{share}");
-        let all = voltet_cpu::keep_all(&volume, &look, &camera).expect("keeps all");
+        let all = VolumeCache::new(&volume).and_then(|cache| cache.all(&look, &camera)).expect("keeps all");
         let pictures =
             [cells, all].map(|cells| draw(&cells, &look, &camera, &SHADING, &NoProgress).expect("draws").0);
         let difference = largest_difference(&pictures[0], &pictures[1]);

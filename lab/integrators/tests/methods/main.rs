@@ -7,7 +7,7 @@ mod tabulated;
 use found::{Found, shading};
 use voltet_core::progress::NoProgress;
 use voltet_core::transfer::{ControlPoint, Profile, Widget};
-use voltet_cpu::keep_all;
+use voltet_cpu::VolumeCache;
 use voltet_integrators::{pre_integrated, pre_integrated_cylindrical, riemann, tabulated};
 use voltet_judge::segment_cases;
 use voltet_optics::shading::Integrator;
@@ -133,7 +133,8 @@ fn empty_segments_are_left_out_without_a_trace() {
         ]) {
             // Cells are the same: a table's domain is that of the cells that are drawn.
             let draw = |exhaustive| {
-                let mut cells = keep_all(&volume, &look, &camera).expect("keeps");
+                let cache = VolumeCache::new(&volume).expect("a cache");
+                let mut cells = cache.all(&look, &camera).expect("keeps");
                 cells.exhaustive = exhaustive;
                 voltet_cpu::draw(&cells, &look, &camera, &shading(integrator), &NoProgress).expect("draws")
             };
