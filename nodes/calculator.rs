@@ -1,5 +1,6 @@
 //! `calculator`: an array from others by an expression.
 
+use crate::gradient_magnitude::METHOD;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -58,11 +59,8 @@ pub const NODE: Node = Node {
             help: "true: the result is the scalar that is drawn, in place of the input's; false: an array beside it",
         },
         Parameter {
-            name: "method",
-            parameter_type: ParameterType::GradientFilter,
-            unit: "",
-            default: DefaultValue::Text("least-squares"),
             help: "the filter for gradients in the expression; its own parameters stand beside this one",
+            ..METHOD
         },
         Parameter {
             name: "units",

@@ -18,18 +18,21 @@ pub const NODE: Node = Node {
     summary: "Computes the gradient of the scalar and its length, by a filter of your choice.",
     inputs: &[Port { name: "grid", port_type: PortType::Grid, summary: "the grid with its scalar" }],
     outputs: &[Port { name: "volume", port_type: PortType::Volume, summary: "the grid with its gradient" }],
-    parameters: &[Parameter {
-        name: "method",
-        parameter_type: ParameterType::GradientFilter,
-        unit: "",
-        default: DefaultValue::Text("least-squares"),
-        help: "the filter; its own parameters stand beside this one",
-    }],
+    parameters: &[METHOD],
     example: include_str!("examples/stages.toml"),
     demand: &demand,
     part_work: PartWork::Each,
     run: &run,
     ..Node::BLANK
+};
+
+/// The gradient filter.
+pub const METHOD: Parameter = Parameter {
+    name: "method",
+    parameter_type: ParameterType::GradientFilter,
+    unit: "",
+    default: DefaultValue::Text("least-squares"),
+    help: "the filter; its own parameters stand beside this one",
 };
 
 fn demand(asking: &mut DemandContext) -> Result<()> {

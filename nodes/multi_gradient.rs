@@ -1,5 +1,6 @@
 //! `multi-gradient`: how fast several fields change at once, as a point array, where a node downstream uses it.
 
+use crate::gradient_magnitude::METHOD;
 use std::sync::Arc;
 use voltet_core::field::spectral_norms;
 use voltet_core::grid::{Array, Grid};
@@ -37,13 +38,7 @@ pub const NODE: Node = Node {
             default: DefaultValue::Text("multi-gradient"),
             help: "the array's name; it holds the largest singular value of D, which for one field is |gradient| / scale",
         },
-        Parameter {
-            name: "method",
-            parameter_type: ParameterType::GradientFilter,
-            unit: "",
-            default: DefaultValue::Text("least-squares"),
-            help: "the gradient filter; its own parameters stand beside this one",
-        },
+        Parameter { help: "the gradient filter; its own parameters stand beside this one", ..METHOD },
     ],
     example: include_str!("examples/multi_gradient.toml"),
     check: &|parameters| MultiGradientOptions::new(parameters).map(drop),

@@ -23,13 +23,7 @@ pub const NODE: Node = Node {
     summary: "Reads a data file: its cells as tetrahedra, one scalar, and the arrays that other nodes use.",
     outputs: &[Port { name: "grid", port_type: PortType::Grid, summary: "points, tetrahedra, arrays" }],
     parameters: &[
-        Parameter {
-            name: "path",
-            parameter_type: ParameterType::InputPath,
-            unit: "",
-            default: DefaultValue::Required,
-            help: formats::FILES,
-        },
+        PATH,
         SCALAR,
         Parameter {
             name: "association",
@@ -127,6 +121,15 @@ const ALL_STEPS: &str = "all";
 
 /// The word for the nearest step at a time between two.
 const NEAREST: &str = "nearest";
+
+/// The file that is read.
+pub const PATH: Parameter = Parameter {
+    name: "path",
+    parameter_type: ParameterType::InputPath,
+    unit: "",
+    default: DefaultValue::Required,
+    help: formats::FILES,
+};
 
 /// The scalar that is drawn.
 pub const SCALAR: Parameter = Parameter {

@@ -1,6 +1,6 @@
 //! `surface-reader`: polygons, lines and points of a surface file.
 
-use crate::reader::refuse_missing;
+use crate::reader::{PATH, refuse_missing};
 use crate::surfacing::tubing::{self, tube_parameters};
 use crate::surfacing::{self, SMOOTH, Shape, with_paint};
 use voltet_core::grid::extent;
@@ -30,13 +30,7 @@ const PARAMETERS: [Parameter; 14] = {
     let [radius, sides] = tube_parameters("0.5 %");
     let mut all = with_paint(
         [
-            Parameter {
-                name: "path",
-                parameter_type: ParameterType::InputPath,
-                unit: "",
-                default: DefaultValue::Required,
-                help: SURFACE_FILES,
-            },
+            Parameter { help: SURFACE_FILES, ..PATH },
             Parameter {
                 name: "style",
                 parameter_type: ParameterType::Choice(&[

@@ -1,6 +1,6 @@
 //! `threshold`: the cells in which an array has some of its values, that lie in a part of space, or that are of some blocks.
 
-use crate::drawing::{CLIP, check_clips, clips};
+use crate::drawing::{CLIP, INVERT, check_clips, clips};
 use crate::reader::blocks;
 use crate::relative::{self, DataScope, RELATIVE_TO, demand_for, known_of_series, note_numbers, placed};
 use crate::surfacing::{self, QUANTITY, VolumeStatistics, quantity, range_message};
@@ -86,13 +86,7 @@ pub const NODE: Node = Node {
             default: DefaultValue::Boolean(false),
             help: "true: cells are cut where the array has the ends of the range, exactly; false: cells stay whole",
         },
-        Parameter {
-            name: "invert",
-            parameter_type: ParameterType::Boolean,
-            unit: "",
-            default: DefaultValue::Boolean(false),
-            help: "keeps the rest",
-        },
+        Parameter { help: "keeps the rest", ..INVERT },
         RELATIVE_TO,
     ],
     example: include_str!("examples/threshold.toml"),

@@ -128,7 +128,8 @@ const QUARTER: Parameter = Parameter {
     ..RADIUS
 };
 
-const INVERT: Parameter = Parameter {
+/// The parameter by which the rest is kept.
+pub const INVERT: Parameter = Parameter {
     name: "invert",
     parameter_type: ParameterType::Boolean,
     unit: "",
