@@ -319,9 +319,7 @@ impl Block<'_> {
         };
         self.line(format!("    return {result};\n}}"));
     }
-}
 
-impl Block<'_> {
     /// The widgets as members. Where the only need for them is a widget alone that has no closed form, the list holds
     /// such widgets, absent ones with an empty range.
     fn members(&mut self) {

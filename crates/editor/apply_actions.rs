@@ -421,9 +421,7 @@ impl Editor {
             _ => {}
         }
     }
-}
 
-impl Editor {
     /// Opens a pipeline file, or makes a pipeline for another file, on a thread of its own. A file that cannot be opened leads to the dialog.
     pub(crate) fn open_any(&mut self, ctx: &Context, path: &Path) {
         self.open_by(ctx, path, FileDialog::new(FilePurpose::Open, Some(path)));

@@ -63,9 +63,7 @@ impl Editor {
         let path = paths.iter().find(is_in_hand).or(others)?;
         Some((node.to_string(), path.clone()))
     }
-}
 
-impl Editor {
     /// True if a plug-in that was dropped is asked about: no other question or dialog is open, and no plug-in is being loaded.
     pub(crate) fn offers_plugin(&self) -> bool {
         let is_asking = self.asks_about_work() || self.large.is_some();

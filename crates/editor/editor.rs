@@ -374,9 +374,7 @@ impl Editor {
         }
         self.wish();
     }
-}
 
-impl Editor {
     /// True if a question waits for its answer.
     pub(crate) fn asks(&self) -> bool {
         self.asks_about_work() || self.large.is_some() || self.offers_plugin()

@@ -296,13 +296,8 @@ impl Grid {
         in_memory_grid::set_scalar(&mut grid, name)?;
         Ok(Arc::new(grid))
     }
-}
 
-impl Grid {
-    /// The grid that stands for a node's.
-    ///
-    /// # Errors
-    /// As of [`Grid::build`].
+    /// The grid that stands for a node's. Errors: as of [`Grid::build`].
     pub(crate) fn in_memory(self) -> Result<HostGrid> {
         match self.source {
             Source::Arrays(raw, options) => HostGrid::build(raw, None, &options),

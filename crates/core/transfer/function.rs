@@ -109,9 +109,7 @@ impl TransferFunction {
             }
         }
     }
-}
 
-impl TransferFunction {
     /// Checks every number.
     pub fn check(&self) -> Result<()> {
         let u = self.unit_distance;
@@ -131,9 +129,7 @@ impl TransferFunction {
         }
         self.check_axes()
     }
-}
 
-impl TransferFunction {
     /// Scales of s and g; linear for a g that no widget reads.
     pub fn axes_read(&self) -> [AxisScale; 2] {
         [self.axes[0], if self.uses_gradient_magnitude() { self.axes[1] } else { AxisScale::Linear }]

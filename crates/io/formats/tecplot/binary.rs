@@ -458,9 +458,7 @@ impl BinaryFile {
         let arrays = quantities(own, self.axes).map(array).collect();
         Piece::new([own.node_count, own.cell_count], geometry, arrays).with_blocks(CellBlocks::One(block))
     }
-}
 
-impl BinaryFile {
     fn stored(&self, zone: usize, variable: usize) -> Stored {
         let (own, name) = (&self.zones[zone].head, &self.variables[variable]);
         let mut holder = &self.zones[zone];
