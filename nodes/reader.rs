@@ -247,7 +247,7 @@ pub(crate) fn begin_parts(
         formats::piece_borders(&path, &request, layers, first, share, call.progress())
             .map_err(with_file_named)
     })?;
-    call.notes.counts.insert(PIECES_READ, borders.read_count());
+    call.notes.counts.insert(PIECES_READ, borders.reads);
     Ok(())
 }
 

@@ -3,14 +3,8 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Free list of buffers of one kind: fresh pages cost as much as projecting a cell does. No picture depends on which buffer one gets.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct FreeList<T>(Mutex<Vec<T>>);
-
-impl<T> Default for FreeList<T> {
-    fn default() -> FreeList<T> {
-        FreeList(Mutex::new(Vec::new()))
-    }
-}
 
 impl<T: Default> FreeList<T> {
     /// The buffer that was returned last, or a new one.

@@ -303,9 +303,9 @@ impl NativeVolume {
         if !is_cacheable {
             return Ok(None);
         }
-        let max_optical_depth = max_optical_depth(transfer_function, self.cache.length());
-        let views = self.cache.views();
-        match views.plan(camera, transfer_function, self.cache.ranges(), max_optical_depth) {
+        let max_optical_depth = max_optical_depth(transfer_function, self.cache.length);
+        let views = &self.cache.views;
+        match views.plan(camera, transfer_function, self.cache.ranges, max_optical_depth) {
             Plan::Cells => Ok(None),
             Plan::Cached(segments) => Ok(Some(segments)),
             Plan::Record(max_optical_depth) => {

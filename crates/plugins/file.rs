@@ -17,7 +17,7 @@ const MODULE_MAGIC: &[u8] = b"\0asm";
 /// A file as it was when it was read.
 pub struct PluginFile {
     path: PathBuf,
-    bytes: Arc<Vec<u8>>,
+    pub(crate) bytes: Arc<Vec<u8>>,
     modified: Option<SystemTime>,
     /// True if every user of the machine may change it.
     is_open_to_all: bool,
@@ -59,16 +59,6 @@ impl PluginFile {
     /// Its path, as the user gave it.
     pub fn path(&self) -> &Path {
         &self.path
-    }
-
-    pub(crate) fn bytes(&self) -> &[u8] {
-        &self.bytes
-    }
-
-    /// Its bytes, for a thread that outlives the file.
-    #[cfg(target_os = "linux")]
-    pub(crate) fn shared_bytes(&self) -> Arc<Vec<u8>> {
-        self.bytes.clone()
     }
 
     /// Its hash, as pictures record it.

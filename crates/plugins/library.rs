@@ -77,11 +77,11 @@ impl Drop for Library {
 pub(crate) fn load(file: &PluginFile) -> Result<Native> {
     let path = file.path();
     let failed = |wrong: ValidationError| load_error(path, wrong);
-    check_file(file.bytes()).map_err(failed)?;
+    check_file(&file.bytes).map_err(failed)?;
     let whole = std::fs::canonicalize(path).map_err(|error| failed(error.to_string()))?;
     let code = LibraryCode {
         #[cfg(target_os = "linux")]
-        bytes: file.shared_bytes(),
+        bytes: file.bytes.clone(),
         whole,
     };
     let start = Instant::now();
@@ -176,7 +176,7 @@ impl LibraryCode {
 }
 
 fn by_its_name(error: libloading::Error) -> ValidationError {
-    join_lines(&error.to_string())
+    error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 fn open(code: &LibraryCode, nameless: &Plugin) -> CheckResult<Native> {
@@ -282,10 +282,6 @@ fn open_library(path: &Path) -> std::result::Result<libloading::Library, libload
 
 pub(crate) fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
-}
-
-fn join_lines(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// Errors: the file is no library of this system, or truncated.

@@ -164,7 +164,7 @@ pub fn cells_of_faces(grid: &Grid) -> Vec<u32> {
                 none[other as usize].store(one, Ordering::Relaxed);
             }
         };
-        each_face(&grid.points, tetrahedra, &CoincidentPoints::each_its_own(), || (), look, |(), ()| ());
+        each_face(&grid.points, tetrahedra, &CoincidentPoints(None), || (), look, |(), ()| ());
     }
     none.into_iter().map(AtomicU32::into_inner).collect()
 }

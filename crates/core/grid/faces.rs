@@ -12,17 +12,12 @@ const CHUNK: usize = 1 << 13;
 /// A face of a cell that begins at a given point: its other corners, the cell, and the corner opposite.
 pub(crate) type Face = [u32; 4];
 
-/// For each point the first one at its place.
-pub(crate) struct CoincidentPoints(Option<Vec<u32>>);
+/// For each point the first one at its place; `None`: points at one place count each for itself.
+pub(crate) struct CoincidentPoints(pub(super) Option<Vec<u32>>);
 
 impl CoincidentPoints {
     pub fn find(points: &[DVec3]) -> CoincidentPoints {
         CoincidentPoints(points_at_one_place(points))
-    }
-
-    /// Points at one place count each for itself.
-    pub fn each_its_own() -> CoincidentPoints {
-        CoincidentPoints(None)
     }
 
     /// The first point at the place of this one.

@@ -35,8 +35,10 @@ const CHUNK: usize = 1 << 14;
 #[derive(Debug)]
 pub struct VolumeCache {
     volume: Arc<Volume>,
-    length: f64,
-    ranges: [[f64; 2]; 2],
+    /// Scene length (world units).
+    pub(crate) length: f64,
+    /// Ranges of s and g.
+    pub(crate) ranges: [[f64; 2]; 2],
     max_gradient: f64,
     /// Extent of the whole grid, of which the volume is a part.
     whole: Option<Arc<SceneExtent>>,
@@ -44,7 +46,7 @@ pub struct VolumeCache {
     contributing: Mutex<Option<Arc<ContributingCells>>>,
     points: Mutex<Option<Arc<ProjectedPoints>>>,
     buffers: Arc<BufferPool>,
-    views: ViewCache,
+    pub(crate) views: ViewCache,
     faces: FaceCache,
 }
 
@@ -212,20 +214,6 @@ impl VolumeCache {
         let screen_vertices = Some((*camera, self.points(camera)?.vertices.clone()));
         let selection = CellSelection { centered_ranges: true, ..self.empty()? };
         Ok(Cells { screen_vertices, ..self.cells(selection) })
-    }
-
-    pub(crate) fn views(&self) -> &ViewCache {
-        &self.views
-    }
-
-    /// Ranges of s and g.
-    pub(crate) fn ranges(&self) -> [[f64; 2]; 2] {
-        self.ranges
-    }
-
-    /// Scene length (world units).
-    pub(crate) fn length(&self) -> f64 {
-        self.length
     }
 
     pub(crate) fn empty(&self) -> Result<CellSelection> {

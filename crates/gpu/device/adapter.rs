@@ -49,7 +49,8 @@ impl Adapters {
     /// passed over unless they are wished for. Gives the adapter and why it is taken; an error says what there is.
     pub(crate) fn choose(&self, wish: Option<&str>, hardware: bool) -> Result<(&wgpu::Adapter, String)> {
         let Some(wish) = wish else {
-            let fast = |adapter: &&wgpu::Adapter| !hardware || is_hardware(adapter);
+            let fast =
+                |adapter: &&wgpu::Adapter| !hardware || adapter.get_info().device_type != DeviceType::Cpu;
             return match self.found.iter().find(fast) {
                 Some(adapter) => Ok((adapter, format!("{} is the fastest kind here", kind_of(adapter)))),
                 None => Err(Error::run("there is no hardware adapter")
@@ -71,8 +72,4 @@ impl Adapters {
 
 fn kind_of(adapter: &wgpu::Adapter) -> &'static str {
     kind(adapter.get_info().device_type).1
-}
-
-fn is_hardware(adapter: &wgpu::Adapter) -> bool {
-    adapter.get_info().device_type != DeviceType::Cpu
 }

@@ -197,11 +197,6 @@ impl<'a> Passes<'a> {
         })
     }
 
-    /// The tiles alone, which go on where they stopped.
-    pub fn submit_tiles(&self, record: &ViewRecord, timing: &mut Timing) -> Result<()> {
-        self.encode(record, timing, |_, _| {}).map(drop)
-    }
-
     fn encode(
         &self,
         record: &ViewRecord,
@@ -470,7 +465,8 @@ impl FrameInputs<'_> {
                         .got(format!("{} tiles that go on", counted[counters::UNFINISHED]))
                         .expected("another adapter, or engine = \"cpu\""));
                     }
-                    passes.submit_tiles(&record, timing)?;
+                    // The tiles alone, which go on where they stopped.
+                    passes.encode(&record, timing, |_, _| {})?;
                     counted = passes.counts()?;
                 }
                 if !is_right(&counted) {

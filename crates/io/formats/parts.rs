@@ -43,16 +43,11 @@ pub struct PieceBorders {
     is_adaptive: bool,
     /// Pieces of the part that is read first.
     kept: Mutex<BTreeMap<usize, RawGrid>>,
-    /// Times that this process has read a piece for them.
-    reads: u64,
+    /// Times that this process has read a piece for them, each time some arrays of it.
+    pub reads: u64,
 }
 
 impl PieceBorders {
-    /// Times that this process has read a piece for them, each time some arrays of it.
-    pub fn read_count(&self) -> u64 {
-        self.reads
-    }
-
     /// True if a picture may show a piece.
     pub fn is_drawn(&self, piece: usize) -> bool {
         self.is_drawn.get(piece).is_some_and(|is_drawn| *is_drawn)

@@ -32,7 +32,7 @@ pub(crate) fn load(file: &PluginFile) -> Result<Vec<PluginItem>> {
     let path = file.path();
     let nameless = Plugin { name: file_name(path), ..file.plugin() };
     let failed = |wrong: ValidationError| load_error(path, wrong);
-    let sandbox = Arc::new(Sandbox::new(file.bytes()).map_err(failed)?);
+    let sandbox = Arc::new(Sandbox::new(&file.bytes).map_err(failed)?);
     let (stop, start) = (sandbox.stop(), Instant::now());
     let work = {
         let (sandbox, stop) = (sandbox.clone(), stop.clone());

@@ -207,7 +207,7 @@ impl WidgetSampler {
             }
             let slot = &mut slots[active.len()];
             let mut is_cut = false;
-            if widget.has_region() {
+            if widget.region.is_some() {
                 let [start, end] = widget.range(segments);
                 there = there.and(start.lt(end));
                 if !there.any() {

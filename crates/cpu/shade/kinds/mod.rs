@@ -33,7 +33,7 @@ pub struct LaneWidget {
     pub color: [f32; 3],
     /// Peak optical depth per scene length; 1 for profiles with densities.
     density: f32,
-    region: Option<LaneRegion>,
+    pub(super) region: Option<LaneRegion>,
     /// `None`: the support has no bounds.
     support: Option<SupportBounds>,
 }
@@ -516,11 +516,6 @@ impl LaneWidget {
             | VectorProfile::TriangularGaussianNd(_)
             | VectorProfile::None => 0,
         }
-    }
-
-    /// True if a region or ranges limit it.
-    pub(super) fn has_region(&self) -> bool {
-        self.region.is_some()
     }
 
     /// The part of each segment inside its region and its ranges.
