@@ -252,7 +252,7 @@ pub struct History {
     /// Number of steps done; later ones are undone.
     cursor: usize,
     /// The cursor at which the text is as its file, or as it was begun; none where no cursor leads there.
-    saved: Option<usize>,
+    pub(crate) saved: Option<usize>,
 }
 
 impl History {
@@ -301,11 +301,6 @@ impl History {
 
     pub(crate) fn save(&mut self) {
         self.saved = Some(self.cursor);
-    }
-
-    /// No step leads to what is saved any more.
-    pub(crate) fn forget_saved(&mut self) {
-        self.saved = None;
     }
 
     /// True if the text is as its file, or as it was begun.

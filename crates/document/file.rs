@@ -285,7 +285,7 @@ impl OrphanedDraft {
     pub fn document(&self) -> Document {
         let Some(mut document) = self.path.as_deref().and_then(|path| Document::open(path).ok()) else {
             let mut document = Document::from_text(self.text.clone(), self.path.clone());
-            document.history.forget_saved();
+            document.history.saved = None;
             return document;
         };
         // A text can always be put in place of another.

@@ -212,7 +212,7 @@ impl<'a> Messages<'a> {
             say(&failed(&self.failures, &counted(count, "pipeline")));
         }
         if let (Some(path), Some(report)) = (&self.arguments.report, self.report)
-            && report.run_count() > 0
+            && report.run_count > 0
         {
             report.finish(path)?;
         }

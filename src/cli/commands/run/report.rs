@@ -15,7 +15,7 @@ const STEP: usize = 8;
 /// Reports of the runs so far, in a file that has no name.
 pub(super) struct ReportSpool {
     file: BufWriter<File>,
-    run_count: usize,
+    pub run_count: usize,
     /// Steps of the run that is open.
     step_count: usize,
 }
@@ -25,10 +25,6 @@ impl ReportSpool {
     pub fn new() -> Result<ReportSpool> {
         let file = files::nameless().map_err(|error| unwritable(&error))?;
         Ok(ReportSpool { file: BufWriter::new(file), run_count: 0, step_count: 0 })
-    }
-
-    pub fn run_count(&self) -> usize {
-        self.run_count
     }
 
     pub fn add_run(&mut self, run: &Value) -> Result<()> {
@@ -110,7 +106,7 @@ mod tests {
             assert!(spool.file.buffer().len() <= capacity && spool.file.capacity() == capacity);
         }
         spool.end_series().unwrap();
-        assert_eq!(spool.run_count(), 2);
+        assert_eq!(spool.run_count, 2);
         spool.finish(&path).unwrap();
         let steps: Vec<Value> = (0..count).map(step).collect();
         let series = json!({ "file": "a]b.toml", "title": "[]", "steps": steps });
