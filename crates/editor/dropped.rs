@@ -66,7 +66,7 @@ impl Editor {
 
     /// True if a plug-in that was dropped is asked about: no other question or dialog is open, and no plug-in is being loaded.
     pub(crate) fn offers_plugin(&self) -> bool {
-        let is_asking = self.asks_about_work() || self.large.is_some();
+        let is_asking = self.unsaved.is_some() || self.large.is_some();
         let is_free = !is_asking && self.file_dialog.is_none() && self.plugins.loading.is_none();
         is_free && !self.plugins.offered.is_empty()
     }

@@ -377,12 +377,7 @@ impl Editor {
 
     /// True if a question waits for its answer.
     pub(crate) fn asks(&self) -> bool {
-        self.asks_about_work() || self.large.is_some() || self.offers_plugin()
-    }
-
-    /// True if a question about work that is not saved waits for its answer.
-    pub(crate) fn asks_about_work(&self) -> bool {
-        self.unsaved.is_some()
+        self.unsaved.is_some() || self.large.is_some() || self.offers_plugin()
     }
 }
 
@@ -415,7 +410,7 @@ fn show(editor: &mut Editor, ui: &mut Ui) {
     }
     unsaved(editor, ctx);
     // Files that are chosen meanwhile are another question.
-    if !editor.asks_about_work() && editor.file_dialog.is_none() {
+    if editor.unsaved.is_none() && editor.file_dialog.is_none() {
         editor.offer_large_data(ctx);
     }
     // A key that answers another question in this frame is not for this one.

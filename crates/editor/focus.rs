@@ -58,7 +58,7 @@ const STEP: &str = "step of a sheet that scrolls";
 #[derive(Default)]
 pub(crate) struct SheetKeys {
     open: Vec<Id>,
-    sheet: Option<Id>,
+    pub sheet: Option<Id>,
 }
 
 impl SheetKeys {
@@ -74,11 +74,6 @@ impl SheetKeys {
             self.sheet = Some(layer.id).filter(|id| open.contains(id));
         }
         self.open = open;
-    }
-
-    /// True if a sheet has the keys.
-    pub fn have_sheet(&self) -> bool {
-        self.sheet.is_some()
     }
 
     fn layer(&self) -> Option<LayerId> {

@@ -77,7 +77,7 @@ pub(crate) struct PicturePanel {
     measures: bool,
     /// Place under the pointer, where it rests.
     pub hovered: Option<[f64; 2]>,
-    handles: Handles,
+    pub handles: Handles,
     /// True if each pixel of the picture is one of the screen.
     is_own_size: bool,
     /// True if the middle of the picture is to be seen.
@@ -114,11 +114,6 @@ impl PicturePanel {
     pub fn leave_mode(&mut self) -> bool {
         let was_probing = self.probes.take().is_some();
         was_probing || std::mem::take(&mut self.measures) || self.compare.end()
-    }
-
-    /// True while a hand moves a grip in the picture.
-    pub fn moves_grip(&self) -> bool {
-        self.handles.are_moved()
     }
 
     /// The picture of a size, points, else as large as fits.
@@ -168,7 +163,7 @@ impl PicturePanel {
             // Its words and its mark are gone in the next frame.
             ui.ctx().request_repaint();
         }
-        hit_marks::show(ui, scene, picture, self.measures, self.handles.places());
+        hit_marks::show(ui, scene, picture, self.measures, &self.handles.places);
         let name = format!("picture {}", scene.shown_node.unwrap_or("none"));
         response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, &name));
         response.context_menu(|ui| command_buttons(ui, scene.actions, PICTURE_MENU));

@@ -5,6 +5,7 @@ use crate::eyes::visible_nodes;
 use crate::jobs::{self, Arrays};
 use crate::scene::{camera_of, pictures};
 use crate::section;
+use crate::time_strip::Readers;
 use crate::transfer;
 use crate::view::View;
 use crate::worker::{
@@ -58,7 +59,7 @@ impl Editor {
         self.answers.asked = None;
         self.worker.forget_queries();
         self.arrays = Arrays::default();
-        self.panels.time.forget_series();
+        self.panels.time.readers = Readers::default();
     }
 
     pub(crate) fn look_at_disk(&mut self) {
@@ -107,7 +108,7 @@ impl Editor {
         wanted.grip_moves = self.answers.asked.as_ref().is_some_and(|asked| asked.grip_moves);
         if self.answers.asked.as_ref() != Some(&wanted) {
             self.panels.time.count_no_more();
-            wanted.grip_moves = self.panels.picture.moves_grip();
+            wanted.grip_moves = self.panels.picture.handles.are_moved();
             self.answers.picture_number = self.worker.draw_and_read(wanted.clone(), next);
             self.answers.asked = Some(wanted);
         }
@@ -249,7 +250,8 @@ impl Editor {
             let found = report.origins.cameras.iter().find(|(node, _)| *node == camera.name);
             found.map(|(_, camera)| View::from(**camera))
         };
-        self.free_view().or_else(|| View::from_camera(camera)).or_else(drawn)
+        let free = self.panels.time.free.as_ref().map(|(_, view)| *view);
+        free.or_else(|| View::from_camera(camera)).or_else(drawn)
     }
 
     pub(crate) fn camera(&self) -> Option<&NodeEntry> {

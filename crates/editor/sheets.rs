@@ -56,7 +56,7 @@ impl Editor {
         let panels = &self.panels;
         let sheets = [
             (self.file_dialog.is_some(), Sheet::FILE.id()),
-            (panels.text.is_open(), Sheet::TEXT.id()),
+            (panels.text.is_open, Sheet::TEXT.id()),
             (panels.help, Sheet::KEYS.id()),
             (panels.time.film.is_open, Sheet::FILM.id()),
             (panels.study.open, Sheet::STUDY.id()),
@@ -76,9 +76,9 @@ impl Editor {
         if self.asks() || Popup::is_any_open(ctx) || self.panels.graph.is_choosing() {
             return;
         }
-        if self.sheet_keys.have_sheet() {
+        if self.sheet_keys.sheet.is_some() {
             // In the text of the pipeline Tab is a character.
-            if !(self.panels.text.is_open() && ctx.text_edit_focused()) {
+            if !(self.panels.text.is_open && ctx.text_edit_focused()) {
                 self.sheet_keys.take_tab(ctx);
             }
             if self.file_dialog.is_none() {

@@ -11,7 +11,7 @@ use voltet_document::Edit;
 /// The sheet, while it is open.
 #[derive(Default)]
 pub(crate) struct TextSheet {
-    is_open: bool,
+    pub is_open: bool,
     /// The text as it is typed; it stays while the sheet is closed.
     typed: String,
     /// The text of the document that it began with.
@@ -55,10 +55,6 @@ impl TextSheet {
 
     pub fn open_at(&mut self, line: Option<usize>) {
         (self.is_open, self.line) = (true, line);
-    }
-
-    pub fn is_open(&self) -> bool {
-        self.is_open
     }
 
     /// Closes the sheet; true if it was open. What is typed stays.

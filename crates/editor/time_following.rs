@@ -212,11 +212,6 @@ impl Editor {
         self.panels.time.free = Some((camera, view));
         true
     }
-
-    /// The view that no key has yet.
-    pub(crate) fn free_view(&self) -> Option<View> {
-        self.panels.time.free.as_ref().map(|(_, view)| *view)
-    }
 }
 
 impl TimeStrip {

@@ -69,11 +69,6 @@ impl TimeStrip {
         TimeStrip { is_open: self.is_open, film: self.film.emptied(), ..TimeStrip::default() }
     }
 
-    /// Has the series found anew: files may have changed.
-    pub fn forget_series(&mut self) {
-        self.readers = Readers::default();
-    }
-
     /// True if the step is the strip's own, as a view is: where some readers stay at the step that the file states, a step that the file
     /// stated of the others would make all of them one series.
     pub fn keeps_step(&self) -> bool {
@@ -382,10 +377,6 @@ fn key_path(number: usize) -> Path {
     Path::from("keys").with(number)
 }
 
-fn key_value(row: [f64; 7]) -> ParameterValue {
-    row.into_iter().map(ParameterValue::Number).collect()
-}
-
 /// Parameters that turn or shift a camera beside its keys.
 const TURNS: [&str; 5] = ["azimuth", "elevation", "roll", "zoom", "orbit"];
 
@@ -398,7 +389,7 @@ fn with_key(camera: &NodeEntry, view: &View, place: f64) -> Result<Vec<Edit>, St
         value.and_then(|value| LocatedValue::from(value).array::<3>()).unwrap_or_default()
     };
     let ([a, b, c], [d, e, f]) = (vector("eye"), vector("target"));
-    let key = |place: f64| key_value([place, a, b, c, d, e, f]);
+    let key = |place: f64| [place, a, b, c, d, e, f].into_iter().map(ParameterValue::Number).collect();
     let node = camera.name.clone();
     let Some(rows) = keys(camera) else {
         return Err(format!("a key of '{node}' is not seven numbers: mend that first"));

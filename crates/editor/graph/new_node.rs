@@ -152,7 +152,7 @@ fn join_to_others(
             (_, Some(last)) if is_view => Some(last),
             (Some(_), Some(_)) if is_required => {
                 let mut begins = selected.map(String::as_str).into_iter().chain(scene.shown_node);
-                begins.find_map(|from| nearest_upstream(scene, from, &gives))
+                begins.find_map(|from| nearest_first(scene, from).into_iter().find(gives))
             }
             _ => None,
         };
@@ -211,15 +211,6 @@ fn first_inputs_of_picture(scene: &Scene, entry: &NodeEntry) -> Vec<Feeding> {
     }
     let has_scale = |(node, _, _): &Feeding| scene.entry(node).is_none_or(|look| fields_of(look).is_empty());
     inputs_of_picture(scene, entry).into_iter().filter(has_scale).collect()
-}
-
-/// The node nearest along wires among one and those that feed it, of which something holds.
-fn nearest_upstream<'a>(
-    scene: &Scene<'a>,
-    from: &str,
-    is_one: &dyn Fn(&&'a NodeEntry) -> bool,
-) -> Option<&'a NodeEntry> {
-    nearest_first(scene, from).into_iter().find(is_one)
 }
 
 /// Inputs, each of a node that writes, which the picture feeds that a new node takes.

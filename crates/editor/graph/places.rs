@@ -63,15 +63,10 @@ impl Places {
             self.seen.extend(ports);
             self.drawn.push((name.clone(), frame));
         }
-        let mut seen = std::mem::take(&mut self.seen);
-        seen.retain(|(port, at)| !self.is_under(&port.node, *at));
-        self.seen = seen;
-    }
-
-    /// True if a position of a node lies under another node.
-    fn is_under(&self, node: &str, at: Pos2) -> bool {
-        let mut upper = self.drawn.iter().rev().take_while(|(name, _)| name != node);
-        upper.any(|(_, frame)| frame.contains(at))
+        self.seen.retain(|(port, at)| {
+            let mut upper = self.drawn.iter().rev().take_while(|(name, _)| *name != port.node);
+            !upper.any(|(_, frame)| frame.contains(*at))
+        });
     }
 
     pub fn size_of(&self, node: &str) -> [f64; 2] {

@@ -47,19 +47,14 @@ pub(crate) struct Handles {
     drag: Option<GripDrag>,
     /// True if a key moved a grip in the last frame.
     is_nudged: bool,
-    /// Places of the grips in the window.
-    places: Vec<Pos2>,
+    /// Places of the grips in the window, in the last frame in which they were shown.
+    pub places: Vec<Pos2>,
 }
 
 impl Handles {
     /// True while a hand moves a grip.
     pub fn are_moved(&self) -> bool {
         self.drag.is_some() || self.is_nudged
-    }
-
-    /// Places of the grips in the window, in the last frame in which they were shown.
-    pub fn places(&self) -> &[Pos2] {
-        &self.places
     }
 
     /// Draws them over the picture and follows the hand. Shown after the picture, above which they lie. Returns the picture's response with

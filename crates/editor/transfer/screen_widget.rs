@@ -121,10 +121,6 @@ impl ScreenWidget {
         !is_line || self.region != Region::Whole
     }
 
-    pub fn is_its_region(&self) -> bool {
-        self.widget.as_ref().is_some_and(|widget| widget.profile.properties().needs_region)
-    }
-
     pub fn natural_axes(&self) -> Option<[ArrayRef; 2]> {
         self.widget.as_ref().map(natural_axes)
     }
@@ -288,7 +284,8 @@ pub(super) fn draw(
     if let Some(shape) = &widget.shape {
         shape.draw(&pen);
     }
-    widget.region.draw(&pen, widget.is_its_region());
+    let is_all = widget.widget.as_ref().is_some_and(|widget| widget.profile.properties().needs_region);
+    widget.region.draw(&pen, is_all);
     if let Some((grips, held)) = handles {
         for &Grip { handle, at, place } in grips {
             pen.painter.line_segment([plane.to_window(at), place], Stroke::new(1.0, base));
