@@ -149,7 +149,7 @@ fn unstructured(node: &Node, point_count: usize, loan: &Loan) -> Result<Cells> {
         let lent = unsafe { numbers.lent::<[u32; 4]>(&kinds) };
         return Ok(Cells::Tetrahedra(match lent {
             Some(tetrahedra) => {
-                point_number(&numbers, point_count, |_| ())?;
+                check_numbers(&numbers, point_count)?;
                 SharedSlice::from_borrowed(tetrahedra, loan.clone())
             }
             None => point_numbers(&numbers, point_count)?.as_chunks::<4>().0.to_vec().into(),
@@ -304,6 +304,10 @@ fn cell_count(node: &Node, numbers: &Numbers, point_count: usize) -> Result<usiz
             Err(node.wrong("has the wrong length", numbers.count, accepted))
         }
     }
+}
+
+fn check_numbers(numbers: &Numbers, count: usize) -> Result<()> {
+    point_number(numbers, count, |_| ()).map(drop)
 }
 
 /// Numbers of points, or of others of which there are so many.
