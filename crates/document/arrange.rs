@@ -84,8 +84,9 @@ struct PlacedGroup {
 /// Numbers of the nodes that are laid out together.
 fn groups(feeding: &[Vec<usize>]) -> Vec<Vec<usize>> {
     let layer = layer_of(feeding);
-    let longest = layer.iter().map(|own| layer.iter().filter(|other| *other == own).count()).max();
-    if longest.unwrap_or(0) <= MAX_ROWS {
+    let mut lengths = vec![0; feeding.len()];
+    layer.iter().for_each(|own| lengths[*own] += 1);
+    if lengths.iter().all(|length| *length <= MAX_ROWS) {
         return vec![(0..feeding.len()).collect()];
     }
     let fed = |i: usize| feeding.iter().filter(|from| from.contains(&i)).count();

@@ -19,6 +19,7 @@ use crate::study::{StudyPanel, show_costs};
 use crate::templates::{Template, templates};
 use crate::text_sheet::TextSheet;
 use crate::theme::{self, Help};
+use crate::threads;
 use crate::time_strip::TimeStrip;
 use crate::transfer::TransferPanel;
 use crate::ways_out::{Message, buttons, ways_out};
@@ -29,6 +30,7 @@ use eframe::egui::{
     Align, CentralPanel, Context, Frame, Id, Label, Layout, Panel, Popup, RichText, Ui, ViewportCommand,
 };
 use glam::DVec3;
+use std::cell::LazyCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -137,6 +139,7 @@ impl Editor {
         start: Start,
         wake: crate::worker::RepaintCallback,
     ) -> Result<Editor> {
+        threads::divided_work_gives_way();
         let wakes = wake.clone();
         let no_thread = |error| Error::run("no thread can be started to watch files").got(error);
         let watch = FileWatcher::start(BETWEEN, move || wakes()).map_err(no_thread)?;
@@ -229,12 +232,13 @@ impl Editor {
             let pixels = shown.pixels.clone().filter(|pixels| self.shown_node.as_ref() == Some(&pixels.node));
             let is_late = self.answers.picture_lag.is_long;
             let failure = shown.failure.clone().filter(|_| !is_late);
+            let all = LazyCell::new(|| self.nodes_of_frame());
             let is_earlier = |node: &&str| match self.shown_node.as_deref() == Some(*node) {
                 true => pixels.as_ref().is_some_and(|pixels| {
                     pixels.number != self.answers.picture_number && (is_late || failure.is_some())
                 }),
                 false => shown.previews.get(*node).is_some_and(|preview| {
-                    let wanted = || self.render_request(node, None, false);
+                    let wanted = || self.request_of(&all, node, None, false);
                     preview.last().is_some()
                         && (preview.answer().is_none()
                             || preview.asked().is_some_and(|asked| asked.0 != wanted()))

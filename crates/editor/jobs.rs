@@ -1,5 +1,6 @@
 //! Work on threads of their own, whose results the window takes over in a later frame; among it the arrays of data files.
 
+use crate::threads;
 use crate::worker::{BETWEEN, short_by};
 use eframe::egui::Context;
 use std::collections::HashMap;
@@ -82,7 +83,7 @@ impl<T> Job<T> {
             ctx: ctx.clone(),
         });
         let of_thread = observer.clone();
-        let spawned = std::thread::Builder::new().name(name.into()).spawn(move || {
+        let spawned = threads::begin(name, move || {
             let found = catch_unwind(AssertUnwindSafe(|| work(&*of_thread)));
             let mistake =
                 |_| Err(Error::new(ErrorKind::Panic, "the work panicked, which is a fault of the program"));
@@ -292,7 +293,7 @@ impl Arrays {
         };
         let (reader, registry) = (reader.clone(), registry.clone());
         let work = move || read_arrays(&reader, &folder, &registry, extent, tell);
-        let begun = match std::thread::Builder::new().name("arrays".into()).spawn(work) {
+        let begun = match threads::begin("arrays", work) {
             Ok(_) => heads.unwrap_or_default(),
             // Without a thread there are no choices, and the name is typed.
             Err(_) => Arc::new(FileArrays { is_whole: true, ..FileArrays::default() }),

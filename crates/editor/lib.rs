@@ -40,6 +40,7 @@ mod templates;
 mod text_sheet;
 mod textures;
 mod theme;
+mod threads;
 mod time_following;
 mod time_strip;
 mod transfer;

@@ -126,17 +126,8 @@ impl Editor {
         proposed.is_some()
     }
 
-    pub(crate) fn render_request(
-        &self,
-        node: &str,
-        size: Option<[u32; 2]>,
-        coarse_first: bool,
-    ) -> RenderRequest {
-        self.request_of(&self.nodes_of_frame(), node, size, coarse_first)
-    }
-
     /// The request for the picture of a node among these.
-    fn request_of(
+    pub(crate) fn request_of(
         &self,
         all: &[NodeEntry],
         node: &str,
@@ -217,9 +208,10 @@ impl Editor {
         {
             return;
         }
+        let all = self.nodes_of_frame();
         for node in pictures(&self.document, &self.registry) {
             if Some(node) != self.shown_node.as_deref() {
-                let wanted = PreviewQuery(self.render_request(node, None, false));
+                let wanted = PreviewQuery(self.request_of(&all, node, None, false));
                 self.worker.ask(|output| output.preview(node), wanted);
             }
         }

@@ -182,8 +182,9 @@ fn with_array(row: &Row, wrong: &str, name: &str) -> ParameterValue {
                 let arrays = Expression::parse(text).ok()?.arrays;
                 arrays.into_iter().find(|array| array.name == wrong).map(|array| array.span)
             };
-            // An expression names an array as often as it likes.
-            while let Some(span) = place(&text).filter(|_| name != wrong) {
+            // An expression names an array as often as it likes, at most at each character.
+            for _ in 0..text.len() {
+                let Some(span) = place(&text) else { break };
                 text.replace_range(span, &in_expression(name));
             }
             text.into()

@@ -154,9 +154,9 @@ enum PathMatch {
     Elsewhere,
 }
 
-/// Relation of `path` to paths that begin with `start`.
-fn match_path(path: &[Step], start: &[Step]) -> PathMatch {
-    let shared = path.iter().zip(start).take_while(|(a, b)| a == b || a.key() == b.key()).count();
+/// Relation of `path` to paths that begin with `start`, whose steps a function compares.
+fn match_path<T>(path: &[Step], start: &[T], is_same: impl Fn(&Step, &T) -> bool) -> PathMatch {
+    let shared = path.iter().zip(start).take_while(|(a, b)| is_same(a, b)).count();
     match (shared == path.len(), shared == start.len()) {
         (true, _) => PathMatch::Within,
         (false, true) => PathMatch::Beyond(path.len() - shared),
@@ -192,7 +192,7 @@ impl Syntax {
     pub fn find(&self, path: &[Step]) -> Result<Match<'_>> {
         let mut pieces = Vec::new();
         for (i, section) in self.sections.iter().enumerate() {
-            let rest = match match_path(path, &section.path.0) {
+            let rest = match match_path(path, &section.path.0, |a, b| a == b || a.key() == b.key()) {
                 PathMatch::Elsewhere => continue,
                 PathMatch::Within if section.header.is_some() => {
                     pieces.push(Piece::Section(i));
@@ -202,8 +202,8 @@ impl Syntax {
                 PathMatch::Beyond(steps) => &path[path.len() - steps..],
             };
             for (k, element) in section.assignments.iter().enumerate() {
-                let keys: Vec<Step> = element.path().collect();
-                match match_path(rest, &keys) {
+                let keys = &element.keys;
+                match match_path(rest, keys, |step, key| step.key() == key.name) {
                     PathMatch::Elsewhere => {}
                     PathMatch::Within if rest.len() < keys.len() => pieces.push(Piece::Assignment(i, k)),
                     PathMatch::Within => {
@@ -342,12 +342,12 @@ fn within<'a>(value: &'a Value, path: &[Step]) -> Result<Option<(&'a Element, (&
             (ValueKind::List(_), Step::Entry(number)) if *number == i => 1,
             (ValueKind::List(_) | ValueKind::Scalar, _) => continue,
             (ValueKind::Table(_), _) => {
-                let keys: Vec<Step> = element.path().collect();
-                match match_path(path, &keys) {
+                let keys = &element.keys;
+                match match_path(path, keys, |step, key| step.key() == key.name) {
                     PathMatch::Elsewhere => continue,
                     PathMatch::Within if path.len() < keys.len() => {
                         let error = Error::usage("a table is written by keys with points within a value");
-                        let found = keys.iter().map(|key| key.key()).collect::<Vec<_>>().join(".");
+                        let found = keys.iter().map(|key| key.name.as_str()).collect::<Vec<_>>().join(".");
                         return Err(error
                             .got(found)
                             .expected("{ … } in its place, or the change made in the text"));

@@ -1,5 +1,6 @@
 //! The pictures of table widgets: read by a thread of their own, and drawn as textures.
 
+use crate::threads;
 use eframe::egui::{Color32, ColorImage, Context, Rgba, TextureHandle, TextureOptions};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -56,7 +57,7 @@ impl Images {
                 drop(images);
                 ctx.request_repaint();
             };
-            let thread = std::thread::Builder::new().name("image".into()).spawn(read);
+            let thread = threads::begin("image", read);
             thread.err().map(|error| Err(format!("no thread can be started: {}", system_words(&error))))
         };
         known.entry(key.clone()).or_insert_with(begin).clone()

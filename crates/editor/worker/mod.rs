@@ -20,6 +20,7 @@ mod tests;
 mod tests_superseding;
 mod work;
 
+use crate::threads;
 pub(crate) use comparison::{Estimate, PreviewQuery, Share, ShareQuery, difference};
 #[cfg(test)]
 pub(crate) use distribution::Spread;
@@ -54,7 +55,7 @@ impl Worker {
         let shared = Arc::new(Shared::new(with_wires(registry)?, wake));
         let of_thread = shared.clone();
         let work = move || work::run(&of_thread);
-        let spawned = std::thread::Builder::new().name("worker".into()).spawn(work);
+        let spawned = threads::begin("worker", work);
         let thread = spawned.map_err(|error| Error::run("no thread can be started to draw").got(error))?;
         Ok(Worker { shared, thread: Some(thread) })
     }
