@@ -343,7 +343,8 @@ impl<'a> Parser<'a> {
     fn array(&mut self, name: String, derivative: Option<Derivative>, start: usize) {
         let is_it = |array: &NamedArray| array.name == name && array.derivative == derivative;
         let known = self.expression.arrays.iter().position(is_it);
-        let span = start..self.at;
+        // Without the spaces that were passed over to look at what follows.
+        let span = start..start + self.text[start..self.at].trim_end().len();
         let number = known.unwrap_or_else(|| {
             self.expression.arrays.push(NamedArray { name, derivative, span: span.clone() });
             self.expression.arrays.len() - 1
