@@ -332,10 +332,16 @@ pub fn first_field(parameter: &Parameter, extent: &DataExtent) -> Option<Field> 
         }
         // The axes of a picture that is a table.
         ("s" | "g", _) => ["0 %", "100 %"].into_iter().collect(),
+        ("range", _) => ["50 %", "100 %"].into_iter().collect(),
         ("region", _) => {
             ParameterValue::Table(vec![Field::new("s", ParameterValue::from_iter(["25 %", "75 %"]))])
         }
-        _ => return None,
+        _ => match parameter.parameter_type {
+            ParameterType::Table(own) => {
+                ParameterValue::Table(own.iter().filter_map(|own| first_field(own, extent)).collect())
+            }
+            _ => return None,
+        },
     };
     let field = Field::new(parameter.name, value);
     let checked = Parameters::check(&[*parameter], std::slice::from_ref(&field), &Default::default(), &[]);

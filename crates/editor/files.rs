@@ -179,7 +179,8 @@ impl Recover {
         self.looks_again = None;
         // Those of which it is known are held, and are not found again.
         self.left.extend(self.place.iter().flat_map(Recovery::left_behind));
-        None
+        // What was found is shown in another frame.
+        (!self.left.is_empty()).then_some(Duration::ZERO)
     }
 
     /// Another document is worked on: what was kept of the former one is not wanted any more.

@@ -4,9 +4,9 @@ use crate::focus::Sheet;
 use crate::jobs::Job;
 use crate::scene::{Action, FilePurpose, Scene, camera_of, error_text};
 use crate::theme::{self, Help};
-use crate::ways_out::{AGAIN, ELSEWHERE, FEWER_PIXELS, WayOut, buttons, is_of_pixels, ways_out, why_ended};
+use crate::ways_out::{AGAIN, ELSEWHERE, FEWER_PIXELS, WayOut, buttons, end_text, is_of_pixels, ways_out};
 use eframe::egui::{Button, Context, DragValue, Grid, ProgressBar, Rect, RichText, TextEdit, Ui, Widget};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use voltet_core::{Error, Result};
 use voltet_document::Edit;
@@ -147,7 +147,7 @@ impl FilmPanel {
             }
             Some(Err(error)) => error.clone(),
         };
-        ui.label(RichText::new(why_ended(scene, &error)).color(theme::wrong(ui.visuals().dark_mode)));
+        ui.label(end_text(ui, scene, &error));
         ui.horizontal_wrapped(|ui| {
             let is_size = |(text, _): &WayOut| text == FEWER_PIXELS;
             let ways: Vec<WayOut> = ways_out(scene, &error).into_iter().filter(|way| !is_size(way)).collect();
@@ -237,10 +237,24 @@ impl FilmPanel {
         }
         self.size = Some(size).filter(|size| *size != own);
         self.rate = Some(rate).filter(|rate| *rate != usual_rate);
-        let can = self.make.is_some() && scene.document.path().is_some();
+        let film = self.path.as_deref().map(Path::new);
+        let lacks_ffmpeg =
+            film.filter(|film| !is_own_kind(film) && !has_ffmpeg()).map(|film| film.with_extension("gif"));
+        let can = self.make.is_some() && scene.document.path().is_some() && lacks_ffmpeg.is_none();
         let begins = ui.add_enabled(can, Button::new("Make the film"));
-        let begins =
-            begins.why_disabled("save the pipeline first: paths of the film are relative to its file");
+        if let Some(other) = lacks_ffmpeg {
+            ui.label(
+                RichText::new("the program ffmpeg, which makes such films, is not there")
+                    .color(theme::wrong(ui.visuals().dark_mode)),
+            );
+            if ui.small_button("Make a .gif").clicked() {
+                self.path = Some(other.to_string_lossy().into_owned());
+            }
+        }
+        let begins = begins.why_disabled(match scene.document.path() {
+            Some(_) => "another kind of film is needed here",
+            None => "save the pipeline first: paths of the film are relative to its file",
+        });
         ui.label("The pictures of the frames are written as the pipeline names them; those that are there already, as they would be drawn, stay.");
         if let Some(request) = self.request(scene, steps, frames).filter(|_| begins.clicked()) {
             self.begin(request, ui.ctx());
@@ -297,12 +311,22 @@ fn named(ui: &mut Ui, name: &str, field: impl Widget) {
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
 }
 
+/// True if the program makes such films itself.
+fn is_own_kind(film: &Path) -> bool {
+    let ending = film.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
+    ["gif", "png"].iter().any(|own| ending.eq_ignore_ascii_case(own))
+}
+
+/// True if the program is there that most kinds of films need.
+pub(crate) fn has_ffmpeg() -> bool {
+    let folders = std::env::var_os("PATH").unwrap_or_default();
+    let is_there = |folder: PathBuf| ["ffmpeg", "ffmpeg.exe"].iter().any(|name| folder.join(name).is_file());
+    std::env::split_paths(&folders).any(is_there)
+}
+
 /// Name of a film of the document, beside it: of a kind that can be made here.
 fn proposed(scene: &Scene) -> String {
     let stem = scene.document.path().and_then(|path| path.file_stem());
-    // Films need a program that is not everywhere.
-    let folders = std::env::var_os("PATH").unwrap_or_default();
-    let is_there = |folder: PathBuf| ["ffmpeg", "ffmpeg.exe"].iter().any(|name| folder.join(name).is_file());
-    let ending = if std::env::split_paths(&folders).any(is_there) { "mp4" } else { "gif" };
+    let ending = if has_ffmpeg() { "mp4" } else { "gif" };
     format!("{}.{ending}", stem.map_or("film".into(), |stem| stem.to_string_lossy()))
 }

@@ -21,7 +21,7 @@ impl Sheet {
     pub const SECTION: Self = Self("Section: s on a plane");
 
     pub fn window(self) -> Window<'static> {
-        Window::new(self.0).id(self.id())
+        Window::new(self.0).id(self.id()).collapsible(false)
     }
 
     /// The id of its window, by which it has the keys.

@@ -81,7 +81,7 @@ impl TextSheet {
         }
         let (mut is_open, mut is_taken) = (true, false);
         let room = ctx.content_rect().size();
-        let window = Sheet::TEXT.window().open(&mut is_open).collapsible(false);
+        let window = Sheet::TEXT.window().open(&mut is_open);
         let window = window.default_size(vec2(0.6 * room.x, 0.6 * room.y)).max_size(0.9 * room);
         window.show(ctx, |ui| {
             ui.horizontal_wrapped(|ui| {

@@ -111,9 +111,16 @@ pub(crate) fn ways_out_of_data(scene: &Scene, error: &Error) -> Vec<WayOut> {
 
 /// Shows an error in a sheet, and buttons of ways out below it.
 pub(crate) fn show_error(ui: &mut Ui, scene: &Scene, error: &Error, ways: &[WayOut]) {
-    let text = RichText::new(why_ended(scene, error)).color(theme::wrong(ui.visuals().dark_mode));
-    ui.add(Label::new(text).wrap());
+    ui.add(Label::new(end_text(ui, scene, error)).wrap());
     ui.horizontal_wrapped(|ui| buttons(ui, scene, ways));
+}
+
+/// Words for the end of work in the background that has no result: in the colour of errors, unless a hand stopped it.
+pub(crate) fn end_text(ui: &Ui, scene: &Scene, error: &Error) -> RichText {
+    let dark = ui.visuals().dark_mode;
+    let is_stopped = error.kind == ErrorKind::Cancelled;
+    let color = if is_stopped { theme::weak(dark) } else { theme::wrong(dark) };
+    RichText::new(why_ended(scene, error)).color(color)
 }
 
 /// Words for the end of work in the background that has no result.

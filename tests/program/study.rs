@@ -179,6 +179,11 @@ fn what_cannot_be_studied_is_said() {
     folder.write("scene.toml", &whole);
     folder.voltet(&["study", "none.toml"]).fails(2, &["none.toml", "cannot be read"]);
     folder.voltet(&study(&["analytic", "--node", "pictur"])).fails(2, &["pictur", "picture"]);
+    let note = "[nodes.figure]\ntype = \"annotation\"\ninputs = { image = \"picture\" }\n";
+    folder.write("figure.toml", whole.replace("image = \"picture\"", "image = \"figure\"") + note);
+    let of_figure = ["study", "figure.toml"].into_iter().chain(QUICK).chain(["analytic", "--node", "figure"]);
+    // It is of the picture behind the annotation.
+    folder.voltet(&of_figure.collect::<Vec<_>>()).ok();
     folder.voltet(&study(&["analytic", "--max-error", "-1"])).fails(2, &["--max-error"]);
     folder.voltet(&study(&["analytic", "--frames", "0"])).fails(2, &["--frames"]);
     folder.voltet(&study(&["riemann", "--max-error", "0"])).fails(1, &["no setting keeps", "at most 0"]);

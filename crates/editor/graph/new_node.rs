@@ -7,17 +7,17 @@ use crate::expression::in_expression;
 use crate::jobs::{ArrayChoice, new_array};
 use crate::scene::Scene;
 use crate::transfer::fields_of;
-use eframe::egui::{Context, Rect, pos2};
+use eframe::egui::{Context, Rect, Vec2, pos2, vec2};
 use voltet_core::Result;
 use voltet_document::panel::first_field;
 use voltet_document::{Document, Edit, Fitting, links};
 use voltet_graph::{
-    DefaultValue, Field, Node, NodeEntry, Parameter, ParameterType, ParameterValue, PortType,
+    DefaultValue, Field, Node, NodeEntry, Parameter, ParameterType, ParameterValue, Parameters, PortType,
 };
 use voltet_io::formats::Association;
 
-/// Least distance to other nodes, the step by which a free place is sought, and the most such steps, points.
-const GAP: f32 = 14.0;
+/// Least distance to other nodes (ports stand out of their sides), the step by which a free place is sought, and the most such steps, points.
+const GAP: Vec2 = vec2(30.0, 14.0);
 const STEP: f32 = 30.0;
 const MAX_STEPS: i32 = 100;
 
@@ -112,7 +112,7 @@ fn free_name(node: &Node, arrays: &[&ArrayChoice]) -> Option<Field> {
 
 /// Joins the inputs of a new node: to the selected node where that fits; a required one also to the only node that fits, or to the nearest
 /// that feeds the selected node or the shown picture. Then its outputs: to the selected node where that lacks them, else where one node
-/// alone does; a surface to the selected node where that draws some; a picture made of another to the writers of that one. What is made of
+/// alone does; a surface to what draws the selected picture, or the shown one, where that draws some; a picture made of another to the writers of that one. What is made of
 /// a picture takes what that is drawn with, too.
 fn join_to_others(
     scene: &Scene,
@@ -182,13 +182,13 @@ fn join_to_others(
         }
         match output.port_type {
             PortType::Surface => {
-                let drawing = selected.and_then(|selected| scene.entry(selected));
-                let inputs =
-                    drawing.and_then(|entry| scene.node_type(entry)).map(|node| node.optional_inputs);
-                let mut inputs = inputs.unwrap_or_default().iter();
-                if let Some((entry, input)) =
-                    drawing.zip(inputs.find(|port| port.port_type == PortType::Surface))
-                {
+                let drawn_by = |entry: &NodeEntry| {
+                    let mut inputs = scene.node_type(entry)?.optional_inputs.iter();
+                    inputs.find(|port| port.port_type == PortType::Surface)
+                };
+                let begins = selected.map(String::as_str).into_iter().chain(scene.shown_node);
+                let mut drawing = begins.flat_map(|from| nearest_first(scene, from));
+                if let Some((entry, input)) = drawing.find_map(|entry| Some((entry, drawn_by(entry)?))) {
                     join(with_it, (name, output.name), (&entry.name, input.name));
                 }
             }
@@ -242,7 +242,17 @@ fn first_settings(scene: &Scene, node: &Node) -> Vec<Field> {
     let is_file = |parameter: &&Parameter| matches!(parameter.parameter_type, ParameterType::OutputPath);
     let Some(file) = required(node).find(is_file) else {
         let extent = scene.data_extent();
-        return required(node).filter_map(|parameter| first_field(parameter, &extent)).collect();
+        let first = |parameter| first_field(parameter, &extent);
+        let settings: Vec<Field> = required(node).filter_map(first).collect();
+        let with = |more: Option<Field>| settings.iter().cloned().chain(more).collect::<Vec<_>>();
+        let is_enough = |settings: &Vec<Field>| {
+            let checked = Parameters::check(node.parameters, settings, &Default::default(), &[]);
+            checked.is_ok_and(|parameters| (node.check)(&parameters).is_ok())
+        };
+        let optional = node.parameters.iter().filter(|own| matches!(own.default, DefaultValue::Unset(_)));
+        // Of some that exclude each other one is needed.
+        let alone = std::iter::once(None).chain(optional.filter_map(first).map(Some));
+        return alone.map(with).find(is_enough).unwrap_or(settings);
     };
     let (stem, ending) = match node.inputs.first().map(|port| port.port_type) {
         Some(PortType::Image) => ("picture", "png"),
@@ -262,7 +272,7 @@ fn first_settings(scene: &Scene, node: &Node) -> Vec<Field> {
 /// The free place nearest to another: where a node of a type lies on no other.
 fn free_place(scene: &Scene, places: &Places, node: &Node, near: [f64; 2]) -> [f64; 2] {
     let taken: Vec<Rect> =
-        scene.document.pipeline().nodes.iter().map(|entry| places.frame(scene, entry).expand(GAP)).collect();
+        scene.document.pipeline().nodes.iter().map(|entry| places.frame(scene, entry).expand2(GAP)).collect();
     let size = usual_size(Some(node)).map(|side| side as f32).into();
     let is_free = |[x, y]: [f32; 2]| {
         let own = Rect::from_min_size(pos2(x, y), size);

@@ -358,8 +358,8 @@ impl NodeDataTrait for Face {
         let [on_dark, on_light] = match (&self.fault, &self.state) {
             (Some(_), _) | (None, Some(NodeState::Failed(_))) => [[120, 40, 36], [240, 180, 175]],
             (None, Some(NodeState::Running(..))) => [[40, 84, 130], [175, 208, 240]],
-            (None, Some(NodeState::Fresh | NodeState::Stale)) => [[72; 3], [205; 3]],
-            (None, None) => [[52; 3], [220; 3]],
+            (None, Some(NodeState::Fresh | NodeState::Stale)) => [[72; 3], [222; 3]],
+            (None, None) => [[52; 3], [232; 3]],
         };
         let [r, g, b] = if ui.visuals().dark_mode { on_dark } else { on_light };
         Some(Color32::from_rgb(r, g, b))

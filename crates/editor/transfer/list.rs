@@ -18,9 +18,10 @@ use eframe::egui::{
     vec2,
 };
 use std::collections::{BTreeMap, BTreeSet};
+use voltet_core::parameters::ENTRY_NAME;
 use voltet_core::with_commas;
 use voltet_document::{Edit, Path, links};
-use voltet_graph::{ArrayRef, LocatedValue, ParameterValue, Range, find_setting};
+use voltet_graph::{ArrayRef, Field, LocatedValue, ParameterValue, Range, find_setting};
 
 /// A nudge by an arrow key, as a share of the shown axis.
 const NUDGE: f64 = 0.01;
@@ -133,7 +134,19 @@ impl TransferPanel {
     }
 
     pub(super) fn store(&mut self, digit: u8, look: &EditedFunction) {
-        look.actions.edit(Edit::StoreSet(digit, look.list.to_vec()));
+        let named = |(place, widget): (usize, &LocatedValue)| {
+            let (mut widget, path) = (widget.clone(), Path::from("widgets").with(place));
+            if let (ParameterValue::Table(fields), Some(name)) =
+                (&mut widget.datum, look.scene.name_of(&look.node.name, &path, None))
+                && find_setting(fields, ENTRY_NAME).is_none()
+            {
+                // Comments stay where they are.
+                fields.push(Field::new(ENTRY_NAME, name));
+            }
+            widget
+        };
+        let list = look.list.iter().enumerate().map(named).collect();
+        look.actions.edit(Edit::StoreSet(digit, list));
         look.actions.say(format!("{} stored as {digit}, in the file", widget_count(look.list.len())));
     }
 

@@ -73,12 +73,38 @@ fn a_surface_is_made_of_the_data_of_the_selected_picture_and_drawn_in_it() {
     for other in ["grid", "gradient", "look", "view", "picture", "file"] {
         assert!(!own.intersects(frame(other)), "{own} lies on {other}: {}", frame(other));
     }
-    // Without a selected node it is made of what the shown picture draws.
+    // Without a selected node it is made of what the shown picture draws, and drawn in that.
     hand.editor.selection.clear();
     hand.frames(2);
     add(&mut hand, "contour");
     assert_eq!(source(&hand, "contour_2", "volume"), Some("gradient"), "{}", hand.text());
-    assert_eq!(source(&hand, "picture", "surfaces"), Some("contour"));
+    assert!(hand.text().contains("surfaces = [\"contour\", \"contour_2\"]"), "{}", hand.text());
+}
+
+#[test]
+fn a_surface_is_drawn_behind_the_annotation_that_is_shown() {
+    let note = "[nodes.figure]\ntype = \"annotation\"\ninputs = { image = \"picture\" }\n\n[nodes.file]";
+    let mut hand = Hand::new(&TEXT.replace("[nodes.file]", note));
+    hand.editor.show_picture("figure");
+    for selected in ["", "figure", "grid"] {
+        hand.editor.select(Some(selected.to_string()).into_iter().filter(|name| !name.is_empty()).collect());
+        hand.frames(2);
+        add(&mut hand, "slice");
+        assert!(source(&hand, "picture", "surfaces").is_some(), "{selected}: {}", hand.text());
+        hand.key(Key::Z, Modifiers::COMMAND);
+    }
+}
+
+/// One of several conditions that exclude each other is needed.
+#[test]
+fn nodes_with_a_choice_of_conditions_have_one_when_added() {
+    for (name, stated) in [("threshold", "range = [\"50 %\", \"100 %\"]"), ("probe", "box = { low = ")] {
+        let mut hand = Hand::new(TEXT);
+        select(&mut hand, "gradient");
+        add(&mut hand, name);
+        assert!(hand.text().contains(stated), "{}", hand.text());
+        assert!(hand.editor.scene().faults.is_empty(), "{:?}", hand.editor.scene().faults);
+    }
 }
 
 /// The file gives them no places, and those in which they would be laid out are others then.

@@ -175,7 +175,9 @@ fn work_of_a_window_that_has_not_ended_yet_is_offered_a_little_later() {
     let Hand { harness, folder: _folder, .. } = ending;
     drop(harness);
     next.editor.recover.looks_again = Some(std::time::Instant::now());
-    next.frames(2);
+    next.frames(1);
+    assert!(next.ctx.has_requested_repaint(), "the window would show it when a hand moves");
+    next.frames(1);
     assert!(next.sees("Open it"));
 }
 

@@ -3,6 +3,7 @@ use crate::film::FilmRequest;
 use crate::scene::ProbePurpose;
 use eframe::egui::OutputCommand;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 use voltet_document::Edit;
 use voltet_graph::Observer;
 
@@ -418,6 +419,32 @@ fn a_view_that_is_left_for_another_frame_can_be_had_again_and_be_kept_there() {
 }
 
 #[test]
+fn a_film_that_needs_a_program_that_is_not_there_is_refused_before_it_is_drawn() {
+    if crate::film::has_ffmpeg() {
+        eprintln!("skipped: ffmpeg is there");
+        return;
+    }
+    let mut hand = before_series(&text_of_series(), [900.0, 600.0]);
+    let begun = Arc::new(AtomicBool::new(false));
+    let of_film = begun.clone();
+    hand.editor.panels.time.film.make = Some(Arc::new(move |_: &FilmRequest, _: &dyn Observer| {
+        of_film.store(true, Ordering::Relaxed);
+        Ok("made".into())
+    }));
+    hand.editor.panels.time.film.path = Some("scene.mp4".into());
+    hand.command(Command::Film);
+    hand.frames(3);
+    hand.click_on("Make the film");
+    hand.frames(3);
+    assert!(!begun.load(Ordering::Relaxed));
+    hand.click_on("Make a .gif");
+    hand.frames(2);
+    hand.click_on("Make the film");
+    until(&mut hand, "the film is not made", |hand| hand.sees("made"));
+    assert_eq!(hand.editor.panels.time.film.path.as_deref(), Some("scene.gif"));
+}
+
+#[test]
 fn the_sheet_of_films_asks_for_what_is_chosen_and_can_be_stopped() {
     let mut hand = before_series(&text_of_series(), [900.0, 600.0]);
     let asked: Arc<Mutex<Vec<FilmRequest>>> = Arc::default();
@@ -431,7 +458,7 @@ fn the_sheet_of_films_asks_for_what_is_chosen_and_can_be_stopped() {
             }
             if observer.cancelled() { Err(Error::cancelled()) } else { Ok("a film of 3 frames\n".into()) }
         }));
-    hand.editor.panels.time.film.path = Some("scene.mp4".into());
+    hand.editor.panels.time.film.path = Some("scene.gif".into());
     hand.command(Command::Film);
     hand.frames(3);
     hand.click_on("Make the film");
@@ -451,7 +478,7 @@ fn the_sheet_of_films_asks_for_what_is_chosen_and_can_be_stopped() {
     hand.move_to(at, Modifiers::NONE);
     hand.button(true, PointerButton::Primary, Modifiers::NONE);
     hand.button(false, PointerButton::Primary, Modifiers::NONE);
-    let copied = OutputCommand::CopyText(hand.folder.path().join("scene.mp4").display().to_string());
+    let copied = OutputCommand::CopyText(hand.folder.path().join("scene.gif").display().to_string());
     assert!(hand.harness.output().platform_output.commands.contains(&copied));
     let asked = asked.lock().unwrap();
     let [first, second] = &asked[..] else { panic!("{asked:?}") };
@@ -459,7 +486,7 @@ fn the_sheet_of_films_asks_for_what_is_chosen_and_can_be_stopped() {
     assert_eq!((second.steps.as_deref(), second.size, second.rate), (Some("0:3:2"), None, 30.0));
     assert_eq!(
         (second.path.clone(), second.film.clone()),
-        (hand.path(), hand.folder.path().join("scene.mp4"))
+        (hand.path(), hand.folder.path().join("scene.gif"))
     );
     assert_eq!(second.text, text_of_series());
 }

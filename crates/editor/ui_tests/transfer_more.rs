@@ -189,6 +189,21 @@ fn sets_are_kept_in_the_file_and_are_steps() {
 }
 
 #[test]
+fn a_recalled_set_has_the_names_that_comments_gave() {
+    let mut hand =
+        Hand::new(&TEXT.replace("[[nodes.look.widgets]]", "# The warm core.\n[[nodes.look.widgets]]"));
+    with_distribution(&mut hand);
+    let at = place(&hand, [150.0, 20.0]);
+    hand.move_to(at, Modifiers::NONE);
+    hand.frames(2);
+    hand.key(Key::Num3, Modifiers::COMMAND);
+    hand.key(Key::Delete, Modifiers::NONE);
+    assert!(widgets(&hand).is_empty());
+    hand.key(Key::Num3, Modifiers::NONE);
+    assert_eq!(of(&widgets(&hand)[0], "name").text(), Some("The warm core"));
+}
+
+#[test]
 fn relative_numbers_stay_relative_where_a_hand_moves_them() {
     let text = TEXT
         .replace("centre = [150.0, 20.0]", "centre = [\"p60\", \"40 %\"]")

@@ -163,12 +163,13 @@ fn draws(node: &GraphNode) -> bool {
     matches!(node.node.name, "renderer" | "gpu-renderer" | "composite")
 }
 
-/// The node that draws: a renderer or a composite node that something written needs.
+/// The node that draws: a renderer or a composite node that something written needs; the one of a name, or the nearest behind it, as behind an
+/// annotation.
 fn drawing_node(graph: &Graph, name: Option<&str>) -> Result<usize> {
     let found: Vec<usize> = graph.order.iter().copied().filter(|&i| draws(&graph.nodes[i])).collect();
     let names: Vec<&str> = found.iter().map(|&i| graph.nodes[i].name.as_str()).collect();
     match (name, found.as_slice()) {
-        (Some(name), _) => names.iter().position(|known| *known == name).map(|i| found[i]).ok_or_else(|| {
+        (Some(name), _) => drawing_behind(graph, name).ok_or_else(|| {
             Error::usage("no node of this name draws what the pipeline writes")
                 .got(name)
                 .not_among(name, names.iter().copied())
@@ -181,6 +182,21 @@ fn drawing_node(graph: &Graph, name: Option<&str>) -> Result<usize> {
             .got(names.join(", "))
             .expected("--node with the name of one of them")),
     }
+}
+
+fn drawing_behind(graph: &Graph, name: &str) -> Option<usize> {
+    let mut met: Vec<usize> = graph.order.iter().copied().filter(|&i| graph.nodes[i].name == name).collect();
+    let mut next = 0;
+    while let Some(&i) = met.get(next) {
+        if draws(&graph.nodes[i]) {
+            return Some(i);
+        }
+        let feeding = graph.nodes[i].inputs.iter().map(|edge| edge.node);
+        let new: Vec<usize> = feeding.filter(|node| !met.contains(node)).collect();
+        met.extend(new);
+        next += 1;
+    }
+    None
 }
 
 /// The sort node that the cells of a composite node run through.
