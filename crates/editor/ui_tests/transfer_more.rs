@@ -197,8 +197,10 @@ fn a_recalled_set_has_the_names_that_comments_gave() {
     hand.move_to(at, Modifiers::NONE);
     hand.frames(2);
     hand.key(Key::Num3, Modifiers::COMMAND);
+    hand.click(at);
     hand.key(Key::Delete, Modifiers::NONE);
     assert!(!hand.text().contains("[[nodes.look.widgets]]"), "{}", hand.text());
+    hand.frames(2);
     hand.key(Key::Num3, Modifiers::NONE);
     assert_eq!(of(&widgets(&hand)[0], "name").text(), Some("The warm core"));
 }
