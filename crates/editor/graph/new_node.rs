@@ -110,10 +110,10 @@ fn free_name(node: &Node, arrays: &[&ArrayChoice]) -> Option<Field> {
     Some(Field::new(parameter.name, free.filter(|_| is_taken(usual))?))
 }
 
-/// Joins the inputs of a new node: to the selected node where that fits; a required one also to the only node that fits, or to the nearest
-/// that feeds the selected node or the shown picture. Then its outputs: to the selected node where that lacks them, else where one node
-/// alone does; a surface to what draws the selected picture, or the shown one, where that draws some; a picture made of another to the writers of that one. What is made of
-/// a picture takes what that is drawn with, too.
+/// Joins the inputs of a new node: to the selected node where that fits; a required one also to the only node that fits, or to the
+/// nearest that feeds the selected node or the shown picture. Then its outputs: to the selected node where that lacks them, else where
+/// one node alone does; a surface to what draws the selected picture, or the shown one, where that draws some; a picture made of
+/// another to the writers of that one. What is made of a picture takes what that is drawn with, too.
 fn join_to_others(
     scene: &Scene,
     with_it: &mut Document,
